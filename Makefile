@@ -4,6 +4,7 @@
 # make bench     measure speed, as ratios to peers in the same run, and compare with the stored ones (KEEP=1 stores them)
 # make bench-scale  scaling of a step under MPI, memory of a rank, restart files (some ten minutes)
 # make bench-shear  cost of a step in each engine with passive shear and with partial slip, over stock (some minutes)
+# make lammps-source  build LAMMPS statically from Debian's source with the models in it, engine tests with it (first time 5 to 10 minutes)
 # make stability measure every law at the extremes: ten million load paths, and inside the engines (some 20 minutes)
 # make trade      softer grains, faster loading, longer steps: error against time to solution (hours; goes on where it stopped);
 #                then the costs and curves that `demlaws choose` reads
@@ -28,7 +29,7 @@ APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
 # liggghts-doc: LIGGGHTS's own tutorials, which a test converts and runs
 ENGINES := yade liggghts liggghts-doc libliggghts-dev libopenmpi-dev openmpi-bin g++
 
-.PHONY: granite test test-all bench stability trade validation experiment docs docs-measure dist readme-check mutations lint plugins plugin-liggghts plugin-lammps engines clean bench-scale bench-shear
+.PHONY: granite test test-all lammps-source bench stability trade validation experiment docs docs-measure dist readme-check mutations lint plugins plugin-liggghts plugin-lammps engines clean bench-scale bench-shear
 
 granite: $(VENV)/.plots
 	$(BIN)/demlaws granite --out granite
@@ -80,7 +81,7 @@ bench-shear: engines $(VENV)/.test
 	$(BIN)/demlaws yade run -x yade_scripts/cost.py --bridge --threads 1 --laws hertz "hertz, shear native" pohrt-popov \
 		"pohrt-popov, slip" "pohrt-popov, hertz unloading" "pohrt-popov, hertz unloading, slip"
 
-# LAMMPS built with the models in it, from Debian's source
+# LAMMPS_SOURCE= options of the script, as --shared
 lammps-source: $(VENV)/.test
 	$(BIN)/python tests/machines/lammps_source.py $(LAMMPS_SOURCE)
 

@@ -352,8 +352,8 @@ def _lammps(job, words):
         rest[shear : shear + 2] = ["demlaws"]
         if "synchronized_verlet" in rest:
             job.leave("synchronized_verlet: LAMMPS refuses it beside tangential demlaws; leave it out")
-    elif "$" in model or "$" in (_unknown(rest[shear + 1 : shear + 2]) or ""):
-        job.leave(f"tangential {' '.join(rest[shear : shear + 2])}: no single value in this input, so that the model stays")
+    elif "$" in model:
+        job.leave(f"tangential {model}: no single value in this input, so that the model stays")
     elif model and model != "demlaws":
         job.note(f"tangential {model} stays")
     return [*words[:at], "demlaws/table", job.table, *rest]

@@ -19,6 +19,11 @@ def as_path(path: Any) -> Path:
         raise DemlawsError(f"the name of a file must be a str or a Path, got {path!r:.60}") from None
 
 
+def names_a_file(value: Any) -> bool:
+    """Whether a user's word is the path of a file, not the name of a law or of a rule: a Path, or text with a slash or dot."""
+    return isinstance(value, os.PathLike) or (isinstance(value, str) and ("/" in value or "." in value))
+
+
 def read_text(path, what=""):
     """Text of a file that an instrument or a spreadsheet wrote, whatever its encoding; "-" is standard input."""
     try:

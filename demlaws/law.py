@@ -15,6 +15,7 @@ from demlaws.core.loops import bind_params, equal_params, loading_part, one_of
 from demlaws.core.unloading import GIVEN
 from demlaws.curves.closed import ClosedForm
 from demlaws.errors import DemlawsError
+from demlaws.files import as_path, names_a_file, write_atomically, write_together
 from demlaws.laws.definition import Definition
 from demlaws.laws.registry import is_user_defined
 from demlaws.response import Response, as_given
@@ -51,13 +52,12 @@ class Law(Response):
         self.state_size = len(self.state_names)
         self.shape = joined_shape(curve.shape, contact, unloading)
         self.params = bind_params(self.shape, contact)
-        if unloading.rule.curve == "law" and unloading.beside is None and is_user_defined(self.definition):
+        if unloading.rule.curve == "law" and unloading.rule_parameters is None and is_user_defined(self.definition):
             from demlaws.soundness import refuse_unsound_rule
 
             refuse_unsound_rule(self.name, unloading.rule, one_of(self.params, 0), float(np.ravel(contact.radius)[0]))
         self._limits = None
         self._end = None
-        self._warned = set()
 
     def __repr__(self):
         options = "".join(f", {k}={v!r}" for k, v in self.options.items())
@@ -244,7 +244,7 @@ def resolve(unloading: "str | os.PathLike | Law", definition: Definition) -> Unl
 
 def read_if_path(unloading: Any) -> Any:
     """The elastic law to follow, read where it is the path of a table; a rule's name as it is."""
-    if isinstance(unloading, os.PathLike) or (isinstance(unloading, str) and ("/" in unloading or "." in unloading)):
+    if names_a_file(unloading):
         unloading = Table.load(unloading)
     if isinstance(unloading, Law) and unloading.unloading != "elastic":
         raise DemlawsError(
@@ -360,7 +360,6 @@ class Table(Law):
             The file.
         """
         from demlaws.curves.saved import name_what_is_lost
-        from demlaws.files import as_path, write_atomically, write_together
 
         name_what_is_lost(as_path(path), self)
         data = self._compose()[0]
@@ -375,7 +374,7 @@ class Table(Law):
             return None
         from demlaws.rule_object import rule_object
 
-        return rule_object(self.unloads.rule, self.unloads.beside)
+        return rule_object(self.unloads.rule, self.unloads.rule_parameters)
 
     @property
     def fingerprint(self) -> int:
@@ -468,12 +467,11 @@ class Table(Law):
     @classmethod
     def from_points(
         cls,
-        overlap: ArrayLike,
-        force: ArrayLike,
+        points: Any,
         contact: Contact,
         unloading: Any = "elastic",
         uncertainty: ArrayLike | None = None,
-        residual: float | None = None,
+        plastic_overlap: float | None = None,
         scales_with: str | None = None,
         rtol: float = 1e-3,
         name: str = "points",
@@ -486,17 +484,17 @@ class Table(Law):
 
         Parameters
         ----------
-        overlap, force : array_like
-            Overlaps [m] and forces [N] of first loading, in any order.
+        points : array_like, shape (n, 2), or Points
+            Overlap [m] and force [N] of first loading, in any order; also a DataFrame, as for `demlaws.fit`.
         contact : Contact
             The contact that was measured.
-        unloading : str, Law or pair of array_like
-            A rule, a law or a `Table` as for `demlaws.law`, or overlaps and forces measured after the largest force: the
-            contact unloads along their curve past the plastic overlap, from any largest force.
+        unloading : str, Law or points
+            A rule, a law or a `Table` as for `demlaws.law`, or points measured after the largest force: the contact unloads
+            along their curve past the plastic overlap, from any largest force.
         uncertainty : float or array_like, optional
             Standard uncertainty of the forces [N]; default: from the scatter.
-        residual : float, optional
-            Plastic overlap [m] of the measured unloading; default: extrapolated (`residual_overlap`).
+        plastic_overlap : float, optional
+            Plastic overlap [m] of the measured unloading; default: extrapolated.
         scales_with : {"radius", "roughness"}, optional
             As in `from_function`.
         rtol : float
@@ -513,10 +511,11 @@ class Table(Law):
         DemlawsError
             If points do not follow a rising curve, or unloading does not begin where loading ends; with overlap and force.
         """
-        from demlaws.curves.given import from_points
+        from demlaws.curves.given import along_points, from_points
 
-        parts = from_points(overlap, force, contact, unloading, uncertainty, residual, scales_with, rtol, name, description)
-        return cls._from_parts(*parts)
+        parts = from_points(points, contact, unloading, uncertainty, plastic_overlap, scales_with, rtol, name, description)
+        with along_points(parts[2]):
+            return cls._from_parts(*parts)
 
     @classmethod
     def _from_parts(cls, contact, curve, unloading):

@@ -64,7 +64,6 @@ class Response:
     options: dict
     name: str
     unloading: str
-    _warned: set
     _limits: Any
     _end: Any
 
@@ -96,15 +95,7 @@ class Response:
     # --- first loading
 
     def _shaped(self, value, name, unit):
-        if isinstance(value, str) or (isinstance(value, list | tuple) and any(isinstance(v, str) for v in value)):
-            value = real(value, name, unit, array=True)
-        try:
-            array = np.asarray(unmasked(value))
-            if array.dtype.kind not in "fiu":  # text, None, complex numbers, dates
-                raise TypeError
-            array = array.astype(float, copy=False)
-        except (TypeError, ValueError):
-            raise DemlawsError(f"{name} must be a number or an array in {unit}, got {value!r}") from None
+        array = _numbers(value, name, unit).astype(float, copy=False)
         if not np.all(np.isfinite(array)):
             raise DemlawsError(f"{name} contains {array[~np.isfinite(array)].flat[0]} {unit}: give finite values")
         size = self.contact.size
@@ -118,13 +109,13 @@ class Response:
         # a copy where it may not be written to: loops would be compiled once more for that
         return np.require(array, requirements="CW"), array.shape
 
-    def _both(self, overlap):
+    def _force_and_stiffness(self, overlap):
         values, shape = self._shaped(overlap, "overlap", "m")
         self._check_range(values)
         force, stiffness = first_loading(self.params, values.ravel())
         if not np.all(np.isfinite(force)):
             raise DemlawsError(self._out_of_range(float(values.max())))
-        self._advise(force)
+        self._warn_of_limits(force)
         return force.reshape(shape), stiffness.reshape(shape)
 
     def _out_of_range(self, overlap):
@@ -146,7 +137,7 @@ class Response:
         float or ndarray
             Force [N], 0 at δ ≤ 0.
         """
-        return as_given(self._both(overlap)[0])
+        return as_given(self._force_and_stiffness(overlap)[0])
 
     def stiffness(self, overlap: ArrayLike) -> Any:
         """Tangent stiffness K = dP/dδ of first loading.
@@ -161,7 +152,7 @@ class Response:
         float or ndarray
             Stiffness [N/m], 0 at δ ≤ 0.
         """
-        return as_given(self._both(overlap)[1])
+        return as_given(self._force_and_stiffness(overlap)[1])
 
     def overlap(self, force: ArrayLike) -> Any:
         """Overlap δ at which first loading carries a force.
@@ -181,7 +172,7 @@ class Response:
         if not np.all(np.isfinite(result)):
             raise DemlawsError(self._force_out_of_range(float(values.max())))
         self._check_range(result.reshape(shape))
-        self._advise(values)
+        self._warn_of_limits(values)
         return as_given(result.reshape(shape))
 
     def _force_out_of_range(self, force):
@@ -237,7 +228,7 @@ class Response:
         Parameters
         ----------
         overlap : array_like, shape (n,)
-            Overlaps [m] of one contact each, float64 or float32; arithmetic is double throughout.
+            Overlaps [m] of one contact each; arithmetic is double throughout, results are float32 for float32 overlaps.
         state : State, optional
             History from `new_state`; elastic laws need none.
         out : pair of ndarray, optional
@@ -258,16 +249,15 @@ class Response:
         """
         from demlaws.batch import PIECE, in_threads, writable
 
-        if type(overlap) is not np.ndarray:
-            overlap = np.asarray(unmasked(overlap))
-        if overlap.ndim != 1 or overlap.dtype not in (np.float64, np.float32):
-            raise DemlawsError(f"overlap must be a 1-D float64 or float32 array, got {overlap.dtype} of shape {overlap.shape}")
+        overlap = _numbers(overlap, "overlap", "m")
+        if overlap.ndim != 1:
+            raise DemlawsError(f"overlap must be a 1-D array in m, one entry per contact, got shape {overlap.shape}")
         n = overlap.size
         if self.contact.size not in (None, n):
             raise DemlawsError(f"{n} overlaps for a law that holds {self.contact.size} contacts: one entry each")
         arrays = self._arrays_of(state, n)
         force, stiffness = (np.empty_like(overlap), np.empty_like(overlap)) if out is None else writable(out, overlap, arrays)
-        ends, (lowest, most) = self._ends()
+        ends, (lowest, most) = self._largest_overlaps()
 
         def part(piece):
             states, params = tuple(array[piece] for array in arrays), self._params_of(piece)
@@ -298,7 +288,7 @@ class Response:
         """Params of some of the contacts."""
         return map_leaves(lambda v: v[piece] if isinstance(v, np.ndarray) and v.ndim == 1 else v, self.params)
 
-    def _ends(self):
+    def _largest_overlaps(self):
         """Largest overlap [m] that is answered, one number or one a contact; then the lowest of all contacts' for `batch_loop`,
         its `end` and `most`: with one for each contact a batch of tables took a tenth longer."""
         if self._end is None:
@@ -350,11 +340,14 @@ class Response:
         return self._out_of_range(overlap)
 
     def _check_range(self, overlap):
-        """Refuse overlaps beyond R, and warn once of those beyond a tenth of it."""
-        text = check_overlaps(overlap, self.contact.radius)
-        if text is not None and "large overlap" not in self._warned:
-            self._warned.add("large overlap")
-            warn(f"{self.name}: {text}", LargeOverlap)
+        """Refuse overlaps beyond R, and warn of those beyond a tenth of it: with one text per law, as Python's filters need."""
+        if check_overlaps(overlap, self.contact.radius) is not None:
+            radius = float(np.min(self.contact.radius))
+            warn(
+                f"{self.name}: overlap above {SMALL_OVERLAP * radius:.6g} m, {SMALL_OVERLAP:g} of the effective radius "
+                f"R = {radius:g} m: contact laws hold up to there; check units, loads and the step",
+                LargeOverlap,
+            )
 
     def single_params(self) -> tuple:
         """Params of the one contact; DemlawsError if the law has an array of contacts."""
@@ -392,7 +385,7 @@ class Response:
         force, stiffness, stored, dissipated = columns
         if not np.all(np.isfinite(force)):
             raise DemlawsError(self._out_of_range(float(values.max())))
-        self._advise(force)
+        self._warn_of_limits(force)
         quantities = dict(zip(self.state_names, history, strict=True))
         maximum = quantities.get("maximum_overlap", np.maximum.accumulate(np.maximum(values, 0.0)))
         plastic = quantities.get("plastic_overlap", np.full(values.size, math.nan if self.state_names else 0.0))
@@ -448,12 +441,25 @@ class Response:
                 pairs.append((limit.minimum_force / max(smallest, 1e-300), Breach(smallest, limit.minimum_force, limit.reason)))
         return [breach for _, breach in sorted(pairs, key=lambda one: -one[0])]
 
-    def _advise(self, force):
+    def _warn_of_limits(self, force):
         touching = force[force > 0.0] if np.ndim(force) else force
         for breach in self.breaches(float(np.min(touching, initial=math.inf)), float(np.max(touching, initial=0.0))):
-            if breach.reason not in self._warned:
-                self._warned.add(breach.reason)
-                warn(f"{self.name} {breach.range}: {breach.reason}")
+            warn(f"{self.name} {breach.range}: {breach.reason}")
+
+
+def _numbers(value: Any, name: str, unit: str) -> np.ndarray:
+    """What a user gave as an array of float64 or float32."""
+    if type(value) is np.ndarray and value.dtype in (np.float64, np.float32):
+        return value
+    if isinstance(value, str) or (isinstance(value, list | tuple) and any(isinstance(v, str) for v in value)):
+        value = real(value, name, unit, array=True)
+    try:
+        array = np.asarray(unmasked(value))
+        if array.dtype.kind not in "fiu":  # text, None, complex numbers, dates
+            raise TypeError
+    except (TypeError, ValueError):
+        raise DemlawsError(f"{name} must be a number or an array in {unit}, got {value!r}") from None
+    return array if array.dtype in (np.float64, np.float32) else array.astype(float)
 
 
 def as_given(array):

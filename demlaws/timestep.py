@@ -289,7 +289,8 @@ def stiffest_now(
     largest = law.stiffness(loaded)
     if not law.state_size:
         return largest
-    end = np.maximum(np.minimum(SMALL_OVERLAP * np.asarray(law.contact.radius), (1.0 - 1e-9) * law._ends()[0]), loaded)
+    deepest = np.minimum(SMALL_OVERLAP * np.asarray(law.contact.radius), (1.0 - 1e-9) * law._largest_overlaps()[0])
+    end = np.maximum(deepest, loaded)
     histories = [np.clip(largest_overlap, loaded, end)] if largest_overlap is not None else loaded * (end / loaded) ** _SHARES
     possible = np.ones(force.size, bool)
     for highest in histories:
@@ -378,6 +379,21 @@ def from_contacts(
     >>> round(from_contacts([[0, 1]], [[1.0, 0.0, 0.0]], 1e6, 0.0, [1e-3, 1e-3]).exact * 1e6, 3)  # µs, 2 √(m/(2 K))
     44.721
     """
+    bodies, unit, normal, sideways, mass = _checked(pairs, normals, stiffness, shear_stiffness, masses)
+    rows = _springs(bodies, unit, normal, sideways, 1.0 / np.sqrt(mass))
+    if blocked is not None:
+        fixed = np.asarray(blocked, bool)
+        if fixed.shape != (mass.size, 6):
+            raise DemlawsError(f"blocked must be of shape ({mass.size}, 6), got {fixed.shape}")
+        rows = np.where(fixed[bodies], 0.0, rows)
+        if not rows.any():
+            raise DemlawsError("no contact moves a degree of freedom that is not blocked")
+    squares = _largest_eigenvalue(rows, bodies, mass.size), _bound(rows, bodies, mass.size)
+    return Limits(*(2.0 / math.sqrt(square) for square in squares))
+
+
+def _checked(pairs, normals, stiffness, shear_stiffness, masses):
+    """Arguments of `from_contacts` as arrays, or a DemlawsError."""
     pairs, normals, masses = np.asarray(pairs), np.asarray(normals, float), np.asarray(masses, float)
     if pairs.ndim != 2 or pairs.shape[1] != 2 or not len(pairs) or pairs.dtype.kind not in "iu" or masses.ndim != 1:
         raise DemlawsError(
@@ -392,16 +408,7 @@ def from_contacts(
         raise DemlawsError("stiffnesses must be finite, not negative, and not all zero")
     if not np.all(masses > 0.0) or np.all(np.isinf(masses[pairs])):
         raise DemlawsError("masses must be positive, and some body must be free (mass below inf)")
-    rows = _springs(pairs, normals, normal, sideways, 1.0 / np.sqrt(masses))
-    if blocked is not None:
-        blocked = np.asarray(blocked, bool)
-        if blocked.shape != (len(masses), 6):
-            raise DemlawsError(f"blocked must be of shape ({len(masses)}, 6), got {blocked.shape}")
-        rows = np.where(blocked[pairs], 0.0, rows)
-        if not rows.any():
-            raise DemlawsError("no contact moves a degree of freedom that is not blocked")
-    squares = _largest_eigenvalue(rows, pairs, len(masses)), _bound(rows, pairs, len(masses))
-    return Limits(*(2.0 / math.sqrt(square) for square in squares))
+    return pairs, normals, normal, sideways, masses
 
 
 def _springs(pairs, normals, stiffness, shear_stiffness, weight):

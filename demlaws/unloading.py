@@ -18,7 +18,7 @@ class Unloading(NamedTuple):
     rule: Rule
     curve: Any = None  # of rule "table": the curve to follow
     contact: Contact | None = None  # of that curve
-    beside: Any = None  # of a rule of the law's own where the curve is a table: the Shape that the rule reads
+    rule_parameters: Any = None  # of a rule of the law's own where the curve is a table: the Shape that the rule reads
 
 
 ELASTIC = Unloading(RULES["elastic"])
@@ -28,7 +28,7 @@ def joined_shape(shape: Any, contact: Contact, unloading: Unloading) -> Any:
     """Shape of a curve of first loading together with what its unloading rule reads."""
     if unloading.curve is not None:
         return JoinedShape(shape, unloading.curve.quick_shape(), *_ratios(contact, unloading.contact))
-    return shape if unloading.beside is None else JoinedShape(shape, unloading.beside, 1.0, 1.0, 1.0)
+    return shape if unloading.rule_parameters is None else JoinedShape(shape, unloading.rule_parameters, 1.0, 1.0, 1.0)
 
 
 def _ratios(contact, other):

@@ -1,7 +1,6 @@
 """Files with a user-defined law, one with a rule of its own, outside the package; tests of several engines write that one."""
 
 import contextlib
-import os
 import textwrap
 
 import numpy as np
@@ -123,13 +122,9 @@ def restored():
     """Whatever is registered or loaded within goes again at its end."""
     known = (registry._user_laws, registry._homes, registry._marks, registry._loaded)
     kept = [one.copy() for one in known]
-    files = os.environ.get(registry.VARIABLE)
     try:
         yield
     finally:
-        os.environ.pop(registry.VARIABLE, None)
-        if files is not None:
-            os.environ[registry.VARIABLE] = files
         for one, old in zip(known, kept, strict=True):
             one.clear()
             one.update(old)

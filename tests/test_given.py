@@ -38,7 +38,7 @@ def test_forces_in_another_unit_warn(unit):
     overlap = np.linspace(0.0, 1e-4, 40)
     force = unit * dl.law("hertz", CONTACT).force(overlap)
     with pytest.warns(dl.ValidityWarning):
-        dl.Table.from_points(overlap, force, CONTACT)
+        dl.Table.from_points(np.column_stack([overlap, force]), CONTACT)
     best = dl.fit(np.column_stack([overlap, force]), CONTACT, laws="hertz", free=["modulus"]).best
     assert best.notes
 
@@ -174,17 +174,17 @@ def test_no_call_beyond_the_largest_overlap():
 
 def test_points_are_kept_where_they_are_few():
     overlap, force = [1e-6, 2e-6, 5e-6, 1e-5], [0.1, 0.4, 3.0, 10.0]
-    table = dl.Table.from_points(overlap, force, CONTACT, rtol=1e-4)
+    table = dl.Table.from_points(np.column_stack([overlap, force]), CONTACT, rtol=1e-4)
     np.testing.assert_allclose(table.force(np.array(overlap)), force, rtol=1e-4)
     assert table.knots.points == 4 and table.knots.smoothing == "none: a knot a point, 4"
     assert np.all(np.diff(table.force(np.linspace(0, 1e-5, 2000))) > 0)
     assert math.isnan(table.uncertainty(3e-6))
-    two = dl.Table.from_points([1e-6, 2e-6], [1.0, 3.0], CONTACT)
+    two = dl.Table.from_points(np.column_stack([[1e-6, 2e-6], [1.0, 3.0]]), CONTACT)
     assert two.force(1.5e-6) == pytest.approx(1.5 ** math.log2(3), rel=1e-3)
     assert two.force(5e-7) == pytest.approx(0.5 ** math.log2(3), rel=1e-3)  # the power law goes on below
-    shuffled = dl.Table.from_points(overlap[::-1], force[::-1], CONTACT, rtol=1e-4)
+    shuffled = dl.Table.from_points(np.column_stack([overlap, force])[::-1], CONTACT, rtol=1e-4)
     np.testing.assert_array_equal(shuffled.nodes.force, table.nodes.force)
-    twice = dl.Table.from_points([*overlap, 2e-6], [*force, 0.4], CONTACT, rtol=1e-4)
+    twice = dl.Table.from_points(np.column_stack([[*overlap, 2e-6], [*force, 0.4]]), CONTACT, rtol=1e-4)
     np.testing.assert_allclose(twice.nodes.force, table.nodes.force, rtol=1e-12)
 
 
@@ -194,7 +194,7 @@ def test_noise_is_averaged_and_its_uncertainty_kept(tmp_path, rng):
     sigma = 0.2 + 0.01 * true
     noisy = true + sigma * rng.standard_normal(400)
     assert np.any(np.diff(noisy) < 0)
-    table = dl.Table.from_points(overlap, noisy, CONTACT, uncertainty=sigma)
+    table = dl.Table.from_points(np.column_stack([overlap, noisy]), CONTACT, uncertainty=sigma)
     assert "cross-validation" in table.knots.smoothing and table.knots.overlap.size <= 24
     inside = (overlap > 2e-6) & (overlap < 1.3e-5)
     standard = table.uncertainty(overlap[inside])
@@ -204,7 +204,7 @@ def test_noise_is_averaged_and_its_uncertainty_kept(tmp_path, rng):
     read = dl.Table.load(table.save(tmp_path / "points.tbl"))
     np.testing.assert_array_equal(read.uncertainty(overlap), table.uncertainty(overlap))
     assert read.knots.departure == table.knots.departure > 0
-    guessed = dl.Table.from_points(overlap, noisy, CONTACT)
+    guessed = dl.Table.from_points(np.column_stack([overlap, noisy]), CONTACT)
     assert 0.3 < np.median(guessed.uncertainty(overlap[inside]) / standard) < 3.0
 
 
@@ -238,17 +238,33 @@ def test_unloading_points(tmp_path):
     back = np.linspace(4e-6, 14e-6, 21)
     carried = 50.0 * np.maximum((back - 4e-6) / 10e-6, 0.0) ** 1.5
     for points in ((back, carried), (back[1:], carried[1:])):
-        table = dl.Table.from_points(overlap, force, CONTACT, unloading=points)
+        table = dl.Table.from_points(np.column_stack([overlap, force]), CONTACT, unloading=np.column_stack(points))
         path = table.follow(np.array([14e-6, 9e-6, 4.5e-6]))
         np.testing.assert_allclose(path.force, [50.0, 50 * 0.5**1.5, 50 * 0.05**1.5], rtol=2e-3)
         assert path.plastic_overlap[-1] == pytest.approx(4e-6, rel=1e-3)
     again = dl.Table.load(table.save(tmp_path / "both.tbl"))
     np.testing.assert_array_equal(again.follow(path.overlap).force, path.force)
     assert again.unloading_law.knots.points == 20
-    with pytest.raises(dl.DemlawsError, match=r"residual = 5e-06 m: unloading still carries .* N at overlap 4\.5e-06 m"):
-        dl.Table.from_points(overlap, force, CONTACT, unloading=(back[1:], carried[1:]), residual=5e-6)
+    with pytest.raises(dl.DemlawsError, match=r"plastic_overlap = 5e-06 m: unloading still carries .* N at overlap 4\.5e-06 m"):
+        dl.Table.from_points(
+            np.column_stack([overlap, force]), CONTACT, unloading=np.column_stack([back[1:], carried[1:]]), plastic_overlap=5e-6
+        )
     with pytest.raises(dl.DemlawsError, match=r"unloading begins at overlap 1\.4e-05 m with 25 N, where loading has 50 N"):
-        dl.Table.from_points(overlap, force, CONTACT, unloading=(back, 0.5 * carried))
+        dl.Table.from_points(np.column_stack([overlap, force]), CONTACT, unloading=np.column_stack([back, 0.5 * carried]))
+
+
+def test_noisy_unloading_points_are_refused_with_remedies():
+    """Before: the one remedy was elastic unloading."""
+    law = dl.law("rough-plastic", dl.Contact(4.35e-3, 32.32e9, 2.4e-6, 2.22), "thornton", yield_pressure=1e9)
+    path = dl.driver.force_controlled(law, [100.0, 0.5], 60)
+    points = np.column_stack([path.overlap, path.force])[1:]
+    points[:, 0] += 5e-8 * np.random.default_rng(0).standard_normal(len(points))
+    with pytest.raises(dl.errors.NotPassive) as refused:
+        dl.Table.from_points(points[:60], law.contact, unloading=points[59:])
+    assert "fit laws" in str(refused.value) and "'elastic'" in str(refused.value)
+    best = dl.fit(points, law.contact, laws="rough-plastic", unloading="thornton").best.law
+    assert best.tabulate(1e-3).state_names == law.state_names
+    dl.Table.from_points(points[:60], law.contact)
 
 
 UP = np.linspace(1e-6, 1e-5, 12)
@@ -271,10 +287,10 @@ REFUSED = {
 @pytest.mark.parametrize("fault", REFUSED)
 def test_points_that_are_refused(fault):
     with pytest.raises(dl.DemlawsError):
-        dl.Table.from_points(*REFUSED[fault], CONTACT)
+        dl.Table.from_points(dict(zip(("overlap", "force"), REFUSED[fault], strict=True)), CONTACT)
     for wrong in (-1.0, np.nan, [1.0], "much"):
         with pytest.raises(dl.DemlawsError, match="uncertaint"):
-            dl.Table.from_points(UP, 3e9 * UP**1.7, CONTACT, uncertainty=wrong)
+            dl.Table.from_points(np.column_stack([UP, 3e9 * UP**1.7]), CONTACT, uncertainty=wrong)
 
 
 def test_the_curve_through_knots_rises_whatever_they_are(rng):

@@ -14,6 +14,7 @@ from references import EPS
 
 import demlaws as dl
 from demlaws.core.unloading import GIVEN
+from demlaws.errors import LargeOverlap
 from demlaws.laws.registry import registry
 from demlaws.make import example
 from demlaws.soundness import curve_checks
@@ -265,7 +266,7 @@ def test_beyond_the_end_of_a_table_the_history_stays():
 # --- range
 
 
-def test_overlaps_beyond_a_tenth_of_the_radius_warn_once_and_beyond_the_radius_are_refused():
+def test_overlaps_beyond_a_tenth_of_the_radius_warn_and_beyond_the_radius_are_refused():
     """Before: law.force(1.0) on R = 4.35 mm gave 2.8e9 N silently."""
 
     def fresh(**changes):
@@ -284,17 +285,25 @@ def test_overlaps_beyond_a_tenth_of_the_radius_warn_once_and_beyond_the_radius_a
         with warnings.catch_warnings():
             warnings.simplefilter("error", dl.ValidityWarning)
             call(law, small)
-        with pytest.warns(dl.ValidityWarning) as told:
-            call(law, large)
-            call(law, large)
-        assert len(told) == 1
+        for filtered, expected in (("default", 1), ("always", 2)):
+            with warnings.catch_warnings(record=True) as seen:
+                warnings.simplefilter(filtered)
+                for factor in (1.0, 1.01):
+                    call(law, factor * large)
+            assert [one.category for one in seen] == [LargeOverlap] * expected
         with pytest.raises(dl.DemlawsError):
             call(law, huge)
     several = fresh(radius=np.array([1e-3, 4.35e-3, 0.1]))
-    with pytest.warns(dl.ValidityWarning, match=r"R = 0.001 m \(1 of 3"):
+    with pytest.warns(dl.ValidityWarning, match="above 0.0001 m, .* R = 0.001 m"):
         several.evaluate(np.full(3, 1.1e-4))
     with pytest.raises(dl.DemlawsError, match="contact 0 "):
         several.evaluate(np.full(3, 5e-3))
+
+
+@pytest.mark.parametrize("overlap", [[1e-6, 2e-6], (1, 0), ["1um", "2um"], np.array([0, 0]), np.float16([0.0, 1e-3])])
+def test_a_batch_takes_what_a_force_takes(overlap):
+    law = dl.law("hertz", dl.Contact(10.0, 32e9))
+    np.testing.assert_array_equal(law.evaluate(overlap)[0], law.force(overlap))
 
 
 # --- threads
@@ -414,7 +423,7 @@ def test_bad_laws():
 
 @every_law
 def test_needs_and_warnings(name):
-    """A law without what it needs is refused; one outside its source's range says so, once for each reason."""
+    """A law without what it needs is refused; outside its source's range a warning is issued, as Python's filters say."""
     definition = registry()[name]
     for field in definition.needs:
         with pytest.raises(dl.DemlawsError, match=f"needs the contact's {field}"):
@@ -425,6 +434,12 @@ def test_needs_and_warnings(name):
         outside = 0.99 * limit.minimum_force if limit.minimum_force > 0 else 1.01 * limit.maximum_force
         with pytest.warns(dl.ValidityWarning, match=f"{name} (above|below) .* N: "):
             dl.law(name, GRANITE, **options_of(name)).overlap(outside)
+        for filtered, expected in (("default", 1), ("always", 2)):
+            with warnings.catch_warnings(record=True) as seen:
+                warnings.simplefilter(filtered)
+                for _ in range(2):
+                    dl.law(name, GRANITE, **options_of(name)).overlap(outside)
+            assert sum(limit.reason in str(one.message) for one in seen) == expected
 
 
 def test_passivity_is_measured_where_it_is_worst():

@@ -92,8 +92,11 @@ class Choice:
         return self.ns / self.step_factor
 
     def tables(self) -> dict[tuple[int, int], Table]:
-        """Pair of kinds of grain → `Table` of the largest grains (`export` writes those of all sizes)."""
+        """Pair of kinds of grain → `Table`. `NeedsClasses` where one table cannot serve all sizes (`export` writes each)."""
         scene = self.scene
+        if not find(self.name).collapses and len({*(scene.pair_radii() or scene.effective_radii())}) > 1:
+            several = f"{_ONE_SIZE}, and the grains have several: use the law itself, or the engine LIGGGHTS or LAMMPS"
+            raise NeedsClasses(f"no table of {self.name}: {several if scene.pair_radii() else _NO_TABLE}")
         rtol = self.plan.rtol or max(1e-5, 0.1 * scene.tolerance)
         plan = self.plan._replace(evaluation="table", rtol=rtol)
         contacts = scene.contacts(scene.effective_radii()[1])
@@ -294,10 +297,8 @@ def _range_problem(law, smallest, largest, reasons):
     return next((f"loads of {b}" for b in law.breaches(smallest, largest) if b.reason not in reasons), None)
 
 
-_NO_TABLE = (
-    "its curve depends on the radius, so that it needs one table for each pair of sizes, and radii is a range: if the grains "
-    "come in a few sizes, give them as classes"
-)
+_ONE_SIZE = "its curve depends on the radius, so that it needs one table for each pair of sizes"
+_NO_TABLE = f"{_ONE_SIZE}, and radii is a range: if the grains come in a few sizes, give them as classes"
 
 
 class _Judge:

@@ -83,11 +83,11 @@ def fitted(model, displacement_noise, force_noise):
     return _report(model, x, squares, displacement_noise is not None, notes)
 
 
-def _correlation(residual):
-    """Correlation of neighbouring residuals; 0 unless it is significant (2.5 %)."""
+def _correlation(residual, significance=2.0):
+    """Correlation of neighbouring residuals; 0 unless it is significant (2.5 %; 0.1 % with 3 standard deviations)."""
     spread = float(np.sum(residual**2))
     correlation = float(np.sum(residual[1:] * residual[:-1])) / spread if spread > 0.0 else 0.0
-    return correlation if correlation > 2.0 / math.sqrt(residual.size) else 0.0
+    return correlation if correlation > significance / math.sqrt(residual.size) else 0.0
 
 
 def _noise_ratio(model, x, stiffness):
@@ -150,7 +150,8 @@ def _report(model, x, squares, absolute, notes):
     active = ~(at_bound | idle)
     weak = active & (np.linalg.cond(jacobian[:, active] / size[active]) >= 1e7)
     widening, correlation = _drift(residual, k)
-    systematic = correlation > 0.5 or bool(absolute and special.chdtrc(n - k, squares) < _IMPROBABLE)
+    systematic = correlation > 0.5 or _correlation(residual, 3.0) > 0.0
+    systematic |= bool(absolute and special.chdtrc(n - k, squares) < _IMPROBABLE)
     variance, widening = (1.0, 1.0) if absolute else (squares / (n - k), widening)
     if systematic:
         notes.append(SYSTEMATIC)

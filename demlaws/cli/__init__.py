@@ -33,6 +33,20 @@ COMMANDS = {
 LAW_FILE = "--law-file"
 
 
+def in_options(text, arguments):
+    """A message of the package with the command's options in place of Python's arguments: --force-noise for force_noise.
+
+    Names in a list, as those of quantities, stay as they are.
+    """
+    for name in vars(arguments):
+        option = f"--{name.replace('_', '-')}"
+        text = re.sub(rf"Contact\(\.\.\., {name}=\.\.\.\)", option, text)
+        text = re.sub(rf"\b{name}='([\w.-]+)'", rf"{option} \1", text)
+        if "_" in name:
+            text = re.sub(rf"(?<!, )(?<![-\w]){name}\b(?!,)", option, text)
+    return text
+
+
 class _LawFile(argparse.Action):
     """Loads the file at once, so that the following arguments can name its laws."""
 
@@ -175,6 +189,7 @@ def execute(parser, arguments):
     for stream in (sys.stdout, sys.stderr):  # a terminal without µ prints ?
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
+    parsed = argparse.Namespace()
     try:
         try:
             parsed = parser().parse_args(arguments)
@@ -187,7 +202,7 @@ def execute(parser, arguments):
             sys.stdout.flush()
         return status
     except DemlawsError as error:
-        return _failed(error)
+        return _failed(in_options(str(error), parsed))
     except OverflowError:
         return _failed("a value exceeds the range of numbers: check the units")
     except MemoryError:

@@ -1,5 +1,6 @@
 """`demlaws choose`: the cheapest law within a scene's tolerance."""
 
+import os
 from pathlib import Path
 
 from demlaws.cli import example
@@ -22,7 +23,7 @@ def register(add):
             "  demlaws choose ballast.toml --soften --out ballast.tbl"
         ),
     )
-    parser.add_argument("scene", type=Path, nargs="?", help="scene file (TOML)")
+    parser.add_argument("scene", type=Path, nargs="?", help="scene file (TOML; -: standard input)")
     parser.add_argument("--template", action="store_true", help="only print a scene file with every key and its meaning")
     parser.add_argument("--soften", action="store_true", help="choose and write the law for softer grains, as recommended")
     parser.add_argument("--all", action="store_true", help="also list laws that miss the tolerance")
@@ -54,7 +55,11 @@ def run(arguments):
     advice = _advice(scene, arguments.soften)
     if arguments.soften:
         scene = advice.scene
-    choices = choose(scene, progress=lambda plans: tqdm(plans, desc="choose", unit="law", leave=False, disable=None))
+    choices = choose(
+        scene,
+        progress=lambda plans: tqdm(plans, desc="choose", unit="law", leave=False, disable=None),
+        processes=min(2, os.cpu_count() or 1),
+    )
     print(f"{scene.name or arguments.scene.stem}: {scene.quantity} within {scene.tolerance:g} ({QUANTITIES[scene.quantity]})")
     low, high = scene.force_range(scene.contacts(scene.effective_radii()[1])[0])
     print(f"loads {float(low):.3g} to {float(high):.3g} N on the largest contact, {'cyclic' if scene.unloads else 'monotonic'}")

@@ -1,15 +1,17 @@
 """`demlaws fit`: laws fitted to measured points."""
 
+import os
+import textwrap
 from pathlib import Path
 
-from demlaws.cli import example
+from demlaws.cli import example, in_options
 from demlaws.cli.arguments import compliance, force, law_name, length
-from demlaws.cli.contact import add_contact_arguments, contact_from
+from demlaws.cli.contact import add_contact_arguments, contact_from, describe
 from demlaws.cli.output import Output, output, record, write_csv
 
-UNITS = {"roughness": ("µm", 1e6), "zero": ("µm", 1e6), "modulus": ("GPa", 1e-9), "hardness": ("GPa", 1e-9)}
-UNITS["yield_pressure"] = UNITS["modulus"]
-UNITS["compliance"] = ("µm/N", 1e6)
+HANDY = {"m": ("µm", 1e6), "Pa": ("GPa", 1e-9), "m/N": ("µm/N", 1e6), "N/m": ("N/µm", 1e-6)}
+"""SI unit → unit of the printed table, and its factor."""
+WIDTH = 100
 TITLES = [
     *("law", "unloading", "misfit_m", "aicc", "delta", "weight"),
     *("parameter", "value", "standard_error", "low", "high", "note"),
@@ -29,7 +31,9 @@ def register(add):
             "  displacement (um),force (N)"
         ),
     )
-    parser.add_argument("points", type=Path, help="text file of measured points: two columns with units in the header")
+    parser.add_argument(
+        "points", type=Path, help="text file of measured points: two columns with units in the header (-: standard input)"
+    )
     add_contact_arguments(parser)
     parser.add_argument(
         "--law",
@@ -56,18 +60,38 @@ def register(add):
     parser.set_defaults(func=run)
 
 
-def shown(name, estimate):
+def shown(name, estimate, unit):
     """A parameter with its interval, in handy units."""
-    from demlaws.advice.fit import parameters
-
     if estimate.note.startswith("not determined"):
         return f"{name} {estimate.note}"
-    quantities = parameters()
-    unit, factor = UNITS.get(name, (quantities[name].unit if name in quantities else "m", 1.0))
+    unit, factor = HANDY.get(unit, (unit, 1.0))
     text = f"{name} {estimate.value * factor:.5g}"
     if estimate.low == estimate.low:
         text += f" [{estimate.low * factor:.4g}, {estimate.high * factor:.4g}]"
     return f"{text} {unit}".rstrip() + (f" ({estimate.note})" if estimate.note else "")
+
+
+def wrapped(text, first="", rest="    "):
+    """Lines of at most `WIDTH` characters."""
+    return textwrap.fill(text, WIDTH, initial_indent=first, subsequent_indent=rest, break_long_words=False)
+
+
+def table_lines(ranking, arguments):
+    """The ranking: a line for each law, its parameters and notes below; a note that several laws share comes last."""
+    from demlaws.advice.fit import parameters
+    from demlaws.advice.fit_report import SYSTEMATIC
+
+    units = {name: quantity.unit for name, quantity in parameters().items()} | {"zero": "m"}
+    if ranking.title():
+        yield wrapped(ranking.title())
+    yield f"{'law':16} {'unloading':9} {'misfit (µm)':>11} {'ΔAICc':>9} {'weight':>7}  misfit is"
+    for f in ranking:
+        kind = "systematic" if f.systematic else "scatter"
+        yield f"{f.name:16} {f.unloading:9} {f.misfit * 1e6:11.4g} {f.delta:9.1f} {f.weight:7.3f}  {kind}"
+        yield wrapped("; ".join(shown(n, e, units[n]) for n, e in f.parameters.items()), "    ")
+        yield from (wrapped(in_options(note, arguments), "    * ", "      ") for note in f.notes if note != SYSTEMATIC)
+    if any(f.systematic for f in ranking):
+        yield wrapped(SYSTEMATIC)
 
 
 def run(arguments):
@@ -78,10 +102,11 @@ def run(arguments):
     from demlaws.advice.fit import fit
     from demlaws.points import read_points
 
-    points = read_points(arguments.points)
+    points, contact = read_points(arguments.points), contact_from(arguments)
+    print(describe(contact))
     ranking = fit(
         points,
-        contact_from(arguments),
+        contact,
         laws=arguments.law,
         unloading=arguments.unloading,
         free=arguments.free,
@@ -89,19 +114,14 @@ def run(arguments):
         force_noise=arguments.force_noise,
         compliance=arguments.compliance,
         progress=lambda jobs: tqdm(jobs, desc="fit", unit="law", leave=False, disable=None),
+        processes=min(2, os.cpu_count() or 1),
     )
     print(f"{points.source}: {ranking.points[1].size} points to {ranking.points[1].max():.4g} N; intervals hold 95 %\n")
-    print(f"{'law':16} {'unloading':9} {'misfit (µm)':>11} {'ΔAICc':>9} {'weight':>7}  parameters")
-    for f in ranking:
-        values = "; ".join(shown(n, e) for n, e in f.parameters.items())
-        mark = "*" if f.notes else " "
-        print(f"{f.name:16} {f.unloading:9} {f.misfit * 1e6:11.4g} {f.delta:9.1f} {f.weight:7.3f} {mark} {values}")
-    for note in sorted({note for f in ranking for note in f.notes}):
-        print(f"* {note}")
-    fields = ("name", "unloading", "misfit", "aicc", "delta", "weight", "parameters", "notes")
+    print("\n".join(table_lines(ranking, arguments)))
+    fields = ("name", "unloading", "misfit", "systematic", "aicc", "delta", "weight", "parameters", "notes")
     record(laws=[{name: getattr(f, name) for name in fields} for f in ranking], skipped=dict(ranking.skipped))
     for name, reason in ranking.skipped.items():
-        print(f"not fitted: {name}: {reason}")
+        print(wrapped(in_options(f"not fitted: {name}: {reason}", arguments)))
     if arguments.csv is not None:
         rows = [
             (f.name, f.unloading, f.misfit, f.aicc, f.delta, f.weight, name, e.value, e.error, e.low, e.high, e.note)

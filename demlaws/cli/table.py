@@ -4,9 +4,10 @@ from pathlib import Path
 
 from demlaws.cli import example
 from demlaws.cli.arguments import force, length, plain
-from demlaws.cli.contact import add_law_arguments, contact_from, law_from
+from demlaws.cli.contact import add_law_arguments, contact_from, describe, law_from
 from demlaws.cli.output import output, record
 from demlaws.errors import DemlawsError
+from demlaws.files import names_a_file
 
 
 def register(add):
@@ -27,7 +28,10 @@ def register(add):
         "measured points in place of --law; --unloading then also accepts a file with the measured points of unloading"
     )
     points.add_argument(
-        "--points", type=Path, metavar="FILE", help="text file with the points of first loading: overlap and force with units"
+        "--points",
+        type=Path,
+        metavar="FILE",
+        help="text file with the points of first loading: overlap and force with units (-: standard input)",
     )
     points.add_argument(
         "--zero", type=length, default=0.0, help="displacement in m at first touch (default 0: the points are overlaps)"
@@ -35,7 +39,9 @@ def register(add):
     points.add_argument(
         "--force-noise", type=force, metavar="N", help="standard uncertainty of the force in N (default: from the scatter)"
     )
-    points.add_argument("--residual", type=length, help="plastic overlap in m after unloading (default: from the points)")
+    points.add_argument(
+        "--plastic-overlap", type=length, help="plastic overlap in m after unloading (default: from the points)"
+    )
     table.add_argument(
         "--rtol",
         type=plain,
@@ -73,18 +79,18 @@ def measured_table(arguments):
     if arguments.unloading_law is not None:
         raise DemlawsError("--unloading-law goes with --law: with --points give --unloading FILE, a table or points")
     text = str(unloading)
-    if ("/" in text or "." in text) and not _is_table(text):
+    if names_a_file(text) and not _is_table(text):
         back = read_points(Path(text))
         peak = int(np.argmax(back.force))
         end = peak + int(np.argmin(back.force[peak:])) + 1
         unloading = (back.displacement[peak:end] - arguments.zero, back.force[peak:end])
         curves.append(unloading)
     table = Table.from_points(
-        *curves[0],
+        np.column_stack(curves[0]),
         contact_from(arguments),
-        unloading=unloading,
+        unloading=unloading if isinstance(unloading, str) else np.column_stack(unloading),
         uncertainty=arguments.force_noise,
-        residual=None if arguments.residual is None else arguments.residual - arguments.zero,
+        plastic_overlap=None if arguments.plastic_overlap is None else arguments.plastic_overlap - arguments.zero,
         rtol=1e-3 if arguments.rtol is None else arguments.rtol,
         description=f"points of {arguments.points.name}",
     )
@@ -113,11 +119,13 @@ def run(arguments):
 
     curves = law = None
     if arguments.points is not None:
+        print(describe(contact_from(arguments)))
         table, curves = measured_table(arguments)
     elif arguments.law is None:
         raise DemlawsError("give --law NAME, or measured points with --points FILE")
     else:
         law = law_from(arguments)
+        print(describe(law.contact))
         table = law.tabulate(1e-5 if arguments.rtol is None else arguments.rtol, arguments.max_force)
     table.save(arguments.out)
     record(file=str(arguments.out), rows=table.nodes.u.size, largest_force=table.largest_force, rtol=table.rtol)

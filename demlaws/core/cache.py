@@ -56,8 +56,3 @@ def folder_of(function, kinds, constants):
     if keys is None or _common_folder() is None:
         return None
     return _common_folder() / f"{function.__qualname__}-{digest(kinds, *keys)[:24]}"
-
-
-def shared(jobs, work, progress=iter):
-    """`work(job)` for each of `jobs`."""
-    return map(work, progress(jobs))

@@ -81,8 +81,8 @@ def bind(cls, **functions):
 
 
 def kernels_of(cls):
-    """Names of the generic functions that answer for arguments of this type."""
-    return frozenset(_KERNELS.get(cls, ()))
+    """Name of a generic function → kernel, of those that answer for arguments of this type."""
+    return _KERNELS.get(cls, {})
 
 
 def kernel_of(argument, name):

@@ -42,13 +42,13 @@ def loading_loop(p, force, overlap, stiffness, equivalent, area):
 
 
 @loop
-def history_loop(rule, params, force, virgin, overlap, stiffness):
+def history_loop(rule, params, force, initial_state, overlap, stiffness):
     """Overlap [m] and tangent stiffness [N/m] at each `force` > 0 [N] that one contact carries in turn.
 
     Below the largest force so far the contact unloads or reloads. params: of the contact, or `LoadedParams` with an entry for
-    each force. virgin: the state to start from.
+    each force.
     """
-    peak, state = 0.0, virgin
+    peak, state = 0.0, initial_state
     for i in range(force.size):
         p = gather(params, i)
         loads = force[i] >= peak

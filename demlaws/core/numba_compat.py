@@ -15,11 +15,6 @@ from numba.extending import lower_builtin, overload, register_jitable, type_call
 from demlaws.core import cache, notice
 from demlaws.errors import DemlawsError
 
-try:
-    from numba.np.arrayobj import populate_array
-except ImportError:  # of a release that has moved it: YADE's bridge, which alone uses it, then refuses tables
-    populate_array = None
-
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True, "no_cfunc_wrapper": True}
 """Of fastmath only ``contract`` (fused multiply-add): all of it would delete checks for NaN."""
 INLINED: dict[str, Any] = {**OPTIONS, "forceinline": True}

@@ -7,9 +7,9 @@ that type. The state is a tuple of floats; all zeros is a virgin contact, and a 
 """
 
 import math
+import os
 import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import NamedTuple
 
 from numba.extending import overload
@@ -63,14 +63,16 @@ class Rule(NamedTuple):
     description: str  # one line
     keys: tuple = ()  # of a law's own rule: names of the numbers that a table holds for it; `Definition.rule_numbers`
     shape: Callable | None = None  # those numbers, length over σ, length over R → Shape that the rule reads in a table
+    springs: str | None = None  # curve of the springs of partial slip: "own", "hertz", "given" as in `curve`, or "thornton":
+    # Hertz's with the radius ratio state[2]; all but "own" from the plastic overlap state[1]. None: an engine has no springs
 
 
 _OVERLAPS = ("maximum_overlap", "plastic_overlap")
 RULES = {
     rule.name: rule
     for rule in (
-        Rule("elastic", Elastic(), (), "own", 0, "unloads along the curve of first loading"),
-        Rule("hertz", Hertz(), _OVERLAPS, "hertz", 1, "unloads along Hertz's curve of the contact's radius"),
+        Rule("elastic", Elastic(), (), "own", 0, "unloads along the curve of first loading", springs="own"),
+        Rule("hertz", Hertz(), _OVERLAPS, "hertz", 1, "unloads along Hertz's curve of the contact's radius", springs="hertz"),
         Rule(
             "thornton",
             Thornton(),
@@ -78,8 +80,9 @@ RULES = {
             "hertz",
             2,
             "as hertz, with the larger radius of curvature after yielding",
+            springs="thornton",
         ),
-        Rule(GIVEN, Given(), _OVERLAPS, "given", 3, "unloads along the curve of another law or of a table"),
+        Rule(GIVEN, Given(), _OVERLAPS, "given", 3, "unloads along the curve of another law or of a table", springs="given"),
     )
 }
 """Name → the rules that any law may take."""
@@ -90,6 +93,8 @@ _OF_TAG = {}  # type of tag → rule; a file that runs twice makes types of one 
 
 OF_THE_PACKAGE = ("linear", "eepa", "etsion", "jackson")
 """Names of rules of the package's laws, whose files may not have been imported when a user's rule is made."""
+SPRINGS = {None: 0, "hertz": 2, "thornton": 3}
+"""Springs that a law's own rule may have → numbers of the state that they are computed from, at least."""
 LARGEST_STATE = 3
 """Numbers that a contact may remember: what every engine keeps room for."""
 
@@ -100,8 +105,8 @@ def own_rule(rule: Rule) -> Rule:
     Its kernels `step`, `unloaded` and `stored_and_dissipated` are bound to its tag. They read the law's Params from
     `parts(p)[1]`, so that they serve a table of the law, too, and the force of first loading from `virgin(p, overlap)`. A rule
     with a `number` has `keys` and a `shape`: in a table `parts(p)[1]` is then what `shape` makes of the file's numbers.
-    TypeError: a name that a general rule or another law's rule has, or a state larger than engines keep. The same file again
-    (imported and loaded, or a copy of it) is no other.
+    TypeError: a name that a general rule or another law's rule has, a state larger than engines keep, or springs that it cannot
+    have. The same file may run again (imported and loaded).
     """
     other = _OWN.get(rule.name)
     if (
@@ -114,22 +119,19 @@ def own_rule(rule: Rule) -> Rule:
         raise TypeError(f"rule {rule.name!r} has a state of {len(rule.state)} numbers, engines store at most {LARGEST_STATE}")
     if rule.curve != "law":
         raise TypeError(f"rule {rule.name!r}: curve must be 'law', got {rule.curve!r}")
+    if rule.springs not in SPRINGS or len(rule.state) < SPRINGS[rule.springs]:
+        known = ", ".join(map(repr, SPRINGS))
+        raise TypeError(
+            f"rule {rule.name!r}: springs = {rule.springs!r} with {len(rule.state)} numbers of state; {known} exist"
+        )
     _OWN[rule.name] = _OF_TAG[type(rule.tag)] = rule
     return rule
 
 
 def _same(one, other):
-    """Whether two types have one name and come from one module, or from files of one content."""
-    if one.__qualname__ != other.__qualname__:
-        return False
-    if one.__module__ == other.__module__:
-        return True
-    files = [getattr(sys.modules.get(kind.__module__), "__file__", None) for kind in (one, other)]
-    try:
-        contents = [Path(file).read_bytes() for file in files if file]
-    except OSError:
-        return False
-    return len(contents) == 2 and contents[0] == contents[1]
+    """Whether two types have one name and come from one module or file."""
+    files = [getattr(sys.modules.get(kind.__module__), "__file__", None) or kind.__module__ for kind in (one, other)]
+    return one.__qualname__ == other.__qualname__ and os.path.realpath(files[0]) == os.path.realpath(files[1])
 
 
 def rule_of(tag_type):

@@ -15,6 +15,19 @@ class Ranks {
 public:
   int me = 0, count = 1;
   virtual ~Ranks() {}
+  // Before the first message: a rank without the plugin stops with an error and waits for the others for ever, and they
+  // for it. Ends the run then.
+  void meet() const {
+    if (count == 1) return;
+    start();
+    for (int n = 0; !arrived(); n++) {
+      if (n == 1000 * PATIENCE)
+        end("demlaws/table: rank " + std::to_string(me) + " has waited for the others for " + std::to_string(PATIENCE) +
+            " s: there is a rank that runs without the plugin; give LD_PRELOAD or LAMMPS_PLUGIN_PATH to all ranks " +
+            "(mpirun -x LD_PRELOAD), as `demlaws liggghts run` and `demlaws lammps run` do");
+      usleep(1000);
+    }
+  }
   // Rank 0's bytes to all.
   void share(std::string &bytes) const {
     if (count == 1) return;
@@ -31,6 +44,10 @@ public:
   }
 
 private:
+  static const int PATIENCE = 10; // [s]
+  virtual void start() const {}   // a barrier that does not block; where all ranks have the same code it is not needed
+  virtual bool arrived() const { return true; }
+  virtual void end(const std::string &why) const { throw std::runtime_error(why); } // ends all ranks, whatever they do
   virtual void broadcast(void *bytes, int size) const = 0;
   virtual void collect(const void *mine, int size, void *all) const = 0;
 };
@@ -40,6 +57,7 @@ private:
 inline const Table &load_table(const Ranks &ranks, const std::string &path) {
   static std::map<std::pair<std::string, uint32_t>, std::unique_ptr<Table>> tables;
   std::string data, problem;
+  ranks.meet();
   if (ranks.me == 0) {
     try {
       data = Table::contents(path);
@@ -79,6 +97,7 @@ struct Law {
   Pair pair;
   Watch watch;
   std::shared_ptr<SpringCurve> springs; // of partial slip
+  double mark = 0.;                     // kept by the contacts that began under this law: never 0
 
   // modulus: E* in the engine's units, of which a metre and a pascal are so many; roughness [m]. Returns a doubt about
   // the modulus, or ""; throws for a pair that the table does not serve.
@@ -88,6 +107,9 @@ struct Law {
     pair = Pair::checked(table, modulus / pascal, roughness);
     pair.in_units(modulus, metre, pascal);
     watch = Watch(pair);
+    // as float: another computer may round a mixed modulus otherwise
+    const float numbers[2] = {(float)(modulus / pascal), (float)roughness};
+    mark = 1. + crc32(table.fingerprint(), (const char *)numbers, sizeof numbers);
     springs.reset();
     if (shear != SLIP_SHEAR) return doubt;
     if (!has_springs(pair.rule))
@@ -100,6 +122,13 @@ struct Law {
     return Compression(pair, springs.get(), radius, overlap, state);
   }
 };
+
+// Of a contact whose mark is another law's.
+inline std::string other_law() {
+  return "this contact began under another law (table, modulus or roughness of its types), whose overlaps it keeps; "
+         "give "
+         "bodies another law while they do not touch, or begin anew from positions (write_data, read_data)";
+}
 
 } // namespace demlaws
 #endif

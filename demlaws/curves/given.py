@@ -1,7 +1,9 @@
 """Tables of users' curves: the parts of the law of a function, or of measured points."""
 
+import contextlib
 import math
 import re
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -10,12 +12,13 @@ import numpy as np
 from demlaws.contact import Contact
 from demlaws.core.loops import bind_params
 from demlaws.curves.function import Called, GivenCurve
-from demlaws.curves.points import MeasuredCurve, residual_overlap
+from demlaws.curves.points import MeasuredCurve, past_plastic_overlap
 from demlaws.curves.saved import definition_of_table
 from demlaws.curves.table import TableCurve
 from demlaws.curves.tabulate import tabulate_given, tolerance
-from demlaws.errors import DemlawsError, warn
+from demlaws.errors import DemlawsError, NotPassive, warn
 from demlaws.laws.registry import registry
+from demlaws.points import Points, columns_of
 from demlaws.units import SMALL_OVERLAP, check_overlaps, number
 
 _REACH = 3.2  # of an unloading curve beyond its table's end, whose last cells are wide where the table is rough
@@ -40,16 +43,18 @@ def from_function(
 
 
 def from_points(
-    overlap, force, contact, unloading, uncertainty, residual, scales_with, rtol, name, description
+    points, contact, unloading, uncertainty, plastic_overlap, scales_with, rtol, name, description
 ) -> tuple[Contact, TableCurve, Any]:
     """(contact, curve, unloading) of `Table.from_points`; the unloading is a `TableCurve` where it is points."""
     definition = _definition(contact, name, description, scales_with)
+    overlap, force = columns_of(points)
     curve = MeasuredCurve(overlap, force, uncertainty)
     check_overlaps(curve.largest, contact.radius)
     table = replace(tabulate_given(curve, definition, contact, rtol), knots=curve.knots)
     _warn_of_other_units(table, contact, curve.largest)
-    if isinstance(unloading, tuple | list) and len(unloading) == 2:
-        past, back, foot = residual_overlap(unloading[0], unloading[1], residual)
+    if _are_points(unloading):
+        overlap, force = columns_of(unloading)
+        past, back, foot = past_plastic_overlap(overlap, force, plastic_overlap)
         other = MeasuredCurve(past, back, None, "unloading")
         top, peak = float(past.max() + foot), float(back.max())
         expected = float(curve.evaluate(np.array([min(top, curve.largest)]))[0][0])
@@ -62,6 +67,26 @@ def from_points(
         other.largest = max(other.largest, _overlap_of(lambda d: other.evaluate(np.array([d]))[0][0], most, float(past.max())))
         unloading = replace(_unloading_table(other, table, contact), knots=other.knots)
     return contact, table, unloading
+
+
+def _are_points(value):
+    """Whether an unloading is neither a rule (a tuple with fields), a law nor a table."""
+    plain = isinstance(value, Points | Mapping | np.ndarray | list) or type(value) is tuple
+    return plain or hasattr(value, "to_numpy")
+
+
+@contextlib.contextmanager
+def along_points(unloading) -> Iterator[None]:
+    """A refusal of measured points of unloading names what helps, beside elastic unloading."""
+    try:
+        yield
+    except NotPassive as error:
+        if not isinstance(unloading, TableCurve):
+            raise
+        raise NotPassive(
+            f"{str(error).partition('; use ')[0]}. If this is noise: fit laws to all points (demlaws fit), whose loading and "
+            "unloading belong together, and tabulate the best; or take 'elastic' unloading"
+        ) from None
 
 
 def _definition(contact, name, description, scales_with):

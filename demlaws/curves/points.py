@@ -273,7 +273,7 @@ def _uncertainty(sigma, departure, smoothed):
     return float(np.sqrt(np.mean(departure**2) / (n - 1)))
 
 
-def residual_overlap(overlap: Any, force: Any, residual: Any = None) -> tuple[np.ndarray, np.ndarray, float]:
+def past_plastic_overlap(overlap: Any, force: Any, plastic_overlap: Any = None) -> tuple[np.ndarray, np.ndarray, float]:
     """Unloading points as overlaps past their foot δp [m], forces [N], and δp.
 
     δp is given, or the largest overlap without force, or where Hertz's straight line in P^(2/3) through the two lowest points
@@ -286,13 +286,15 @@ def residual_overlap(overlap: Any, force: Any, residual: Any = None) -> tuple[np
     if np.unique(overlap[carries]).size < 2:
         raise DemlawsError(f"unloading: {np.unique(overlap[carries]).size} points with a force above 0; at least 2 are needed")
     lowest = float(overlap[carries][0])
-    if residual is not None:
-        foot = number(residual, "residual", "m", -math.inf)
+    if plastic_overlap is not None:
+        foot = number(plastic_overlap, "plastic_overlap", "m", -math.inf)
     elif np.any(~carries & (overlap < lowest)):
         foot = float(np.max(overlap[~carries & (overlap < lowest)]))
     else:
         (d0, d1), (s0, s1) = overlap[carries][:2], np.cbrt(force[carries][:2]) ** 2
         foot = float(d0 - s0 * (d1 - d0) / (s1 - s0)) if s1 > s0 and d1 > d0 else lowest - 1e-3 * float(np.ptp(overlap))
     if not foot < lowest:
-        raise DemlawsError(f"residual = {foot:g} m: unloading still carries {force[carries][0]:g} N at overlap {lowest:g} m")
+        raise DemlawsError(
+            f"plastic_overlap = {foot:g} m: unloading still carries {force[carries][0]:g} N at overlap {lowest:g} m"
+        )
     return overlap[carries] - foot, force[carries], foot

@@ -20,7 +20,7 @@ from demlaws.curves.text import UNLOADING
 from demlaws.errors import DemlawsError, warn
 from demlaws.files import as_path
 from demlaws.laws.definition import Definition, no_limits
-from demlaws.laws.registry import find, mark, registry
+from demlaws.laws.registry import find, registry, source_checksum
 from demlaws.unloading import Unloading
 
 
@@ -56,9 +56,9 @@ def compose(contact: Contact, curve: TableCurve, unloading: Unloading, collapses
         header["yield_area_slope"] = repr(0.75 * shape.bulk.slope)  # by f, not by s^1.5
     if native_rule is not None:
         header |= dict(zip(text.OF_OWN_RULE, (rule.name, f"{zlib.crc32(native_rule):08x} {len(native_rule)}"), strict=True))
-        header["rule_source"] = mark(curve.definition) or "-"
+        header["rule_source"] = source_checksum(curve.definition) or "-"
     elif rule.keys:
-        header |= {key: repr(value) for key, value in zip(rule.keys, unloading.beside, strict=False)}
+        header |= {key: repr(value) for key, value in zip(rule.keys, unloading.rule_parameters, strict=False)}
     along = unloading.curve
     if along is not None:
         about = {
@@ -104,7 +104,7 @@ def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
     if file.unloading is not None:
         unloading = Unloading(rule, curve(UNLOADING, file.unloading, collapses, floor=loading.floor), contact)
     elif rule.curve == "law" and rule.name != values.get("rule"):
-        unloading = Unloading(rule, beside=loading.numbers_beside(rule, [values[key] for key in rule.keys]))
+        unloading = Unloading(rule, rule_parameters=loading.numbers_beside(rule, [values[key] for key in rule.keys]))
     return contact, loading, loading.with_unloading(contact, unloading) if unloading.curve is None else unloading
 
 
@@ -178,7 +178,7 @@ def _rule(file, path):
             f"{path}: its rule {values['rule']!r} belongs to law {values['law']!r}, which is not registered here: name its "
             "file (--law-file FILE.py, dl.load_laws)"
         )
-    if file.header.get("rule_source", "-") not in ("-", mark(definition)):
+    if file.header.get("rule_source", "-") not in ("-", source_checksum(definition)):
         raise DemlawsError(
             f"{path}: law {values['law']!r} has changed since the table was written: use the former law file, "
             "or write the table again"

@@ -130,8 +130,8 @@ class TableCurve:
 
     def with_unloading(self, contact: Contact, unloading: Unloading) -> Unloading:
         """An unloading rule in the form that this table is joined with: with the numbers that a rule of the law reads."""
-        if unloading.rule.curve == "law" and unloading.beside is None:
-            return unloading._replace(beside=self._beside(contact, unloading.rule))
+        if unloading.rule.curve == "law" and unloading.rule_parameters is None:
+            return unloading._replace(rule_parameters=self._beside(contact, unloading.rule))
         return unloading
 
     def numbers_beside(self, rule: Rule, numbers: Any) -> Any:

@@ -5,7 +5,6 @@ import shutil
 import textwrap
 
 from demlaws import granite, plots
-from demlaws.core import cache
 from demlaws.errors import quiet
 from demlaws.files import save_csv
 from demlaws.granite import claims
@@ -31,13 +30,9 @@ def run(arguments):
     tests = granite.TESTS if arguments.test is None else (granite.find_test(arguments.test),)
     names = granite.laws_for_tests() if arguments.law is None else [find(arguments.law).name]
     jobs = [(test, name) for test in tests for name in names]
-    results = cache.shared(
-        jobs,
-        lambda job: granite.run_test(job[1], job[0]),
-        lambda jobs: tqdm(jobs, desc="granite", unit="run", leave=False, disable=None),
-    )
     runs, notes = {}, {}
-    for (test, name), (result, messages) in zip(jobs, results, strict=True):
+    for test, name in tqdm(jobs, desc="granite", unit="run", leave=False, disable=None):
+        result, messages = granite.run_test(name, test)
         runs.setdefault(test.name, []).append(result)
         notes[test.name, name] = messages
     print_tables(tests, runs, notes)
@@ -157,8 +152,4 @@ def draw(out, tests, runs, whole):
         figures.append(("plastic-overlap", pictures.plastic, run_of("RFC10", ROUGH_PLASTIC), run_of("FC5", ROUGH_PLASTIC)))
         figures.append(("effective-radius", pictures.radius))
 
-    def save(figure):
-        name, picture, *arguments = figure
-        return plots.save(picture(*arguments), out / f"{name}.png")
-
-    return list(cache.shared(figures, save))
+    return [plots.save(picture(*arguments), out / f"{name}.png") for name, picture, *arguments in figures]

@@ -105,10 +105,19 @@ ETSION = own_rule(
         "back along Hertz's curve of the radius that Pmax and the law's own contact radius leave",
         ("etsion_overlap", "etsion_power"),
         EtsionNumbers,
+        springs="thornton",
     )
 )
 JACKSON = own_rule(
-    Rule("jackson", Jackson(), _STATE, "law", None, "back along Hertz's curve from the residual overlap of finite elements")
+    Rule(
+        "jackson",
+        Jackson(),
+        _STATE,
+        "law",
+        None,
+        "back along Hertz's curve from the residual overlap of finite elements",
+        springs="thornton",
+    )
 )
 
 NOT_THORNTON = {"thornton": "a limit pressure gives that rule its contact radius; 'etsion' takes this law's own"}

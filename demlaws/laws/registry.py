@@ -22,11 +22,11 @@ from demlaws.laws.definition import Definition, check_name
 GROUP = "demlaws.laws"
 """Entry points of this group, of any installed package, bring laws."""
 VARIABLE = "DEMLAWS_LAWS"
-"""Environment variable with files of laws, as PATH has folders: every process finds them, those that engines start too."""
+"""Environment variable with files of laws, as PATH has folders: every process that has it finds them."""
 _user_laws: dict[str, Definition] = {}
 _homes: dict[str, str] = {}  # law → file or module that registered it
 _marks: dict[str, str] = defaultdict(str)  # law → check value of that file when it registered
-_loaded: set[str] = set()  # files
+_loaded: dict[str, None] = {}  # files, in their order
 _search_done = [False]  # whether entry points and VARIABLE have been followed
 
 
@@ -126,7 +126,7 @@ def register(definition: Definition, replace: bool = False) -> Definition:
 
 def _register(definition: Definition, home: str, replace: bool = False) -> Definition:
     _check(definition)
-    name, home = definition.name, _twin(home)
+    name = definition.name
     if name in _user_laws and _homes[name] != home and not replace:
         raise DemlawsError(
             f"law {name!r} of {home} is already registered by {_homes[name]}: give one of them another name, or register "
@@ -184,7 +184,7 @@ def _check(definition: Any) -> None:
         raise DemlawsError(f"law {name!r}: free names {', '.join(wrong)}, which fitted does not describe")
 
 
-def mark(definition: Definition) -> str:
+def source_checksum(definition: Definition) -> str:
     """Checksum of the functions or of the file of a definition, to distinguish edited versions."""
     if not is_user_defined(definition):
         return ""
@@ -192,15 +192,18 @@ def mark(definition: Definition) -> str:
 
 
 def _reduced(definition: Definition) -> tuple:
-    """Pickled by name: it holds functions that have none, and a law that comes back is to be the same law."""
+    """Pickled by name and file: it holds functions that have no name, and a law that comes back is to be the same law."""
     if definition.name in _BUILT_IN or definition.name in _registered():
-        return _of_name, (definition.name, mark(definition))
+        home = home_of(definition.name)
+        return _of_name, (definition.name, source_checksum(definition), home if home in _loaded else "")
     return Definition, tuple(definition)  # of a table whose law is not here
 
 
-def _of_name(name: str, checksum: str = "") -> Definition:
+def _of_name(name: str, checksum: str = "", file: str = "") -> Definition:
+    if file and name not in laws() and os.path.isfile(file):  # a worker process
+        load_laws(file)
     definition = find(name)
-    if mark(definition) != checksum:
+    if source_checksum(definition) != checksum:
         raise DemlawsError(f"law {name!r} differs from the law that was pickled: make it again")
     return definition
 
@@ -231,8 +234,8 @@ def load_laws(file: str | os.PathLike) -> list[str]:
 
     Notes
     -----
-    A file that is loaded or imported already, also by another name or as a copy, is not run again. Child processes load it,
-    too.
+    A file that is loaded or imported already, also by another path to it, is not run again; a copy of it is refused. Processes
+    that unpickle its laws load it, too, and so do those of YADE that demlaws starts.
 
     Examples
     --------
@@ -245,37 +248,19 @@ def load_laws(file: str | os.PathLike) -> list[str]:
     """
     from demlaws.files import as_path
 
-    path = _twin(os.path.realpath(as_path(file)))
+    path = os.path.realpath(as_path(file))
     module = _imported(path)
     if path not in _loaded and module is not None:  # registered what it calls `register` with; a LAW waits to be
         for definition in _laws_of(module):
             _register(definition, path)
     elif path not in _loaded:
-        _loaded.add(path)
+        _loaded[path] = None
         try:
             _run(path)
         except BaseException:
-            _loaded.discard(path)
+            _loaded.pop(path, None)
             raise
-    # processes that start from here may run in another folder
-    os.environ[VARIABLE] = os.pathsep.join(dict.fromkeys([*map(os.path.realpath, _files()), path]))
     return [name for name, home in _homes.items() if home == path]
-
-
-def _twin(path: str) -> str:
-    """The file that has been loaded, where this one is a copy of it or another link to it; else this one.
-
-    Its laws and rules would else have the names of those loaded. A file that looks where it stands may be another elsewhere.
-    """
-    if path in _loaded or path in _homes.values():
-        return path
-    try:
-        content = Path(path).read_bytes()
-    except OSError:
-        return path  # `_run` says what is wrong with it
-    if b"__file__" in content:
-        return path
-    return next((_homes[law] for law, value in _marks.items() if value == _check_value(content)), path)
 
 
 def _check_value(content: bytes) -> str:
@@ -284,6 +269,12 @@ def _check_value(content: bytes) -> str:
 
 def _files() -> list[str]:
     return [file for file in os.environ.get(VARIABLE, "").split(os.pathsep) if file]
+
+
+def environment() -> dict[str, str]:
+    """What a process that starts from here needs in its environment to find the files of laws, also in another folder."""
+    files = dict.fromkeys([*map(os.path.realpath, _files()), *_loaded])
+    return {VARIABLE: os.pathsep.join(files)} if files else {}
 
 
 def _imported(path: str) -> ModuleType | None:

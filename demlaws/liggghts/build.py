@@ -13,7 +13,7 @@ PACKAGES = "sudo apt install liggghts libliggghts-dev libopenmpi-dev g++"
 
 
 def header_folder():
-    """Folder of demlaws_table.h, the standalone C++11 header that any DEM code can include."""
+    """Folder of demlaws_table.h and the C++11 headers that it includes, for any DEM code."""
     return SHARED
 
 

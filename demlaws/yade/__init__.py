@@ -14,6 +14,7 @@ from demlaws.errors import DemlawsError
 _HOMES = {
     "Law2_ScGeom_MindlinPhys_Demlaws": "functor",
     "BridgeWarning": "functor",
+    "CoefficientWarning": "binding",
     "ShapeWarning": "radii",
     "TimeStepWarning": "functor",
     "ContactState": "contacts",

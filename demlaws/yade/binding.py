@@ -19,6 +19,11 @@ from demlaws.yade.contacts import Totals, is_ours, real_contacts, state_of, with
 from demlaws.yade.pairs import Pairs
 from demlaws.yade.radii import ShapeWarning, body_radius_text
 
+
+class CoefficientWarning(UserWarning):
+    """A script or an engine has changed kno or kso of a contact, which the law writes in each step."""
+
+
 O = yade.O  # noqa: E741  YADE's name
 LOOKS = (2, 3, 12, 102, 1002)  # calls of the guard with a check of every contact and body, which takes time
 REACH = 4.0
@@ -70,15 +75,17 @@ class Binding:
 
     @property
     def account(self):
-        """Dissipation [J] of ended contacts, number of contacts that the law has seen begin and not end, energy [J] of shear
-        that ended contacts have lost."""
-        return float(self.context["banked"]), int(self.context["open"]), float(self.context["banked_shear"])
+        """Dissipation [J] of ended contacts, number of contacts that the law has seen begin and not end, energies [J] of shear
+        and of viscous damping that ended contacts have lost."""
+        shear, viscous = float(self.context["banked_shear"]), float(self.context["banked_viscous"])
+        return float(self.context["banked"]), int(self.context["open"]), shear, viscous
 
     @account.setter
     def account(self, values):
-        self.context["banked"], self.context["open"], self.context["banked_shear"] = values
+        for name, value in zip(("banked", "open", "banked_shear", "banked_viscous"), values, strict=True):
+            self.context[name] = value
 
-    def enter(self, scene, account=(0.0, 0, 0.0)):
+    def enter(self, scene, account=(0.0, 0, 0.0, 0.0)):
         """Begin to act in a scene with this account; the account of a scene that was left continues."""
         if scene != self.left:
             self.account, self.held = account, None
@@ -181,10 +188,14 @@ class Binding:
         self.judge_validity()
         rows = self.rows(real_contacts())
         rows = rows[rows["tag"] > 0]
-        energies, (past, open_count, loss) = self.pairs.energies(rows), self.account
-        shear = (float(rows["held"].sum()), float(rows["lost"].sum()) + loss) if self.attachment else ()
+        energies, (past, open_count, loss, viscous) = self.pairs.energies(rows), self.account
+        more = {}
+        if self.attachment is not None:
+            more = {"shear_stored": float(rows["held"].sum()), "shear_dissipated": float(rows["lost"].sum()) + loss}
+            if self.attachment.layout.knows_velocities:
+                more["viscous"] = float(rows["viscous"].sum()) + viscous
         stored, dissipated = float(energies["stored"].sum()), float(energies["dissipated"].sum()) + past
-        return Totals(stored, dissipated, max(open_count - len(rows), 0), *shear)
+        return Totals(stored, dissipated, max(open_count - len(rows), 0), **more)
 
     def contacts(self, interactions=None):
         """`ContactState` of all real contacts of the scene (or of the given ones); also while the simulation runs."""
@@ -213,6 +224,7 @@ class Binding:
         self.judge_unlisted(self.context.take_unlisted())
         self.judge_shapes()
         self.warn_of_joints()
+        self.warn_of_changes()
         if self.context.take("deep"):
             rows = self.rows(real_contacts())
             self.warn_of_deep(rows[rows["tag"] > 0])
@@ -230,8 +242,9 @@ class Binding:
         Coefficients are not compared: engines of YADE may scale them (TriaxialStressController with internalCompaction).
         """
         contacts = real_contacts()
-        touching = {number for contact in contacts for number in (contact.id1, contact.id2)}
-        for material in {body.material.id: body.material for body in map(O.bodies.__getitem__, touching)}.values():
+        touching = [O.bodies[number] for number in {n for contact in contacts for n in (contact.id1, contact.id2)}]
+        self._judge_densities(touching)
+        for material in {body.material.id: body.material for body in touching}.values():
             if material.young != 0.0:  # 0: a marker, whose contacts have no force
                 for finding in judge(young=material.young, poisson=material.poisson):
                     linear = " (k_s/k_n in YADE's linear laws, not here)" if material.poisson > 0.5 else ""
@@ -244,6 +257,15 @@ class Binding:
                 "since YADE keeps the functor of a contact from its first step. O.interactions.clear() lets all contacts begin "
                 "again, but erases their history (shear forces, plastic overlaps)"
             )
+
+    def _judge_densities(self, bodies):
+        """Warn once per material of a sphere whose mass is not that of a grain; contacts do not use it, the motion does."""
+        for body in bodies:
+            if type(body.shape) is not yade.Sphere or not body.dynamic or body.isClumpMember or not body.shape.radius > 0.0:
+                continue
+            density = body.state.mass / (4.0 / 3.0 * math.pi * body.shape.radius**3)
+            for finding in judge(density=density):
+                self._warn_once(("density", body.material.label), f"body {body.id}, {body.material.label!r}: {finding.text}")
 
     def judge_unlisted(self, bodies):
         """Raise unless two bodies, of whose materials at least one has no surface, are meant to be smooth."""
@@ -295,6 +317,13 @@ class Binding:
             from demlaws.yade.reports import joint_text
 
             warn(f"law {self.label!r}: {joint_text(*self.context.bodies('shared'))}", ShapeWarning)
+
+    def warn_of_changes(self):
+        """Warn once where something else has changed the coefficients of a contact."""
+        if self.context.take("changed"):
+            from demlaws.yade.reports import changed_text
+
+            warn(f"law {self.label!r}: {changed_text(*self.context.bodies('changed'))}", CoefficientWarning)
 
     def warn_of_deep(self, rows):
         """Warn of the contacts beyond SMALL_OVERLAP of their R among rows of `layout.CONTACT`."""

@@ -58,7 +58,7 @@ def main(select=each_once):
     refused = layout.step_refused
     print(
         "contact step: by YADE's own function"
-        + (f": {refused}" if refused else " only where a contact is new, damped or periodic")
+        + (f": {refused}" if refused else " only where a contact is new or the functor has an option")
     )
     print(f"{'all self-tests passed' if not failures else f'{failures} self-tests FAILED'}", end=" ")
     print(f"in {time.perf_counter() - start:.1f} s (a law's first use on a machine compiles, later ones read the cache)")

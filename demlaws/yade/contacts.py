@@ -44,15 +44,16 @@ class Totals(_Energies):
     they had dissipated is not known and is missing in `dissipated`.
     """
 
-    def __new__(cls, stored, dissipated, unaccounted=0, shear_stored=math.nan, shear_dissipated=math.nan):
+    def __new__(cls, stored, dissipated, unaccounted=0, *, shear_stored=math.nan, shear_dissipated=math.nan, viscous=math.nan):
         """A pair of energies, and what else is known of them."""
         totals = super().__new__(cls, stored, dissipated)
         totals.unaccounted, totals.shear_stored, totals.shear_dissipated = unaccounted, shear_stored, shear_dissipated
+        totals.viscous = viscous
         return totals
 
     def __repr__(self):
         missing = f", without the dissipation of {self.unaccounted} erased contacts" if self.unaccounted else ""
-        shear = f"shear_stored={self.shear_stored!r}, shear_dissipated={self.shear_dissipated!r}"
+        shear = f"shear_stored={self.shear_stored!r}, shear_dissipated={self.shear_dissipated!r}, viscous={self.viscous!r}"
         return f"Totals(stored={self.stored!r}, dissipated={self.dissipated!r}, {shear}{missing})"
 
 

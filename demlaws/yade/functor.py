@@ -142,6 +142,16 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         """Stored normal energy [J]; replaces Mindlin's formula, which holds for Hertz only."""
         return self.totals().stored
 
+    @property
+    def shearEnergy(self):
+        """Stored energy of shear [J], as in `totals()`; YADE's sum with calcEnergy would be Mindlin's."""
+        return self.totals().shear_stored
+
+    @property
+    def frictionDissipation(self):
+        """Energy of shear [J] dissipated by friction and by the opening of contacts, as in `totals()`."""
+        return self.totals().shear_dissipated
+
     def restitution(self, first, second, speed, en=None):
         """Rebound over impact speed of two bodies (`O.bodies[n]`) that collide head-on at `speed` [m/s], under this law and the
         damping of `Ip2_FrictMat_FrictMat_MindlinPhys(en=en)`; below `en` if the law dissipates. Masses are those of the bodies:

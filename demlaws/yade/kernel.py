@@ -156,6 +156,15 @@ def note_shared(context, interaction):
 
 
 @rare
+def note_changed(context, interaction):
+    """Note a contact of which something else has changed kno or kso, which the law writes."""
+    context.changed_body1 = interaction.id1
+    context.changed_body2 = interaction.id2
+    context.changed = SEEN
+    alarm(context)
+
+
+@rare
 def check_depth(context, row, overlap):
     """TOO_DEEP for an overlap beyond LARGEST_OVERLAP of R, else 0. The guard reports the first one beyond SMALL_OVERLAP."""
     if row.modulus == 0.0:
@@ -304,6 +313,7 @@ def initialise_contact(context, pairs, row, geom, phys, interaction):
     number = array(context.pair_numbers, (context.surfaces, context.surfaces), np.int64)[first, second]
     pair = pairs[number]
     row.radius, row.modulus, row.ratio, row.tag = radius, modulus, 0.0, number + 1.0
+    row.written = phys.kno + phys.kso
     add_integer(context.open.ctypes.data, 1)
     if phys.kno == 0.0:
         return number  # a marker
@@ -328,12 +338,16 @@ def row_number(context, code, phys, rows):
 
 @kernel
 def free_row(context):
-    """Number of a row that no contact has; -1: there is none."""
+    """Number of a row that no contact has; -1: there is none. The guard looks for more before they are used up."""
     if context.free_taken[0] < context.free_count:
         place = add_integer(context.free_taken.ctypes.data, 1)
+        if place == context.collect_at:
+            alarm(context)
         if place < context.free_count:
             return array(context.free, context.free_count, np.int64)[place]
     number = add_integer(context.rows_used.ctypes.data, 1)
+    if number >= context.collect_at and context.free_count == 0:
+        alarm(context)
     return number if number < context.capacity else -1
 
 
@@ -372,7 +386,8 @@ def end_contact(kind, rule, context, pair, row, state):
     dissipated = energies(kind, rule, pair, row.radius, row.modulus, 0.0, state)[1]
     add_float(context.banked.ctypes.data, dissipated)
     add_float(context.banked_shear.ctypes.data, row.lost)
-    row.lost = 0.0
+    add_float(context.banked_viscous.ctypes.data, row.viscous)
+    row.lost = row.viscous = 0.0
 
 
 # --- the step
@@ -456,8 +471,11 @@ def act(kind, params_kind, shear, mode, rule, own, pair_dtype, row_dtype, contex
         # without a guard, which would stop the run, propagate NaN
         force, stiffness, sideways, new = 0.0 if context.alarm != 0 else math.nan, 0.0, 0.0, old
     tangential = 0.0
+    if abs(phys.kno + phys.kso - row.written) > 1e-9 * row.written and context.changed == layout.UNSEEN:
+        note_changed(context, interaction)
     if overlap > 0.0:
         phys.kno, phys.kso = coefficients(force, sideways, overlap, row.ratio)
+        row.written = phys.kno + phys.kso
         tangential = phys.kso * math.sqrt(overlap)
     elif overlap - overlap != 0.0:
         note_fault(context, layout.NOT_FINITE, interaction, overlap)  # NaN: a body's position is not finite

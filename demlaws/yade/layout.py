@@ -14,7 +14,7 @@ BODY_RADIUS, BODY_RADIUS_MEANT, CURVATURE_RADIUS, FUNCTION_RADIUS = 0, 1, 2, 3
 """Values of `radius_mode`."""
 
 UNSEEN, SEEN, REPORTED = 0, 1, 2
-"""Values of the notes `deep`, `unknown_shape` and `shared`."""
+"""Values of the notes `deep`, `unknown_shape`, `shared` and `changed`."""
 
 MOST_CLASSES = 8
 """Classes of geometry or shapes of which a context can have the tables of virtual functions."""
@@ -32,6 +32,7 @@ _TABLES = (
     "generation",  # drawn at random, part of the code of a row: a row of another process is not taken
     "free",  # address of numbers of rows that may be used again
     "free_count",
+    "collect_at",  # number of a row, or place in `free`, at which the guard looks for rows of contacts that have ended
     "shapes",  # address of SHAPE of each body
     "shape_count",
     "normal_offset",  # of ScGeom [bytes]
@@ -42,6 +43,8 @@ _CHOICES = (
     "plane_flats",  # 1: R of a sphere on a facet, wall or box is the sphere's radius
     "radius_mode",
     "own_step",  # 1: where possible a contact step without the native function (`mindlin`), 0: never
+    "own_damping",  # the same of contacts with viscous damping
+    "own_period",  # the same in a periodic scene
     "may_be_unlisted",  # 1: materials without a surface are meant so
 )
 _NOTES = (  # of native code for the guard
@@ -58,6 +61,9 @@ _NOTES = (  # of native code for the guard
     "shared",  # a contact with the physics of another one
     "shared_body1",
     "shared_body2",
+    "changed",  # a contact of which something else has changed kno or kso
+    "changed_body1",
+    "changed_body2",
     "deep",  # a contact was beyond SMALL_OVERLAP of its R
     "new_contacts",  # contacts have begun whose R a Python function gives
     "shapes_stale",
@@ -76,16 +82,17 @@ def _context():
     fields += [*[(name, "i8") for name in _NOTES], ("fault_value", "f8"), ("deep_radius", "f8"), ("apart_too", "i8", (8,))]
     # sums of all threads, each an array of one so that it has an address
     fields += [("open", "i8", (1,)), ("rows_used", "i8", (1,)), ("free_taken", "i8", (1,))]
-    fields += [("banked", "f8", (1,)), ("banked_shear", "f8", (1,))]
+    fields += [(name, "f8", (1,)) for name in ("banked", "banked_shear", "banked_viscous")]
     return np.dtype(fields)
 
 
 CONTEXT = _context()
 
 # A contact's history: overlap of the last step [m], K_t/K, pair number + 1 (0: no contact), R [m], E* [Pa], state of the
-# unloading rule; K_t of the last step [N/m], the energy of shear that the contact stores and that it has lost [J].
+# unloading rule; K_t of the last step [N/m], the energy of shear that the contact stores and that it has lost, that it has lost
+# by viscous damping [J]; kno + kso as written in the last step.
 _HISTORY: list = [(name, "f8") for name in ("overlap", "ratio", "tag", "radius", "modulus")]
-_HISTORY += [("state", "f8", (3,)), *[(name, "f8") for name in ("shear", "held", "lost")]]
+_HISTORY += [("state", "f8", (3,)), *[(name, "f8") for name in ("shear", "held", "lost", "viscous", "written")]]
 CONTACT = np.dtype(_HISTORY)
 RESPONSE = np.dtype([(name, "f8") for name in ("kno", "kso", "tangent", "force")])
 ENERGY = np.dtype([(name, "f8") for name in ("stored", "dissipated")])
@@ -196,6 +203,6 @@ class Context:
 
     def forget(self):
         """Clear all notes of native code."""
-        for name in ("fault", "unlisted", "deep", "unknown_shape", "shared"):
+        for name in ("fault", "unlisted", "deep", "unknown_shape", "shared", "changed"):
             self[name] = 0
         self["shapes_stale"] = self["new_contacts"] = 1

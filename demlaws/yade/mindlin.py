@@ -135,13 +135,14 @@ def approach_velocity(scene, geom, interaction, first, second):
 
 
 @kernel
-def damped_force(context, contact, law, geom, phys, first, second, size):
-    """Normal force [N] less its viscous part, of which the force is at most; writes both. size: without damping [N]."""
+def damped_force(contact, law, geom, phys, row, first, second, size):
+    """Normal force [N] less its viscous part, which is at most as large; writes both. size: without damping [N]."""
     scene = view(law.scene, objects.Scene)
     interaction = view(contact.interaction, objects.Interaction)
     coefficient = 2.0 * sqrt(reduced_mass(first, second) * phys.kn) * phys.betan
-    viscous = min(coefficient * approach_velocity(scene, geom, interaction, first, second), size)
-    normal = vector(geom.normal)
+    velocity, normal = approach_velocity(scene, geom, interaction, first, second), vector(geom.normal)
+    viscous = min(coefficient * velocity, size)
+    row.viscous += viscous * velocity * scene.dt
     assign(phys.normalViscous, scaled(viscous, normal))
     assign(phys.normalForce, scaled(size - viscous, normal))
     return size - viscous
@@ -162,10 +163,9 @@ def apply_forces(context, contact, law, geom, interaction, first, second, force)
 
 
 @kernel
-def own_step(mode, context, contact, row):
+def own_step(mode, context, contact, geom, phys, row):
     """The native law for a contact that `handles`."""
     law = view(contact.functor - context.functor_offset, objects.Functor)
-    geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
     interaction = view(contact.interaction, objects.Interaction)
     first = view(body_of(context, interaction.id1, law.scene).state, objects.State)
     second = view(body_of(context, interaction.id2, law.scene).state, objects.State)
@@ -176,7 +176,7 @@ def own_step(mode, context, contact, row):
     assign(phys.normalForce, scaled(normal_force, vector(geom.normal)))
     damped = phys.betan != 0.0 or phys.betas != 0.0
     if damped:
-        normal_force = damped_force(context, contact, law, geom, phys, first, second, normal_force)
+        normal_force = damped_force(contact, law, geom, phys, row, first, second, normal_force)
     increment = vector(geom.shearInc)
     shear_force = trial_force(mode, context, geom, phys, row, increment)
     stretch = minus_scaled(turned(context, geom, vector(phys.usElastic)), 1.0, increment)
@@ -192,6 +192,7 @@ def own_step(mode, context, contact, row):
         scene = view(law.scene, objects.Scene)
         coefficient = 2.0 * sqrt(reduced_mass(first, second) * phys.ks) * phys.betas
         viscous = scaled(coefficient / scene.dt, increment)
+        row.viscous += dot(viscous, increment)
     phys.isSliding = sliding
     assign(phys.shearElastic, shear_force)
     assign(phys.usElastic, stretch)
@@ -203,18 +204,31 @@ def own_step(mode, context, contact, row):
     return 1
 
 
+def exponent_of_damping(phys):
+    """Exponent of another kind of viscous damping, which some versions of YADE have; 0: not used."""
+
+
+@overload(exponent_of_damping, jit_options=INLINED)
+def _exponent_of_damping(phys):
+    if "damping_exponent" in phys.fields:
+        return lambda phys: phys.damping_exponent
+    return lambda phys: 0.0
+
+
 @kernel
-def handles(context, contact, row):
-    """Whether `own_step` does what the native law would do: the functor has no option, the contact is not new, and no other
-    contact has its physics."""
+def handles(context, contact, geom, phys, row):
+    """Whether `own_step` does what the native law would do: the functor has no option, the contact is not new, no other contact
+    has its physics, and the self-test has passed for its damping and its cell."""
+    if not (context.own_step != 0 and geom.penetrationDepth > 0.0 and row.overlap > 0.0):
+        return False
     law = view(contact.functor - context.functor_offset, objects.Functor)
-    overlap = view(contact.geom, objects.ScGeom).penetrationDepth
+    damped, periodic = phys.betan != 0.0 or phys.betas != 0.0, view(law.scene, objects.Scene).isPeriodic != 0
     return (
-        context.own_step != 0
-        and overlap > 0.0
-        and row.overlap > 0.0
-        and row.interaction == contact.interaction
+        row.interaction == contact.interaction
         and law.options == 0
+        and exponent_of_damping(phys) == 0.0
+        and (context.own_damping != 0 or not damped)
+        and (context.own_period != 0 or not periodic)
     )
 
 
@@ -236,6 +250,18 @@ def trial_of_one_spring(context, geom, phys, increment):
     return minus_scaled(turned(context, geom, vector(phys.shearElastic)), phys.ks, increment)
 
 
+@kernel
+def viscous_loss(context, contact, geom, phys):
+    """Energy [J] that the viscous forces of the native law's own step have taken."""
+    law = view(contact.functor - context.functor_offset, objects.Functor)
+    scene, interaction = view(law.scene, objects.Scene), view(contact.interaction, objects.Interaction)
+    first = view(body_of(context, interaction.id1, law.scene).state, objects.State)
+    second = view(body_of(context, interaction.id2, law.scene).state, objects.State)
+    along = dot(vector(phys.normalViscous), vector(geom.normal))
+    loss = along * approach_velocity(scene, geom, interaction, first, second) * scene.dt
+    return loss + dot(vector(phys.shearViscous), vector(geom.shearInc))
+
+
 def advance(step, mode, context, contact, row):
     """Mindlin's law; returns whether the contact lasts."""
 
@@ -246,9 +272,13 @@ def _advance(step, mode, context, contact, row):
         return lambda step, mode, context, contact, row: native_step(mode, context, contact, row)
 
     def either(step, mode, context, contact, row):
-        if handles(context, contact, row):
-            return own_step(mode, context, contact, row)
-        return native_step(mode, context, contact, row)
+        geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
+        if handles(context, contact, geom, phys, row):
+            return own_step(mode, context, contact, geom, phys, row)
+        keep = native_step(mode, context, contact, row)
+        if geom.penetrationDepth > 0.0 and (phys.betan != 0.0 or phys.betas != 0.0 or exponent_of_damping(phys) != 0.0):
+            row.viscous += viscous_loss(context, contact, geom, phys)
+        return keep
 
     return either
 

@@ -57,6 +57,10 @@ ROTATE = f"_ZNK4yade6ScGeom6rotateE{CONST_VECTOR.replace('K', '', 1)}"
 APPLY = f"_ZN4yade10LawFunctor24applyForceAtContactPointE{CONST_VECTOR}S5_iS5_iS5_"
 OPTIONS = ("includeAdhesion", "calcEnergy", "includeMoment", "neverErase")
 """Options of Mindlin's law with which `mindlin.own_step` is not used."""
+DAMPING_EXPONENTS = ("alpha", "beta")
+"""Names that MindlinPhys had for the exponent of another viscous damping."""
+OWN = ("own_step", "own_damping", "own_period")
+"""Fields of the context by which contacts without damping, with damping and in periodic scenes do without the native `go`."""
 NOT_TRIED = "not tried"
 SINGLE_BASE = "_ZTVN10__cxxabiv120__si_class_type_infoE"
 ROUND_SHAPES = ("Sphere", "GridNode", "GridConnection", "PFacet", "ChainedCylinder")
@@ -66,7 +70,7 @@ GEOMETRIES = ("ScGeom", "ScGeom6D", "ScGridCoGeom", "CylScGeom", "CylScGeom6D", 
 MOST_ROWS = 2**23
 """Contacts that a law can act on at a time: the address space of their rows is reserved, memory is used as they are made."""
 FEW_ROWS = 1024
-"""Rows beside twice those in use that are made before rows are looked for that may be used again."""
+"""Rows that are made before rows are looked for that may be used again."""
 COPIED = 64  # words of a virtual table that are copied; Mindlin's has 8
 
 MAP_NORESERVE = 0x4000  # of Linux; Python 3.11 has no name for it
@@ -118,6 +122,7 @@ class Layout:
             self.step, self.step_refused = mindlin.OwnStep(), NOT_TRIED  # the self-test decides
             found = {name: found.get(name, {}) | further.get(name, {}) for name in {**found, **further}}
         self.addresses["normal_offset"] = found["ScGeom"]["normal"][-1]
+        self.allowed = dict.fromkeys(OWN, 0)  # by the self-test
         objects.define(**found)
         self.interaction = objects.Interaction
 
@@ -196,6 +201,8 @@ class Layout:
         if options != list(range(options[0], options[0] + 4)):
             raise BridgeUnavailable(f"{LAW} has its options at {options}")
         self.addresses |= {"apply_force": symbol(self.library, APPLY), "functor_offset": self.slot[0]}
+        exponents = [name for name in DAMPING_EXPONENTS if hasattr(yade.MindlinPhys, name)]
+        exponent = {"damping_exponent": ("f8", find_number(yade.MindlinPhys, exponents[0]))} if exponents else {}
         vectors = ("shearForce", "shearViscous", "normalViscous", "usElastic", "usTotal")
         return {
             "Functor": {"scene": ("i8", find_word(functor, scene)), "options": ("u4", options[0])},
@@ -206,6 +213,7 @@ class Layout:
             },
             "Cell": {"hSize": ("f8", (3, 3), find_cell_size(O.cell)), "shiftVelocity": ("f8", (3, 3), find_shift_velocity())},
             "MindlinPhys": {name: ("f8", find_number(yade.MindlinPhys, name)) for name in ("ks", "betan")}
+            | exponent
             | {name: (*objects.VECTOR, find_vector(yade.MindlinPhys, name)) for name in vectors},
             "State": {name: (*objects.VECTOR, find_vector(yade.State, name)) for name in ("vel", "angVel")}
             | {"mass": ("f8", find_number(yade.State, "mass")), "blockedDOFs": ("u4", find_degrees_of_freedom())},
@@ -250,6 +258,11 @@ class Layout:
         if len(slots) != 1:
             raise BridgeUnavailable(f"the virtual function go of {LAW} was found at {len(slots)} places, not one")
         return slots[0]
+
+    @property
+    def knows_velocities(self):
+        """Whether the work of viscous forces is known."""
+        return isinstance(self.step, mindlin.OwnStep)
 
     @property
     def untested(self):
@@ -319,7 +332,6 @@ class Attachment:
     def __init__(self, pairs):
         self.layout, self.context = find_layout(), layout.Context()
         self._fill_context(pairs)
-        self._rows_in_use = 0  # rows that were in use when `collect` last looked
         self.saved_dtype = pairs.saved
         self._pairs, self._runner = pairs, None  # referenced: native code reads the pairs and writes into the runner
         self.rows, self._free = _reserve(MOST_ROWS, pairs.row), np.zeros(0, np.int64)
@@ -343,7 +355,9 @@ class Attachment:
         for name, classes in (("geometry", found.geometries), ("round_shape", found.round_shapes)):
             context[f"{name}_classes"][: len(classes)] = classes
             context[f"{name}_count"] = len(classes)
-        context["own_step"] = found.step_refused is None
+        for name in OWN:
+            context[name] = found.allowed[name]
+        context["collect_at"] = FEW_ROWS
         context["generation"] = 1 + int.from_bytes(os.urandom(3), "little")
         context["surfaces"], context["label_hashes"] = len(pairs.labels), pairs.hashes.ctypes.data
         context["pair_numbers"], context["pairs"] = pairs.numbers.ctypes.data, pairs.records.ctypes.data
@@ -404,22 +418,24 @@ class Attachment:
         contact_phys.prevU = yade.Vector3(0.0, -code if kernel.fill_row(self._pairs.kind, row, pair) else code, 0.0)
 
     def collect(self, contacts):
-        """Between steps: make rows of contacts that have ended or were erased free again, once they are the larger part.
+        """Between steps: make rows of contacts that have ended or were erased free again, before the free ones are used up.
 
         contacts: function of all contacts of the one scene in which the law has acted, or None.
         """
         context = self.context
         count = int(context["rows_used"])
-        if context["free_taken"] < context["free_count"] or count < 2 * self._rows_in_use + FEW_ROWS:
+        if (context["free_taken"] if context["free_count"] else count) < context["collect_at"]:
             return
         live = self.rows["tag"][:count] != 0.0
         if contacts is not None and 2 * live.sum() > count:
-            mine = self._numbers(contacts())
-            live = np.isin(np.arange(count), mine)
+            live = np.isin(np.arange(count), self._numbers(contacts()))
             self.rows[:count][~live] = np.zeros((), self.rows.dtype)
-        self._free = np.flatnonzero(~live)
-        context["free"], context["free_count"], context["free_taken"] = self._free.ctypes.data, len(self._free), 0
-        self._rows_in_use = max(int(live.sum()), count // 4)
+        free = np.flatnonzero(~live)
+        if 8 * len(free) < count:  # not worth it: take new rows until there are half as many again
+            free = free[:0]
+        self._free, context["free"] = free, free.ctypes.data
+        context["free_count"], context["free_taken"] = len(free), 0
+        context["collect_at"] = len(free) - len(free) // 8 if len(free) else count + count // 2 + FEW_ROWS
 
     def set_radius(self, contact, radius):
         """Give a contact that the law has seen another R, and its row what follows from it."""
@@ -431,7 +447,7 @@ class Attachment:
         """All contacts are gone."""
         for name in ("rows_used", "free_count", "free_taken"):
             self.context[name] = 0
-        self._rows_in_use = 0
+        self.context["collect_at"] = FEW_ROWS
 
     def watch_itself(self):
         """Act without a guard, for a test: who calls this looks for faults."""

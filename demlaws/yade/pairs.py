@@ -32,6 +32,8 @@ EVERY = "*"
 """In place of a label: every material whose label is not listed."""
 FLATS = ("yade", "plane")
 MOST_LEVELS = 8
+LARGEST_SHEAR_RATIO = 4.0 / 3.0
+"""K_t/K of Poisson's ratio -1."""
 NOMINAL = {"radius": (5e-3, 5e-3), "modulus": (30e9, 30e9)}
 """Effective radius [m] and modulus [Pa] with which a law is made and checked where YADE's contacts are not known yet."""
 
@@ -78,10 +80,10 @@ def _surface(label, value):
         raise DemlawsError(f"surfaces[{label!r}] must be a demlaws.Surface, got {value!r} ({error})") from None
 
 
-class Source:
+class LawSource:
     """What a user gave as a law: a name with options, a `Law`, a `Table`, or the path of a saved table.
 
-    curve: the `Source` of the law to unload along, on a contact whose R, E* and σ are `ratios` of the law's own. (A table
+    curve: the `LawSource` of the law to unload along, on a contact whose R, E* and σ are `ratios` of the law's own. (A table
     holds its own.)
     """
 
@@ -104,14 +106,14 @@ class Source:
         self.definition = law.definition if isinstance(law, Law) else find(self.name)
         self.unloading = getattr(law, "unloading", self.definition.default_unloading)
         if self.table is None and self.unloading == GIVEN:
-            self.curve, self.ratios = Source(law.unloading_law, {}), tuple(law.shape[2:])
+            self.curve, self.ratios = LawSource(law.unloading_law, {}), tuple(law.shape[2:])
 
     def unload_along(self, curve):
         """Unload along a law or a `Table`, on the contact's own surfaces."""
         if self.table is not None:
             self.table = self.table.joined(curve)
         else:
-            self.curve, self.ratios = Source(curve, {}), (1.0, 1.0, 1.0)
+            self.curve, self.ratios = LawSource(curve, {}), (1.0, 1.0, 1.0)
         self.unloading = GIVEN
 
     @property
@@ -229,7 +231,7 @@ class Source:
 class Pairs:
     """Laws between labelled surfaces. Number 0 stands for every material whose label is not listed: smooth.
 
-    law: see `Source`, or a dict (label, label) → one of those, "" standing for unlisted materials. Of two surfaces
+    law: see `LawSource`, or a dict (label, label) → one of those, "" standing for unlisted materials. Of two surfaces
     σ² = Sq1² + Sq2² and so on as in `Surface.combined`. A pair of smooth surfaces is Hertz unless the law means more than
     roughness (a yielding bulk). labels, hashes, numbers (pair of surfaces → record) and records are what `kernel.act`
     reads; shapes and roughnesses are those of each record, None for Hertz. spans: (label, label) → `Span`, or a function of
@@ -252,8 +254,6 @@ class Pairs:
         shear_ratio=None,
         radius=None,
     ):
-        if not isinstance(shear, str) or shear not in MODES:
-            raise DemlawsError(f"shear must be {', '.join(map(repr, MODES))}, got {shear!r:.60}")
         if isinstance(surfaces, Surface):
             surfaces = {EVERY: surfaces}
         if not isinstance(surfaces, dict | None):
@@ -264,10 +264,7 @@ class Pairs:
         if flats not in FLATS:
             raise DemlawsError(f'flats must be "plane" (R of a sphere on a flat is its radius) or "yade", got {flats!r}')
         self.smooth, self.flats = bool(smooth), flats
-        self.shear_name, self.mode, self.shear = shear, MODES[shear], CHOICES[shear if shear in CHOICES else DEFAULT].tag
-        self.springs = SPRINGS if shear == SLIP else 0
-        self.levels = self._levels(levels)
-        self.shear_ratio = None if shear_ratio is None else number(shear_ratio, "shear_ratio", high=4.0 / 3.0)
+        self._choose_shear(shear, levels, shear_ratio)
         self.surfaces = {label: _surface(label, value) for label, value in (surfaces or {}).items()}
         self.everywhere = self.surfaces.pop(EVERY, None)
         self.labels = ["", *self.surfaces]
@@ -279,10 +276,10 @@ class Pairs:
             if not law:
                 raise DemlawsError("law: an empty dict names no law; give a law, or a dict (label, label) → law")
             self.default = None
-            self.special = {self._key(pair): self._source(one, options) for pair, one in law.items()}
-            rules = {source.unloading for source in self.special.values()}
+            self.by_pair = {self._key(pair): self._source(one, options) for pair, one in law.items()}
+            rules = {source.unloading for source in self.by_pair.values()}
         else:
-            self.default, self.special = self._source(law, options), {}
+            self.default, self.by_pair = self._source(law, options), {}
             rules = {self.default.unloading}
             if isinstance(law, Law) and not (self.surfaces or self.everywhere or self.smooth):
                 raise DemlawsError("give surfaces={label: demlaws.Surface(...)} for the materials that the law is for")
@@ -302,25 +299,26 @@ class Pairs:
             raise DemlawsError("the pairs of surfaces need laws of one kind, or all tables")
         self.hashes = np.array([0] + [layout.label_hash(label) for label in self.surfaces], np.int64)
 
-    def _levels(self, levels):
-        """Number of levels of the shear model; 0: it has none."""
-        if not isinstance(self.mode, Levels):
-            if levels is not None:
-                raise DemlawsError(f"shear={self.shear_name!r} has no levels: leave out levels={levels!r}")
-            return 0
-        if levels is None:
-            return DEFAULT_LEVELS
-        if isinstance(levels, bool) or not isinstance(levels, Integral) or not 1 <= levels <= MOST_LEVELS:
+    def _choose_shear(self, shear, levels, ratio):
+        if not isinstance(shear, str) or shear not in MODES:
+            raise DemlawsError(f"shear must be {', '.join(map(repr, MODES))}, got {shear!r:.60}")
+        self.shear_name, self.mode, self.shear = shear, MODES[shear], CHOICES[shear if shear in CHOICES else DEFAULT].tag
+        self.springs, in_levels = SPRINGS if shear == SLIP else 0, isinstance(self.mode, Levels)
+        if not in_levels and levels is not None:
+            raise DemlawsError(f"shear={shear!r} has no levels: leave out levels={levels!r}")
+        count = DEFAULT_LEVELS if levels is None else levels
+        if isinstance(count, bool) or not isinstance(count, Integral) or not 1 <= count <= MOST_LEVELS:
             raise DemlawsError(f"levels must be a whole number from 1 to {MOST_LEVELS}, got {levels!r:.60}")
-        return int(levels)
+        self.levels = int(count) if in_levels else 0
+        self.shear_ratio = None if ratio is None else number(ratio, "shear_ratio", high=LARGEST_SHEAR_RATIO)
 
     @staticmethod
     def _source(law, options):
-        return law if isinstance(law, Source) else Source(law, options)
+        return law if isinstance(law, LawSource) else LawSource(law, options)
 
     @property
     def _sources(self):
-        return [source for source in (self.default, *self.special.values()) if source is not None]
+        return [source for source in (self.default, *self.by_pair.values()) if source is not None]
 
     def _key(self, pair):
         if not isinstance(pair, tuple) or len(pair) != 2:
@@ -343,7 +341,7 @@ class Pairs:
                 self.numbers[i, j] = self.numbers[j, i] = len(self.shapes)
                 pair = surfaces[i].combined(surfaces[j])
                 labels = self.labels[j], self.labels[i]
-                self.combined.append((pair, self.special.get(tuple(sorted(labels)), self.default)))
+                self.combined.append((pair, self.by_pair.get(tuple(sorted(labels)), self.default)))
                 shape, only_for = self._pair(pair, labels, widened)
                 self.shapes.append(shape)
                 self.only_for.append(only_for)
@@ -390,7 +388,7 @@ class Pairs:
         return span.radius[1], span.modulus[1]
 
     def _pair(self, surface, labels, widened):
-        source = self.special.get(tuple(sorted(labels)), self.default)
+        source = self.by_pair.get(tuple(sorted(labels)), self.default)
         complete = all(labels) or self.everywhere is not None or self.smooth
         if source is None:
             if surface.roughness == 0.0:
@@ -454,7 +452,7 @@ class Pairs:
         """`Limit`s of the law of a record for a contact of this R [m] and E* [Pa]."""
         surface, source = self.combined[number]
         if self.shapes[number] is None:
-            source = Source(HERTZ, {})
+            source = LawSource(HERTZ, {})
         dimension = 2.0 if surface.fractal_dimension is None and surface.roughness == 0.0 else surface.fractal_dimension
         with quiet():  # of the roughness
             contact = Contact(radius, modulus, surface.roughness, dimension, surface.hardness)
@@ -491,7 +489,7 @@ class Pairs:
             "spans": [[a, b, *span] for (a, b), span in self._known_spans()],
             "surfaces": {label: vars(surface) for label, surface in self.all_surfaces().items()},
             "default": self.default and self.default.as_dict(),
-            "special": [[*pair, source.as_dict()] for pair, source in self.special.items()],
+            "special": [[*pair, source.as_dict()] for pair, source in self.by_pair.items()],
             "smooth": self.smooth,
             "flats": self.flats,
             "shear": self.shear_name,
@@ -535,9 +533,9 @@ class Pairs:
                 "the scene was saved by a former version of demlaws, whose contacts have another history of shear: continue it "
                 "with that version, or take its bodies into a new scene"
             )
-        law = {(a, b): Source.from_dict(one) for a, b, one in content["special"]}
+        law = {(a, b): LawSource.from_dict(one) for a, b, one in content["special"]}
         if content["default"]:
-            law = Source.from_dict(content["default"])
+            law = LawSource.from_dict(content["default"])
         spans = {(a, b): Span(tuple(radius), tuple(modulus), *meets) for a, b, radius, modulus, *meets in content["spans"]}
         options = {name: content[name] for name in ("smooth", "flats", "shear", "shear_ratio")}
         options["levels"] = content["levels"] or None

@@ -103,11 +103,17 @@ def step(binding):
     for n, ((_, phys, _), (kno, kso, *_)) in enumerate(zip(memory.objects, answer.tolist(), strict=True)):
         if forces is not None:
             phys.shearElastic = yade.Vector3(*forces[n])
+        written = rows["written"][n]
+        if abs(phys.kno + phys.kso - written) > 1e-9 * written and context["changed"] == layout.UNSEEN:
+            context["changed"] = layout.SEEN
+            context["changed_body1"], context["changed_body2"] = memory.keys[n][:2]
         if rows["overlap"][n] > 0.0:
             phys.kno, phys.kso = kno, kso
+            rows["written"][n] = kno + kso
     rows["shear"] = stiffness
     memory.tangents = answer["tangent"].tolist()
     binding.warn_of_shapes()
+    binding.warn_of_changes()
 
 
 def _stop(binding, bodies, kind, value, radius=None):
@@ -138,7 +144,7 @@ def initialise_contact(binding, contact, row):
         if pairs.roughnesses[number] > LARGEST_ROUGHNESS * row["radius"]:
             _stop(binding, bodies, layout.TOO_ROUGH, row["radius"])
         row["ratio"] = pairs.shear_ratio or phys.kso / (1.5 * phys.kno)
-    row["tag"], row["normal"] = number + 1, tuple(geom.normal)
+    row["tag"], row["normal"], row["written"] = number + 1, tuple(geom.normal), phys.kno + phys.kso
     phys.prevU = yade.Vector3(0, row["tag"], 0)
     binding.context["open"] += 1
 

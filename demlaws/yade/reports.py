@@ -75,9 +75,12 @@ def fault_text(binding, kind, first, second, value, radius=None):
     if kind == layout.TOO_ROUGH:
         labels = [stone.label for stone in stones]
         return f" ({labels[0]!r} on {labels[1]!r}): {binding.roughness_text(*labels, value)}"
+    if value != value:
+        places = " and ".join(f"{number} at {tuple(O.bodies[number].state.pos)} m" for number in (first, second))
+        return f": a position is not finite, bodies {places}: take a smaller time step, or check what the script did to them"
     return (
         f" at overlap {value:g} m: the law gives no finite force there (a table ends, its radius or modulus is outside "
-        "those that the law was made for, or the overlap is not finite): make the table for larger forces, give radii=… "
+        "those that the law was made for, or the overlap is infinite): make the table for larger forces, give radii=… "
         "and moduli=…, or take a smaller time step"
     )
 
@@ -96,8 +99,11 @@ def describe(binding):
     else:
         where = f"{int((binding.memory.rows_of(real_contacts())['tag'] > 0).sum())} contacts of {count}"
     reason = f" ({binding.reason})" if binding.reason else ""
+    pairs = binding.pairs
+    shear = f"shear {pairs.shear_name}" + (f" in {pairs.levels} levels" if pairs.levels else "")
+    shear += "" if pairs.shear_ratio is None else f", K_t/K {pairs.shear_ratio:g}"
     smooth = ", meant smooth" if binding.pairs.smooth else ""
-    return f"{binding.pairs.name}; surfaces: {surfaces or 'none' + smooth}; {binding.bridge} bridge{reason}; {where}"
+    return f"{binding.pairs.name}; {shear}; surfaces: {surfaces or 'none' + smooth}; {binding.bridge} bridge{reason}; {where}"
 
 
 def joint_text(first, second):
@@ -106,6 +112,15 @@ def joint_text(first, second):
         f"contact {first}+{second} has the physics of another one: a sphere passes a joint of "
         "GridConnections or ChainedCylinders. YADE applies Mindlin's force, native or ours, in both contacts: the "
         "sphere gets it twice until it leaves the chain, with CylScGeom6D even longer"
+    )
+
+
+def changed_text(first, second):
+    """Message about a contact whose coefficients something else has changed."""
+    return (
+        f"kno or kso of contact {first}+{second} was changed by the script or an engine, without effect: the law writes both "
+        "in each step, from R, E* and surfaces. Give radius=… or other materials for another force, shear_ratio=… for another "
+        "K_t, or use Law2_ScGeom_MindlinPhys_Mindlin"
     )
 
 

@@ -57,6 +57,7 @@ def environment():
     import numpy
 
     import demlaws
+    from demlaws.laws import registry
 
     version = python_of(executable())
     if version is not None and version != sys.version_info[:2]:
@@ -76,7 +77,7 @@ def environment():
         if folder not in folders and not folder.startswith("/usr/lib/python3"):
             folders.append(folder)
     old = os.environ.get("PYTHONPATH")
-    return {**os.environ, "PYTHONPATH": os.pathsep.join([*folders, *([old] if old else [])])}
+    return {**os.environ, **registry.environment(), "PYTHONPATH": os.pathsep.join([*folders, *([old] if old else [])])}
 
 
 def command(script, arguments=(), threads=1, gui=False, batch=None, *, stay=False, options=()):
@@ -103,7 +104,22 @@ def command(script, arguments=(), threads=1, gui=False, batch=None, *, stay=Fals
     return [executable(), *ours, *options, script, *map(str, arguments)]
 
 
+FAILED = re.compile(r"#\d+ \(.*\) FAILED ")
+"""How a line of yade-batch about a job that failed begins; its own exit status is 0 nevertheless."""
+
+
 def run(script, arguments=(), threads=1, gui=False, batch=None, stay=False, yade_options=(), **options):
-    """Run a script under YADE; returns the `subprocess.CompletedProcess`, whatever its exit status."""
+    """Run a script under YADE; returns the `subprocess.CompletedProcess`, whatever its exit status (a batch of which a job has
+    failed: 1)."""
     line = command(script, arguments, threads, gui, batch, stay=stay, options=yade_options)
-    return subprocess.run(line, env=environment(), check=False, **options)
+    if batch is None or options:
+        return subprocess.run(line, env=environment(), check=False, **options)
+    failed = 0
+    unbuffered = environment() | {"PYTHONUNBUFFERED": "1"}
+    with subprocess.Popen(line, env=unbuffered, stdout=subprocess.PIPE, text=True) as process:
+        for text in process.stdout:
+            print(text, end="", flush=True)
+            failed += FAILED.match(text) is not None
+    if failed:
+        print(f"demlaws: {failed} of the jobs failed: their lines above name the log files", file=sys.stderr)
+    return subprocess.CompletedProcess(line, process.returncode or int(failed > 0))

@@ -154,6 +154,7 @@ def with_energies(tracker):
         totals = functor.totals()
         parts = {"Elastic": totals.stored, "Plastic": totals.dissipated}
         parts |= {"ShearElastic": totals.shear_stored, "ShearLost": totals.shear_dissipated}
+        parts["Viscous"] = totals.viscous
         for name, energy in parts.items():
             if energy == energy:  # the public way does not know those of shear
                 tracker[label + name] = energy

@@ -54,34 +54,37 @@ def run(binding):
         raise SelfTestFailed(str(error)) from None
 
 
-DAMPING = ({}, {"en": 0.7, "es": 0.5}, {"betan": 0.2, "betas": 0.1})
-"""Arguments of Ip2_FrictMat_FrictMat_MindlinPhys of the contacts by which a step without the native `go` is judged."""
+DAMPING = ({"en": 0.7, "es": 0.5}, {"betan": 0.2, "betas": 0.1})
+"""Arguments of Ip2_FrictMat_FrictMat_MindlinPhys of the contacts by which damping without the native `go` is judged."""
 
 
 def try_own_step(context, functor, overlap):
-    """Use the contact step without the native `go` from now on if it leaves what `go` leaves; else note why not.
-
-    Judged without damping and with it, in an open scene and across the boundary of a periodic one.
-    """
+    """Use the contact step without the native `go` from now on where it leaves what `go` leaves: without damping, with it, in a
+    periodic scene; else note why not."""
     found = native.find_layout()
     found.step_refused = None
-    for periodic in (False, True):
-        for damping in DAMPING:
-            context["own_step"] = 0
-            natively = _sheared(functor, overlap, damping, periodic)
-            context["own_step"] = 1
-            alone = _sheared(functor, overlap, damping, periodic)
-            different = [
-                name
-                for name, values in natively.items()
-                if not np.abs(alone[name] - values).max() <= STEP_TOLERANCE * np.abs(values).max()
-            ]
-            if different:
-                context["own_step"] = 0
-                where = "in a periodic scene " if periodic else ""
-                what = f"{where}with the damping {damping} it leaves other values of {', '.join(different)} than the native go"
-                found.step_refused = what
-                return
+    cases = [("own_step", {}, False), *(("own_damping", damping, False) for damping in DAMPING)]
+    cases += [("own_period", damping, True) for damping in ({}, *DAMPING)]
+    found.allowed = dict.fromkeys(native.OWN, 1)
+    for name, damping, periodic in cases:
+        for own in native.OWN:
+            context[own] = 0
+        natively = _sheared(functor, overlap, damping, periodic)
+        for own in native.OWN:
+            context[own] = 1
+        alone = _sheared(functor, overlap, damping, periodic)
+        different = [
+            attribute
+            for attribute, values in natively.items()
+            if not np.abs(alone[attribute] - values).max() <= STEP_TOLERANCE * np.abs(values).max()
+        ]
+        if different and found.allowed[name]:
+            found.allowed[name] = 0
+            where = f"with {damping} " * bool(damping) + "in a periodic scene " * periodic
+            what = f"{where}it leaves other values of {', '.join(different)} than the native go"
+            found.step_refused = what if found.step_refused is None else f"{found.step_refused}; {what}"
+    for name in native.OWN:
+        context[name] = found.allowed[name]
 
 
 def _sheared(functor, overlap, damping, periodic):
@@ -174,7 +177,7 @@ def _compare(binding):
         raise SelfTestFailed("the native code received unknown contacts")
     if native.find_layout().step_refused == native.NOT_TRIED:
         try_own_step(binding.context, functor, deepest)
-    binding.account = 0.0, 0, 0.0
+    binding.account = 0.0, 0, 0.0, 0.0
     binding.attachment.forget_rows()
     binding.attachment.watched_by(None)
     return steps, wrong / largest

@@ -77,14 +77,18 @@ def run(arguments):
 
 
 def print_springs(counts):
-    """A row per number of springs."""
+    """For each number of springs the loss of Mindlin & Deresiewicz, then a row per law."""
     shares = ", ".join(f"{share:g}" for share in springs.SHARES)
-    laws = " | ".join(f"{name}, {rule}" for name, rule in springs.LAWS)
-    print(f"| springs | Mindlin: force over μP | loss at {shares} μP (%) | {laws} |\n|{'---|' * (3 + len(springs.LAWS))}")
     for count in counts:
         force, losses = springs.mindlin(count)
-        errors = " | ".join(f"{springs.oblique(*law, count):.1e}" for law in springs.LAWS)
-        print(f"| {count} | {force:.1e} | {', '.join(f'{100 * loss:+.1f}' for loss in losses)} | {errors} |", flush=True)
+        lost = ", ".join(f"{100 * loss:+.1f}" for loss in losses)
+        print(f"{count} springs, Hertz: force {force:.1e} of μP; loss of a loop at {shares} μP {lost} %", flush=True)
+    kinds = list(springs.paths())
+    print(f"| law, rule | springs | {' | '.join(kinds)} |\n|{'---|' * (2 + len(kinds))}")
+    for name, rule in springs.LAWS:
+        found = springs.errors(name, rule, counts)
+        for place, count in enumerate(counts):
+            print(f"| {name}, {rule} | {count} | {' | '.join(f'{found[kind][place]:.1e}' for kind in kinds)} |", flush=True)
 
 
 def main(arguments=None):

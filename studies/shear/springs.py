@@ -1,4 +1,6 @@
-"""Errors of partial slip with few springs: against Mindlin & Deresiewicz (1953), and 3,000 springs on an oblique path."""
+"""Errors of partial slip with few springs: against Mindlin & Deresiewicz (1953), and against 3,000 springs."""
+
+import itertools
 
 import numpy as np
 
@@ -11,7 +13,13 @@ from studies.shear.gas import CONTACT
 RATIO, FRICTION, LOAD = 2 * (1 - 0.25) / (2 - 0.25), 0.5, 10.0
 SHARES = (0.3, 0.6, 0.99)
 """Of Coulomb's limit, between which a loop goes at constant normal force."""
-LAWS = (("hertz", "elastic"), ("pohrt-popov", "elastic"), ("pohrt-popov", "hertz"))
+LAWS = (
+    ("hertz", "elastic"),
+    ("pohrt-popov", "elastic"),
+    ("pohrt-popov", "hertz"),
+    ("rms", "elastic"),
+    ("yip-venart", "elastic"),
+)
 
 
 def mindlin(springs):
@@ -35,13 +43,45 @@ def mindlin(springs):
     return float(np.abs(force - exact).max() / limit), losses
 
 
-def oblique(name, rule, springs):
-    """Largest error of the force over the largest μP, with slip in the plane and a normal force that rises and falls."""
-    law = example(name, CONTACT, rule)
-    turn = np.linspace(0.0, 6.0, 500)
+def legs(corners, steps):
+    """Points on straight lines between corners."""
+    parts = [np.linspace(a, b, steps + 1)[1:] for a, b in itertools.pairwise(np.array(corners, float))]
+    return np.concatenate([corners[:1], *parts])
+
+
+def paths():
+    """Kind → paths of (overlap over the largest, two displacements over that at which the whole contact slides)."""
+    start = [(0.02, 0.0, 0.0), (1.0, 0.0, 0.0)]
+    loops = [(1.0, sense * size, 0.0) for size in (0.25, 0.5, 0.9) for sense in (1.0, -1.0, 1.0)]
+    walks, oblique = [], []
+    for seed in range(3):
+        random = np.random.default_rng(seed)
+        walks.append(legs(start + [(1.0, *random.uniform(-1.12, 1.12, 2)) for _ in range(30)], 40))
+        corners = [(random.uniform(0.2, 1.0), *random.uniform(-0.8, 0.8, 2)) for _ in range(30)]
+        oblique.append(legs([(0.02, 0.0, 0.0), *corners], 40))
+    first = legs([*start, (1.0, 1.2, 0.0)], 300)
+    return {"first loading": [first], "loops": [legs(start + loops, 200)], "walk in the plane": walks, "oblique walk": oblique}
+
+
+def errors(name, rule, counts):
+    """Kind of path → largest error of the force over the largest μP of the path, for each number of springs."""
     with quiet():
-        overlap = law.overlap(LOAD)
-        depth = overlap * (0.2 + 0.13 * turn) * (1.0 - 0.3 * np.sin(3.0 * turn) ** 2)
-        plane = 0.7 * FRICTION * overlap / RATIO * np.stack([np.sin(2.0 * turn), np.cos(3.0 * turn) - 1.0], -1)
-        few, many = (sheared(law, depth, plane, RATIO, "slip", FRICTION, n) for n in (springs, 3000))
-    return float(np.abs(few.shear_force - many.shear_force).max() / (FRICTION * many.force.max()))
+        law = example(name, CONTACT, rule)
+        depth = law.overlap(LOAD)
+    unit = depth * np.array([1.0, FRICTION / RATIO, FRICTION / RATIO])
+
+    def follow(path, springs):
+        with quiet():
+            return sheared(law, unit[0] * path[:, 0], unit[1:] * path[:, 1:], RATIO, "slip", FRICTION, springs)
+
+    largest = {}
+    for kind, group in paths().items():
+        exact = [follow(path, 3000) for path in group]
+        largest[kind] = [
+            max(
+                np.hypot(*(follow(path, count).shear_force - right.shear_force).T).max() / (FRICTION * right.force.max())
+                for path, right in zip(group, exact, strict=True)
+            )
+            for count in counts
+        ]
+    return largest

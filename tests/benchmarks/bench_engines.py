@@ -91,9 +91,9 @@ OURS = {
 }
 HISTORY = {  # bytes per contact, from the table of docs/shear.md, Memory
     ("liggghts", STOCK): 32,
-    ("liggghts", "pohrt-popov, hertz unloading"): 120,
+    ("liggghts", "pohrt-popov, hertz unloading"): 128,
     ("lammps", STOCK): 32,
-    ("lammps", "pohrt-popov, hertz unloading"): 128,
+    ("lammps", "pohrt-popov, hertz unloading"): 136,
 }
 SPHERE = 8 * (3 + 3 + 3 + 1 + 1 + 2 * 3 + 2 * 3)
 CORES = len(os.sched_getaffinity(0))

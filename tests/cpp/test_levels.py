@@ -10,6 +10,8 @@ from examples import GRANITE, shared
 import demlaws as dl
 from demlaws.make import example as example_law
 
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+
 HERE = Path(__file__).parent
 RATIO, FRICTION = 0.857, 0.4
 LAWS = [("hertz", "elastic"), ("pohrt-popov", "elastic"), ("pohrt-popov", "hertz"), ("rough-plastic", "hertz")]

@@ -143,6 +143,10 @@ def test_what_stops_or_misleads_a_run_is_mentioned():
             assert any(note.line == 3 for note in notes) == mentioned
     converted = convert(head + line.split("#")[0] + "synchronized_verlet yes\n", "lammps", "law.tbl")
     assert not converted.complete and "tangential demlaws" in converted.text
+    stays = LAMMPS.splitlines()[1].replace("mindlin NULL", "linear_history ${kt}")
+    converted = convert(f"{head}{stays}\n", "lammps", "law.tbl")
+    assert converted.complete and "law.tbl 1e9 0.8 0.25 tangential linear_history ${kt}" in converted.text
+    assert not convert(f"{head}{stays.replace('linear_history', '$m')}\n", "lammps", "law.tbl").complete
     text = "variable model index history\npair_style gran model hertz tangential ${model} cohesion ${c}\n"
     converted = convert(text, "liggghts", "law.tbl")
     assert "tangential demlaws cohesion ${c}" in converted.text

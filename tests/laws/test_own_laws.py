@@ -2,6 +2,7 @@
 
 import importlib.util
 import math
+import os
 import pickle
 import sys
 from textwrap import dedent
@@ -14,6 +15,7 @@ from own_spring import POWER
 from processes import PACKAGE, counted, python
 
 import demlaws as dl
+from demlaws import soundness
 from demlaws.core.fastmath import sqrt
 from demlaws.laws import registry
 from demlaws.laws.definition import Advice, Fitting
@@ -151,6 +153,22 @@ def test_a_file_as_the_packages_own_are(tmp_path):
         np.testing.assert_array_equal(dl.law(name, GRANITE, slope=0.035).force(overlap), expected)
 
 
+def test_a_worker_process_loads_the_file_of_a_law_that_it_unpickles(tmp_path, monkeypatch):
+    """It was found by an environment variable that `load_laws` set for the whole process."""
+    monkeypatch.delenv(registry.VARIABLE, raising=False)
+    file = write(tmp_path)
+    dl.load_laws(file)
+    assert registry.VARIABLE not in os.environ
+    assert registry.environment() == {registry.VARIABLE: str(file)}
+    path = tmp_path / "definition.pickle"
+    path.write_bytes(pickle.dumps(registry.find("power")))
+    code = f"import pickle; print(pickle.load(open({str(path)!r}, 'rb')).description)"
+    assert python(code) == "power of the overlap"
+    write(tmp_path, POWER.replace("3e9", "4e9"))
+    with pytest.raises(AssertionError, match="differs from the law that was pickled"):
+        python(code)
+
+
 @pytest.mark.slow
 def test_the_environment_reaches_other_processes(tmp_path):
     """And what a process pickles, another with the same file takes up; a file is run once, whatever finds it."""
@@ -264,6 +282,18 @@ def test_a_law_that_is_none_is_refused_with_its_overlap_and_value(fault):
     with pytest.raises(dl.DemlawsError) as caught:
         dl.law("bad", GRANITE)
     assert "bad" in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_an_edited_law_of_the_same_name_is_checked_like_a_new_one(monkeypatch):
+    """The count of sound contacts was that of the name."""
+    monkeypatch.setattr(soundness, "_FULLY", 2)
+    for definition in (law(power), law(power, lambda p, d: 5.1e9 * d**0.7)):
+        dl.register(definition)
+        for _ in range(3):
+            dl.law("bad", GRANITE)
+    dl.register(BAD["derivative"])
+    with pytest.raises(dl.DemlawsError, match="derivative"):
+        dl.law("bad", GRANITE)
 
 
 def test_kinks_are_no_fault():

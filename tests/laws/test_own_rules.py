@@ -16,6 +16,7 @@ from own_spring import SPRING, expected, registered
 
 import demlaws as dl
 from demlaws.core.unloading import Rule, own_rule, rule_of
+from demlaws.laws import registry
 from demlaws.laws.registry import find
 
 FOLLOW = Path(__file__).parents[1] / "cpp" / "follow.cpp"
@@ -122,26 +123,25 @@ def test_a_table_and_its_object_are_both_written_or_neither(tmp_path):
     assert sorted(file.name for file in tmp_path.iterdir()) == ["spring.tbl", "spring.tbl.so"]
 
 
-@pytest.mark.parametrize("how", ["relative", "symlink", "hard link", "copy"])
+@pytest.mark.parametrize("how", ["relative", "symlink"])
 def test_one_file_by_two_names_is_one_law(tmp_path, monkeypatch, how):
-    """Its rule would else meet one of its own name; a file that differs is refused."""
+    """Its rule would else meet one of its own name; a copy is refused."""
     text = SPRING.replace('name="spring"', 'name="twice"').replace('"slack"', '"twice-slack"')
     with registered(tmp_path, text, "twice.py") as file:
         first, other = find("twice"), tmp_path / "other.py"
         if how == "relative":
             monkeypatch.chdir(tmp_path)
             other = Path("twice.py")
-        elif how == "copy":
-            shutil.copy(file, other)
         else:
-            (other.symlink_to if how == "symlink" else other.hardlink_to)(file)
+            other.symlink_to(file)
         assert dl.load_laws(other) == ["twice"]
         assert find("twice") is first
-        assert os.environ["DEMLAWS_LAWS"].split(os.pathsep)[-1] == str(file)
-        changed = tmp_path / "changed.py"
-        changed.write_text(file.read_text().replace("lost=0.4", "lost=0.5"))
+        assert "DEMLAWS_LAWS" not in os.environ or str(file) not in os.environ["DEMLAWS_LAWS"]
+        assert registry.environment()["DEMLAWS_LAWS"].split(os.pathsep)[-1] == str(file)
+        copy = tmp_path / "copy.py"
+        shutil.copy(file, copy)
         with pytest.raises(dl.DemlawsError, match="an unloading rule 'twice-slack' exists already"):
-            dl.load_laws(changed)
+            dl.load_laws(copy)
         # as a module of a script, too: it runs once more, its law is the one from then on, and the rules of both are known
         monkeypatch.syspath_prepend(tmp_path)
         name = other.stem

@@ -9,10 +9,6 @@ from examples import quiet, shared
 import demlaws as dl
 from demlaws.errors import NotPassive
 
-pytestmark = pytest.mark.filterwarnings(
-    "ignore:.*no roughness:demlaws.errors.ValidityWarning"
-)  # loading="hertz" of rough cones
-
 CONE = dl.Contact(radius=0.96e-3, modulus=32.32e9, roughness=5.04e-6, fractal_dimension=2.25, hardness=6.266e9)
 
 

@@ -2,6 +2,7 @@
 """LAMMPS built statically from Debian's source package with the models in it, and the engine tests with that program.
 
     python3 tests/machines/lammps_source.py                   # make lammps-source
+    python3 tests/machines/lammps_source.py --shared          # the plugin is tested beside it in the same release
     python3 tests/machines/lammps_source.py --only-build      # prints the path of the program
     python3 tests/machines/lammps_source.py -- -k restart     # further arguments of pytest
 
@@ -27,7 +28,7 @@ PYTHON = str(PROJECT / ".venv" / "bin" / "python")
 ARCHIVE, SUITE, KEYS = "http://deb.debian.org/debian", "sid", "/usr/share/keyrings/debian-archive-keyring.gpg"
 NO_SOURCE = 75  # EX_TEMPFAIL of sysexits.h
 UNUSED = ("examples", "doc", "potentials", "bench", "lib/gpu")  # of the archive's 12,000 files
-OPTIONS = {"BUILD_SHARED_LIBS": "off", "CMAKE_BUILD_TYPE": "Release", "BUILD_MPI": "on", "BUILD_OMP": "off"}
+OPTIONS = {"CMAKE_BUILD_TYPE": "Release", "BUILD_MPI": "on", "BUILD_OMP": "off"}
 OPTIONS |= {f"PKG_{name}": "on" for name in ("GRANULAR", "GRANSURF", "RIGID")}
 OPTIONS |= {f"WITH_{name}": "off" for name in ("JPEG", "PNG", "GZIP", "CURL", "FFMPEG")}
 TESTS = ("tests/engines/lammps/test_source.py", "tests/engines/lammps/test_plugin.py", "tests/engines/test_energies.py")
@@ -109,19 +110,30 @@ class Work:
         (self.folder / file).unlink()
         mark.write_text(address)
 
-    def build(self, jobs):
-        """The program, with the models of this checkout."""
+    def build(self, jobs, shared=False):
+        """A program: static and with the models of this checkout, or with shared libraries and as LAMMPS has it."""
         missing = [tool for tool in ("cmake", "make", "g++", "mpicxx") if not shutil.which(tool)]
         if missing:
             raise NoSource(f"no {', '.join(missing)} here: apt-get install cmake make g++ libopenmpi-dev")
         tree = self.tree()
-        folder = self.folder / "build"
-        options = [f"-D{name}={value}" for name, value in OPTIONS.items()]
-        with open(self.folder / "build.log", "w") as log:
+        folder = self.folder / ("build-shared" if shared else "build")
+        sources = tree / "src" / "GRANULAR"
+        models = [PYTHON, "-m", "demlaws", "lammps", "source", str(sources)]
+        if shared:
+            models = ["rm", "-f", *map(str, sources.glob("*demlaws*"))]
+        options = {"BUILD_SHARED_LIBS": "on" if shared else "off", **OPTIONS}
+        with open(f"{folder}.log", "w") as log:
             streams = {"stdout": log, "stderr": subprocess.STDOUT}
             for command in (
-                [PYTHON, "-m", "demlaws", "lammps", "source", str(tree / "src" / "GRANULAR")],
-                ["cmake", "-S", str(tree / "cmake"), "-B", str(folder), *options],
+                models,
+                [
+                    "cmake",
+                    "-S",
+                    str(tree / "cmake"),
+                    "-B",
+                    str(folder),
+                    *(f"-D{name}={value}" for name, value in options.items()),
+                ],
                 ["nice", "cmake", "--build", str(folder), "-j", str(jobs)],
             ):
                 if self.run(*command, cwd=PROJECT, **streams).returncode:
@@ -129,11 +141,14 @@ class Work:
                     raise Failed(f"{' '.join(command[:4])}: see {log.name}")
         return folder / "lmp"
 
-    def test(self, program, arguments):
-        """The engine tests: those of the sources, which compare with the plugin, and those of the plugin, with the program."""
-        for tests, variable in ((TESTS[:1], "DEMLAWS_LAMMPS_SOURCE"), (TESTS[1:], "DEMLAWS_LAMMPS")):
+    def test(self, program, beside, arguments):
+        """The engine tests: those of the sources, which compare with the plugin in LAMMPS `beside` (None: the one that tests
+        take), and those of the plugin, with the program.
+        """
+        compared = {"DEMLAWS_LAMMPS_SOURCE": str(program), **({"DEMLAWS_LAMMPS": str(beside)} if beside else {})}
+        for tests, variables in ((TESTS[:1], compared), (TESTS[1:], {"DEMLAWS_LAMMPS": str(program)})):
             line = [PYTHON, "-m", "pytest", "-q", "-n0", "-m", "not slow", "-k", KEPT, *tests, *arguments]
-            done = self.run(*line, cwd=PROJECT, env={**os.environ, variable: str(program)})
+            done = self.run(*line, cwd=PROJECT, env={**os.environ, **variables})
             if done.returncode:
                 raise Failed(f"pytest {' '.join(tests)}: exit {done.returncode}")
 
@@ -149,17 +164,19 @@ def main(argv=None):
     )
     parser.add_argument("--minutes", type=float, default=40.0, help="time for everything (default %(default)g)")
     parser.add_argument("--only-build", action="store_true", help="print the path of the program, run no tests")
+    parser.add_argument("--shared", action="store_true", help="build LAMMPS with shared libraries, too, for the plugin")
     given = parser.parse_args(argv[:end])
     work, began = Work(given.folder.resolve(), given.minutes), time.monotonic()
     verdict, status = "all passed", 0
     try:
         work.folder.mkdir(parents=True, exist_ok=True)
+        beside = work.build(given.jobs, shared=True) if given.shared else None
         program = work.build(given.jobs)
         say(f"{program}, {time.monotonic() - began:.0f} s")
         if given.only_build:
             print(program)
             return 0
-        work.test(program, argv[end + 1 :])
+        work.test(program, beside, argv[end + 1 :])
     except NoSource as error:
         verdict, status = f"NOT RUN: {error}", NO_SOURCE
     except Failed as error:

@@ -93,11 +93,14 @@ template <class ABI> struct Granular {
       this->material_properties = 1;
       // Always the largest state: PairGranular::transfer_history moves the values of a pair of types whose sub-models
       // have other sizes than those of another pair to the wrong place.
-      this->size_history = MOST_STATE;
+      // The state, and the mark of the law.
+      marked_ = !Range::of(of.lmp).unmarked;
+      this->size_history = MOST_STATE + 1;
       // the state is the same seen from either particle: the default factor -1 is not for it
       this->nondefault_history_transfer = 1;
-      this->transfer_history_factor = new double[MOST_STATE];
-      std::fill(this->transfer_history_factor, this->transfer_history_factor + MOST_STATE, 1.);
+      this->transfer_history_factor = new double[MOST_STATE + 1];
+      std::fill(this->transfer_history_factor, this->transfer_history_factor + MOST_STATE + 1, 1.);
+      if (!marked_) this->size_history = MOST_STATE;
       coeffs[TOLERANCE] = 0.01;
       coeffs[SHEAR] = demlaws::ELASTIC_SHEAR;
       coeffs[SPRINGS] = 12.;
@@ -119,9 +122,8 @@ template <class ABI> struct Granular {
       if (!(coeffs[RATIO] >= 0. && coeffs[RATIO] <= 4. / 3.)) refuse("shear_ratio must be above 0, at most 4/3");
       this->num_coeffs = NUMBERS;
       if (coeffs[FINGERPRINT] != (double)table_.fingerprint())
-        refuse(
-            "this is not the table that the restart file was written with: bring that file back, or write pair_coeff "
-            "again");
+        refuse("this is not the table that the restart file was written with: bring that file back, or begin anew from "
+               "positions (write_data, read_data)");
       const double modulus = Emod / (2. * (1. - poiss * poiss)); // two bodies of one material
       shear_ = (demlaws::Shear)(int)coeffs[SHEAR];
       std::string doubt;
@@ -199,6 +201,9 @@ template <class ABI> struct Granular {
       if (numbers != COEFFICIENTS_0_2) return;
       this->num_coeffs = numbers;
       coeffs[LEVELS] = 1.;
+      Range::of(of.lmp).unmarked = true;
+      marked_ = false;
+      this->size_history = MOST_STATE;
     }
 
     // GranularModel::calculate_forces for a pair of particles, where nothing but this law, a damping and a tangential
@@ -226,6 +231,7 @@ template <class ABI> struct Granular {
       if (__builtin_expect(m->contact_type > LAST_TYPE, 0)) refuse_contact();
       if (__builtin_expect(now.outside | law_.watch.sees(m->delta, m->Reff), 0)) examine(now);
       if (__builtin_expect(!law_.pair.serves(m->Reff, coeffs[TOLERANCE]), 0)) refuse_radius();
+      if (__builtin_expect(marked_ && m->history[history_index + MOST_STATE] != law_.mark, 0)) claim();
       stiffness_ = now.stiffness;
       shear_stiffness_ =
           demlaws::shear_stiffness<RULE>(shear_, law_.pair, m->Reff, m->delta, now, m->history + history_index);
@@ -274,6 +280,7 @@ template <class ABI> struct Granular {
     demlaws::Law law_;
     double stiffness_ = 0., shear_stiffness_ = 0., per_stiffness_ = 0.;
     demlaws::Shear shear_ = demlaws::ELASTIC_SHEAR;
+    bool marked_;                       // contacts keep the mark of their law
     bool whole_ = false, speed_ = true; // speed_: the tangential model asks for that of the surfaces, vrel
     // BY_RADIUS: viscoelastic, whose formula Abi::fits() has checked
     enum { OTHERWISE, BY_TANGENT, BY_RADIUS } damped_ = OTHERWISE;
@@ -309,6 +316,12 @@ template <class ABI> struct Granular {
     __attribute__((noinline, cold)) void examine(const demlaws::Force &now) const {
       Report report(*this);
       law_.watch.examine(law_.pair, gm->Reff, gm->delta, now, coeffs[EXTRAPOLATE] > 0., !gm->history_update, report);
+    }
+    // A contact that begins, or that another law has marked.
+    __attribute__((noinline, cold)) void claim() const {
+      double &mark = gm->history[history_index + MOST_STATE];
+      if (mark != 0.) raise(*of.error, false, who() + demlaws::other_law());
+      if (gm->history_update) mark = law_.mark;
     }
     __attribute__((noinline, cold)) void refuse_radius() const {
       raise(*of.error, false, who() + demlaws::other_radius(law_.pair, gm->Reff, coeffs[TOLERANCE]));
@@ -423,6 +436,14 @@ template <class ABI> struct Granular {
                 ": write the words 'levels', 'shear' and 'springs' that the wall had; files of 0.2.0 have 'levels 1'");
     }
     void calculate_forces() {
+      if (__builtin_expect(ledger_.busy, 0)) watched();
+      else move();
+    }
+
+  private:
+    __attribute__((noinline, cold)) void watched() { account(move()); }
+    // A step; its energies are computed only where somebody uses them.
+    __attribute__((always_inline)) inline demlaws::ShearStep move() {
       Model *const m = gm;
       double copy[demlaws::SpringRow::MOST_SIZE], *numbers = m->history + history_index;
       const bool keep = m->history_update != 0;
@@ -440,13 +461,10 @@ template <class ABI> struct Granular {
       this->damp = coeffs[DAMPING_RATIO] * m->damping_model->get_damp_prefactor();
       const double damping = step.slides ? 0. : this->damp;
       for (int k = 0; k < 3; k++) m->fs[k] = -step.force[k] - damping * m->vtr[k];
-      if (__builtin_expect(ledger_.busy, 0)) account(step);
+      return step;
     }
-
-  private:
-    // Records the work of shear; the part that the contact stores is not lost. The step is passed as a copy: otherwise
-    // its energies would be computed in every step, also where no compute needs them.
-    __attribute__((noinline, cold)) void account(demlaws::ShearStep step) {
+    // Records the work of shear; the part that the contact stores is not lost.
+    void account(const demlaws::ShearStep &step) {
       if (ledger_.collecting) {
         ledger_.collected += step.before;
         ledger_.pending -= step.before;

@@ -10,7 +10,7 @@ namespace {
 
 class Ranks : public demlaws::Ranks {
 public:
-  Ranks(void *lmp, void *error) {
+  Ranks(void *lmp, void *error) : error_(error) {
     const Stock &stock = Stock::get();
     count = std::max(1, stock.setting(lmp, "world_size"));
     if (count == 1) return;
@@ -18,19 +18,33 @@ public:
     void *(*convert)(int);
     stock.look_for("MPI_Bcast", broadcast_);
     stock.look_for("MPI_Allgather", gather_);
+    stock.look_for("MPI_Ibarrier", barrier_);
+    stock.look_for("MPI_Test", test_);
     stock.look_for("MPI_Comm_f2c", convert); // a macro of MPICH's, where handles are the integers that Fortran has
     stock.look_for("ompi_mpi_byte", byte_);
     if (!byte_) byte_ = (void *)0x4c00010d; // MPICH's MPI_BYTE, and of all that share its binary interface
-    if (!broadcast_ || !gather_ || !stock.communicator)
+    if (!broadcast_ || !gather_ || !barrier_ || !test_ || !stock.communicator)
       raise(error, true, "demlaws/table: the MPI of this LAMMPS is not one that demlaws can reach; run on one rank");
     const int handle = stock.communicator(lmp);
     comm_ = convert ? convert(handle) : (void *)(long)handle;
   }
 
 private:
+  void *const error_;
   void *comm_ = NULL, *byte_ = NULL;
+  mutable void *request_ = NULL; // MPICH's is a number, which has room in it
   int (*broadcast_)(void *, int, void *, int, void *) = NULL;
   int (*gather_)(const void *, int, void *, void *, int, void *, void *) = NULL;
+  int (*barrier_)(void *, void *) = NULL;
+  int (*test_)(void *, int *, void *) = NULL;
+  void start() const { barrier_(comm_, &request_); }
+  bool arrived() const {
+    int all = 0;
+    double status[16]; // more than any MPI_Status takes
+    test_(&request_, &all, status);
+    return all != 0;
+  }
+  void end(const std::string &why) const { raise(error_, false, why); }
   void broadcast(void *bytes, int size) const { broadcast_(bytes, size, byte_, 0, comm_); }
   void collect(const void *mine, int size, void *all) const { gather_(mine, size, byte_, all, size, byte_, comm_); }
 };

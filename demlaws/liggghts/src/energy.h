@@ -105,6 +105,7 @@ public:
     for (const auto &owner : instance_->used)
       for (const auto &print : owner.second)
         text << print.first.first << ' ' << print.first.second << ' ' << print.second << ' ' << owner.first << '\n';
+    if (!instance_->unmarked) text << "contacts marked all\n";
     for (const auto &shear : instance_->shears) text << shear.second << ' ' << shear.first << '\n';
     const std::string written = text.str();
     const int size = (int)written.size() + 1;
@@ -121,11 +122,15 @@ public:
     std::string owner;
     while (text >> types.first >> types.second >> fingerprint && std::getline(text >> std::ws, owner))
       instance_->stored[owner][types] = fingerprint;
-    for (const auto &one : instance_->stored) instance_->stored_shears[one.first] = SHEAR_0_2;
     text.clear();
     std::string word, number;
+    instance_->unmarked = true;
     while (text >> word >> number && std::getline(text >> std::ws, owner))
-      instance_->stored_shears[owner] = word + ' ' + number;
+      if (number == "marked") instance_->unmarked = false;
+      else instance_->stored_shears[owner] = word + ' ' + number;
+    for (const auto &one : instance_->stored)
+      if (instance_->unmarked && !instance_->stored_shears.count(one.first))
+        instance_->stored_shears[one.first] = SHEAR_0_2;
   }
   static Fix *create(LAMMPS *lmp, int narg, char **arg) { return new FixKept(lmp, narg, arg); }
   static const char *name() { return "demlaws/kept"; }

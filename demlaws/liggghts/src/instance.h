@@ -68,7 +68,8 @@ struct Instance {
   EnergySource *source = NULL;
   std::map<std::string, Fingerprints> used, stored;         // by owner: of this run, of the restart file
   std::map<std::string, std::string> shears, stored_shears; // 'levels N' or 'springs N', likewise
-  std::set<std::string> walls;                              // IDs of the walls whose model is demlaws/table
+  bool unmarked = false;       // a restart file of 0.2.0: its contacts do not keep which law they began under
+  std::set<std::string> walls; // IDs of the walls whose model is demlaws/table
 
   static std::shared_ptr<Instance> of(LAMMPS *lmp) {
     std::weak_ptr<Instance> &slot = all()[lmp];
@@ -112,13 +113,22 @@ struct Units {
 
 class Mpi : public Ranks {
 public:
-  explicit Mpi(LAMMPS *lmp) : world_(lmp->world) {
+  explicit Mpi(LAMMPS *lmp) : error_(lmp->error), world_(lmp->world) {
     me = lmp->comm->me;
     count = lmp->comm->nprocs;
   }
 
 private:
+  Error *const error_;
   const MPI_Comm world_;
+  mutable MPI_Request barrier_;
+  void start() const { MPI_Ibarrier(world_, &barrier_); }
+  bool arrived() const {
+    int all = 0;
+    MPI_Test(&barrier_, &all, MPI_STATUS_IGNORE);
+    return all != 0;
+  }
+  void end(const std::string &why) const { error_->one(FLERR, why.c_str()); }
   void broadcast(void *bytes, int size) const { MPI_Bcast(bytes, size, MPI_BYTE, 0, world_); }
   void collect(const void *mine, int size, void *all) const {
     MPI_Allgather(const_cast<void *>(mine), size, MPI_BYTE, all, size, MPI_BYTE, world_);

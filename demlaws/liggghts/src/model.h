@@ -121,7 +121,10 @@ public:
 private:
   typedef TangentialModel<TANGENTIAL_DEMLAWS> Passive;
   template <class OTHER> void join(OTHER &) {}
-  void join(Passive &passive) { passive.connect(normal); }
+  void join(Passive &passive) {
+    passive.connect(normal);
+    normal.connect_shear();
+  }
   template <class OTHER> static double shear_energy(const OTHER &, const SurfacesCloseData &) { return 0.; }
   static double shear_energy(const Passive &passive, const SurfacesCloseData &data) { return passive.stored(data); }
 };

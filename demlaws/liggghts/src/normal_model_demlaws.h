@@ -76,11 +76,13 @@ public:
     }
     settle();
     reserved_ = now_.files.empty() ? demlaws::MOST_STATE : state_size_;
+    marked_ = (reserved_ > 0 || shear_keeps_) && !instance_->unmarked;
     for (int i = 0; i < reserved_; i++) {
       const int at = setup->add_history_value(demlaws::STATE_NAMES[i], "0"); // the same seen from either particle
       base->add_history_offset(demlaws::STATE_NAMES[i], at);
       if (i == 0) offset_ = at;
     }
+    if (marked_) mark_at_ = setup->add_history_value("demlaws_law", "0");
   }
 
   void connectToProperties(PropertyRegistry &registry) {
@@ -165,6 +167,7 @@ public:
     if (__builtin_expect(!type.pair.serves(radius, now_.radius_tolerance), 0)) refuse_radius(data, radius, type.pair);
     double *const state = state_size_ ? &data.contact_history[offset_] : NULL;
     const bool update = data.computeflag && data.shearupdate;
+    if (__builtin_expect(marked_ && data.contact_history[mark_at_] != type.mark, 0)) claim(data, type, update);
     double before[MOST_STATE];
     if (WALL && update)
       for (int k = 0; k < state_size_; k++) before[k] = state[k];
@@ -193,7 +196,9 @@ public:
 
   inline void surfacesClose(SurfacesCloseData &data, ForceData &, ForceData &) {
     if (data.contact_flags) *data.contact_flags &= ~CONTACT_NORMAL_MODEL;
-    if (!state_size_ || !data.contact_history) return;
+    if (!data.contact_history) return;
+    if (marked_) data.contact_history[mark_at_] = 0.;
+    if (!state_size_) return;
     double *const state = &data.contact_history[offset_];
     if (std::count(state, state + state_size_, 0.) == state_size_) return;
     if (!data.is_wall) {
@@ -212,6 +217,7 @@ public:
     demlaws::energies_at(law_of(data).pair, radius_of(data), overlap, state_of(data), state_size_, stored, dissipated);
   }
   demlaws::Instance &instance() const { return *instance_; }
+  void connect_shear() { shear_keeps_ = true; } // the tangential model keeps more than this one: so does each contact
 
   // Once in each process, where the tangential model is `history`.
   void warn_of_history() {
@@ -358,6 +364,15 @@ private:
     }
     void refuse(const std::string &text) { model.refuse(data, text); }
   };
+  // A contact that begins, or that another law has marked.
+  __attribute__((noinline, cold)) void claim(const SurfacesIntersectData &data, const demlaws::TypePair &type,
+                                             bool update) const {
+    double &mark = data.contact_history[mark_at_];
+    if (mark != 0. && check_restart_)
+      refuse(data,
+             demlaws::other_law() + "; or say 'restart_check off', then its overlaps are taken for those of this law");
+    if (update) mark = type.mark;
+  }
   // keeps: else the forces of a step are computed once more.
   __attribute__((noinline, cold)) void examine(const SurfacesIntersectData &data, double radius,
                                                const demlaws::TypePair &type, const demlaws::Force &now, bool keeps) {
@@ -373,7 +388,8 @@ private:
   std::set<std::string> given_;
   demlaws::PairSettings own_, now_; // as the line says; as they hold
   demlaws::Units units_;
-  int offset_ = -1, state_size_ = 0, reserved_ = 0, types_ = 0;
+  int offset_ = -1, mark_at_ = -1, state_size_ = 0, reserved_ = 0, types_ = 0;
+  bool marked_ = false, shear_keeps_ = false; // marked_: contacts keep the mark of their law
   std::vector<demlaws::TypePair> pairs_;
   std::map<std::string, const demlaws::Table *> tables_;
 };

@@ -37,8 +37,8 @@ public:
     model_.registerSettings(settings);
     const bool good = settings.parseArguments(count, arguments);
     if (!good) error->all(FLERR, settings.error_message.c_str());
-    model_.postSettings(setup);
     if (domain->box_exist) ensure_fix(modify); // before LIGGGHTS reads the contacts of a restart file
+    model_.postSettings(setup);
     check_shear(lmp, "pair");
   }
   void init_granular() {

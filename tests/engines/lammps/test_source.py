@@ -2,6 +2,9 @@
 
 import itertools
 import os
+import re
+import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -75,11 +78,9 @@ def test_it_passes_the_check_without_a_plugin(use):
     assert "no plugin" in lines[1] and lines[-1] == "all good"
 
 
-@pytest.mark.parametrize("shear", ["elastic", "loading", "slip"])
+@pytest.mark.parametrize("shear", ["elastic", "loading", "slip", "elastic levels 5 shear_ratio 0.6"])
 @pytest.mark.parametrize("name", ["rough elastic", "rough", "thornton", "yielded"])
 def test_a_sheared_contact_is_the_plugins_to_rounding(tmp_path, use, name, shear):
-    if (name, shear) == ("rough elastic", "loading"):
-        pytest.skip("elastic loading is elastic")
     save_law(tmp_path, name)
     logs = []
     for way in (PLUGIN, SOURCE):
@@ -91,7 +92,9 @@ def test_a_sheared_contact_is_the_plugins_to_rounding(tmp_path, use, name, shear
         assert scale > 0 and np.abs(source - plugin).max() <= 1e-10 * scale, column
 
 
-@pytest.mark.parametrize("words", ["", "roughness 2e-6", "shear slip springs 4", "extrapolation on radius_tolerance 0.5"])
+@pytest.mark.parametrize(
+    "words", ["", "roughness 2e-6 levels 1", "shear slip springs 4", "extrapolation on radius_tolerance 0.5"]
+)
 def test_a_packing_is_the_plugins(tmp_path, use, words):
     """Two types that are mixed, rolling, a floor, a region wall, periodic sides; 200 steps of colliding spheres."""
     save_law(tmp_path, "rough")
@@ -300,3 +303,66 @@ def test_the_table_of_hertz_over_a_ridge_is_stock_hertz(tmp_path, use, way):
     assert stock["s[1]"][0] < -0.003 < stock["s[1]"][-1] and touches.sum() > 20
     for column in ("s[1]", "s[3]", "s[4]", "s[6]", "s[8]", "s[11]"):
         assert np.abs(table[column] - stock[column]).max() <= 1e-7 * np.abs(stock[column]).max(), column
+
+
+# --- LAMMPS's own tests of granular models (unittest/granular), with the table of Hertz in the place of hertz/material
+
+
+def tree():
+    """The source that the program was built from."""
+    cache = Path(BUILT).with_name("CMakeCache.txt").read_text()
+    return Path(re.search(r"CMAKE_HOME_DIRECTORY:INTERNAL=(.*)", cache).group(1)).parent
+
+
+def cases():
+    files = sorted((tree() / "unittest/granular/tests").glob("dem*.yaml"))
+    return [file for file in files if "hertz/material" in file.read_text()]
+
+
+def blocks_of(text):
+    """{key: lines} of such a file."""
+    blocks, lines = {}, []
+    for line in text.replace("\n...", "").splitlines():
+        if found := re.match(r"(\w+):(.*)", line):
+            lines = blocks[found.group(1)] = [found.group(2).strip()] if "!" not in found.group(2) else []
+        else:
+            lines.append(line.strip())
+    return blocks
+
+
+@pytest.mark.parametrize("file", cases(), ids=lambda file: file.stem)
+@pytest.mark.parametrize("newton", ["on", "off"])
+def test_a_case_of_lammps_with_the_table_of_hertz(tmp_path, use, file, newton):
+    """Positions, velocities, torques and spins that LAMMPS's own test expects, to its own tolerance."""
+    use(SOURCE)
+    text = file.read_text().replace("units lj", "units si").replace("hertz/material", "demlaws/table law.tbl")
+    case = blocks_of(text)
+    values = dict(line.split(maxsplit=1) for line in case["variables"])
+    modulus = float(values["emod"]) / (2 * (1 - float(values["poisson"]) ** 2))
+    dl.law("hertz", dl.Contact(radius=0.25, modulus=modulus)).tabulate(rtol=1e-12).save(tmp_path / "law.tbl")
+    lines = [f"newton {newton}", "atom_modify map array", *case["pre_commands"], f"pair_style {case['pair_style'][0]}"]
+    lines += [f"pair_coeff {line}" for line in case["pair_coeff"]] + case["post_commands"]
+    found = {"pos": "x y z", "vel": "vx vy vz", "torque": "tqx tqy tqz", "omega": "omegax omegay omegaz"}
+    for segment, steps in enumerate(" ".join(case["run_segments"]).split()):
+        dump = f"write_dump all custom end.{segment} id {' '.join(found.values())} modify sort id format float %.17g"
+        lines += [f"run {steps}", dump]
+    lines = [re.sub(r"\$\{(\w+)\}", lambda name: values[name.group(1)], line) for line in lines]
+    simulate(tmp_path, "\n".join(lines) + "\n")
+    for column, name in enumerate(found):
+        for row in case[f"run_{name}"]:
+            segment, number, *expected = map(float, row.split())
+            ends = np.loadtxt(tmp_path / f"end.{segment:.0f}", skiprows=9, ndmin=2)
+            vector = ends[int(number) - 1, 1 + 3 * column : 4 + 3 * column]
+            np.testing.assert_allclose(vector, expected, rtol=float(case["epsilon"][0]), atol=1e-12, err_msg=f"{name} {row}")
+
+
+def test_the_patch_for_lammps_applies():
+    """upstream/lammps; a source without manual and examples has only some of its files."""
+    patch = Path(dl.__file__).parents[1] / "upstream/lammps/granular_table.patch"
+    text = patch.read_text()
+    kept = "".join(
+        part for part in re.split(r"(?=^diff --git )", text, flags=re.M) if re.match(r"diff --git a/(src|unittest)", part)
+    )
+    line = ["patch", "-p1", "--dry-run", "--force", "-d", str(tree())]
+    done = subprocess.run(line, input=kept, capture_output=True, text=True)
+    assert done.returncode == 0 and done.stdout.count("checking file") == kept.count("diff --git") == 9, done.stdout

@@ -1,25 +1,32 @@
 """The force that native YADE applied against the law, every step, in every geometry."""
 
+import warnings
+
 import numpy as np
 import pytest
 from examples import ALIKE, rules_of, shared, telling
 from yade_scenes import (
     GRANITE,
     MODULUS,
+    OVERLAP,
     Recorder,
     advance,
     cloud,
+    expected,
     fixed_pair,
+    force,
     functor,
     material,
     set_engines,
     sphere,
+    still,
     stops,
     two_spheres,
     yade,
 )
 
 import demlaws as dl
+from demlaws import yade as dy
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.laws.registry import find
 from demlaws.make import example
@@ -128,6 +135,40 @@ def test_material_outside_the_scene_list(omega):
     set_engines(law)
     advance(2)
     assert law.contacts().roughness[0] == pytest.approx(2.4e-6 * 2**0.5)
+
+
+def test_rows_of_contacts_that_end_are_used_again(omega):
+    """20,000 contacts, of which at most 20 at a time, need the memory of about a thousand."""
+    stone = material()
+    law = functor(bridge="native")
+    for n in range(20):
+        omega.bodies.append(fixed_pair(stone, x=0.05 * n))
+    set_engines(law, 1e-9)
+    upper = [body for body in omega.bodies if body.state.pos[2] > 0.0]
+    for step in range(2000):
+        for body in upper:
+            body.state.pos = (body.state.pos[0], 0, 0.02 - (OVERLAP if step % 2 else -OVERLAP))
+        omega.step()
+    assert omega.interactions.countReal() == 20
+    assert law.binding.attachment.context["rows_used"] < 1200
+
+
+@pytest.mark.parametrize("way", ["native", "public"])
+def test_coefficients_that_a_script_changes(omega, way):
+    """Each way warns once, and the force stays that of the law; a run without such a script does not warn."""
+    law = functor(bridge=way)
+    still(law)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", dy.CoefficientWarning)
+        advance(5)
+    phys = yade.O.interactions[0, 1].phys
+    for name in ("kno", "kso"):
+        setattr(phys, name, 1.5 * getattr(phys, name))
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            advance(3)
+        assert [one.category for one in caught] == [dy.CoefficientWarning] * (name == "kno")
+        assert force() == expected()
 
 
 def test_bodies_come_and_go(omega, monkeypatch):

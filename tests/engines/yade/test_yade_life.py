@@ -149,21 +149,6 @@ print("energies", *law.totals())
     assert [float(x) for x in rows["energies"]] == pytest.approx(law.totals(), rel=1e-6)
 
 
-@pytest.mark.slow
-def test_documented_options_of_numba_suffice(tmp_path, monkeypatch):
-    monkeypatch.setenv("DEMLAWS_PLAIN_NUMBA", "1")
-    text = """
-from yade_scenes import force, functor, still
-import yade
-law = functor(bridge="native")
-still(law)
-yade.O.run(3, True)
-print("force", force(), *law.contacts().force)
-"""
-    applied, of_the_law = map(float, printed(text, tmp_path)["force"])
-    assert applied == pytest.approx(of_the_law, rel=1e-13) and applied > 1.0
-
-
 # --- saving and loading
 
 

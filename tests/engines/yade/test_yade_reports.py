@@ -8,6 +8,7 @@ import pytest
 from yade_scenes import (
     GRANITE,
     SURFACES,
+    acting,
     advance,
     fixed_pair,
     force,
@@ -222,3 +223,22 @@ def test_a_marker_has_no_force_anywhere(omega, way):
     assert not issued(lambda: advance(5))
     assert omega.interactions.countReal() == 2 and omega.forces.f(1).norm() == 0 and law.totals() == (0.0, 0.0)
     functor("yip-venart", "elastic", bridge=way, moduli=None, label="later")  # made after the marker
+
+
+def test_a_density_in_other_units(omega):
+    """Contacts do not use it, the motion does: a warning, once per material."""
+    stone = material()
+    stone.density = 2.65
+    yade.O.bodies.append(
+        [sphere((0, 0, 0), 0.01, fixed=True, material=stone), sphere((0, 0, 0.02 - 1e-6), 0.01, material=stone)]
+    )
+    set_engines(functor(), 1e-9)
+    with pytest.warns(dl.errors.ValidityWarning, match="g/cm³") as seen:
+        advance(5)
+    assert len([one for one in seen if "g/cm³" in str(one.message)]) == 1
+
+
+def test_a_position_that_is_not_finite_is_named(omega):
+    acting(functor(bridge="native"))
+    yade.O.bodies[1].state.pos = (0, 0, float("nan"))
+    stops("position is not finite", 20)

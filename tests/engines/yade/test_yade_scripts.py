@@ -105,6 +105,16 @@ def test_run_keeps_the_interpreter(tmp_path):
     assert "threads 1" in leaves.stdout and "typed" not in leaves.stdout and leaves.returncode == 0
 
 
+def test_a_batch_with_a_job_that_fails(tmp_path, capsys):
+    """yade-batch itself ends with status 0."""
+    script, table = tmp_path / "s.py", tmp_path / "t.table"
+    script.write_text("from yade import utils\nutils.readParamsFromTable(x=1)\nfrom yade.params.table import x\nassert x < 2\n")
+    for values, status in (("1\n2\n", 1), ("0\n1\n", 0)):
+        table.write_text("x\n" + values)
+        assert main(["yade", "run", "--batch", str(table), str(script)]) == status
+        assert ("1 of the jobs failed" in capsys.readouterr().err) == bool(status)
+
+
 def test_command_lines(tmp_path, monkeypatch):
     seen = []
     monkeypatch.setattr(

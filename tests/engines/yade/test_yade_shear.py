@@ -1,5 +1,6 @@
 """Shear in YADE: K_t, the shear force along paths, regular arrays."""
 
+import json
 import math
 
 import numpy as np
@@ -157,6 +158,46 @@ def test_levels_continue_from_a_saved_scene(omega, tmp_path, way):
     assert np.array(shear) == pytest.approx(np.array(expected)[:, 50:], rel=1e-12)
 
 
+@pytest.mark.parametrize("levels", [1, 3, 8])
+def test_no_step_of_a_random_path_creates_energy(omega, levels):
+    """What the totals count as dissipated never falls, and what is stored never exceeds the work."""
+    one = example("pohrt-popov", CONTACT, "hertz")
+    overlaps, places = oblique(one, 200, seed=levels)
+    law = functor(bridge="native", levels=levels)
+    pair_of_spheres(law, friction=0.5)
+    lost, work, former, start = 0.0, 0.0, np.zeros(2), places[0]
+    for overlap, place in zip(overlaps, places, strict=True):
+        _, _, *shear, _ = lead([overlap], [place], start)
+        force = -np.array(shear)[:, 0]
+        work += 0.5 * (former + force) @ (place - start)
+        former, start, totals = force, place, law.totals()
+        assert totals.shear_dissipated >= lost - 1e-12 * max(work, 1e-12)
+        assert totals.shear_stored <= work * (1.0 + 1e-9) + 1e-18
+        lost = totals.shear_dissipated
+    assert lost > 0.0
+
+
+@pytest.mark.parametrize(("name", "rule"), [("hertz", "elastic"), ("pohrt-popov", "hertz")])
+@pytest.mark.parametrize("shear", CHOICES)
+def test_a_gas_gains_no_energy(omega, name, rule, shear):
+    """27 spheres without damping in a periodic cell, which collide and rub at ν = 0."""
+    law = functor(name, rule, {} if name == "hertz" else {"granite": GRANITE}, bridge="native", shear=shear, radii=(5e-3, 5e-3))
+    stone, side, generator = material(friction=math.atan(1.0), poisson=0.0), 2.02 * RADIUS, np.random.default_rng(3)
+    omega.periodic = True
+    omega.cell.setBox(3 * side, 3 * side, 3 * side)
+    for place in np.ndindex(3, 3, 3):
+        body = omega.bodies[omega.bodies.append(sphere(side * (np.array(place) + 0.5), RADIUS, material=stone))]
+        body.state.vel, body.state.angVel = generator.uniform(-0.1, 0.1, 3), generator.uniform(-20.0, 20.0, 3)
+    set_engines(law, 2e-7)
+    start, most = yade.utils.kineticEnergy(), 0.0
+    for _ in range(40):
+        omega.run(1000, True)
+        totals = law.totals()
+        most = max(most, yade.utils.kineticEnergy() + totals.stored + totals.shear_stored)
+    assert 0.2 * start < yade.utils.kineticEnergy() < 0.99 * start
+    assert most <= 1.001 * start
+
+
 def test_levels_with_the_native_go(omega):
     """With calcEnergy YADE's own function acts; all levels follow its Coulomb limit."""
     one = example("pohrt-popov", CONTACT, "hertz")
@@ -227,6 +268,11 @@ def test_choice_is_saved_and_checked(omega, tmp_path):
     law = functor(shear="loading", levels=2)
     again = Pairs.from_text(law.binding.pairs.as_text())
     assert (again.shear_name, again.levels) == ("loading", 2) and type(again.shear) is type(law.binding.pairs.shear)
+    assert "shear loading in 2 levels" in repr(law)
+    former = json.loads(law.binding.pairs.as_text())
+    del former["levels"]
+    with pytest.raises(dl.DemlawsError, match="former version"):
+        Pairs.from_text(json.dumps(former))
     for wrong in ("secant", "tangent", ["elastic"]):
         with pytest.raises(dl.DemlawsError):
             functor(shear=wrong)

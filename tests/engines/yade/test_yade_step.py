@@ -157,6 +157,28 @@ def test_a_rough_law_with_and_without_the_native_go(omega, shear):
     assert mine.shear_dissipated == pytest.approx(totals.shear_dissipated, rel=1e-9) and mine.shear_dissipated > 0.0
 
 
+@pytest.mark.parametrize("periodic", [False, True])
+def test_viscous_dissipation_is_that_of_yade(omega, periodic):
+    """As YADE counts it with calcEnergy, in our step and in YADE's own."""
+    damping = {"en": 0.6, "es": 0.6}
+    stock = yade.Law2_ScGeom_MindlinPhys_Mindlin(calcEnergy=True)
+    seen(box_of_stones(stock, yade.Ip2_FrictMat_FrictMat_MindlinPhys(**damping), periodic))
+    expected = stock.normDampDissip + stock.shearDampDissip
+    for options in ({}, {"calcEnergy": True}):
+        law = functor("hertz", "elastic", {}, bridge="native", shear="native", flats="yade", **options)
+        seen(box_of_stones(law, yade.Ip2_FrictMat_FrictMat_MindlinPhys(**damping), periodic))
+        assert law.totals().viscous == pytest.approx(expected, rel=1e-9) and expected > 0.0
+
+
+def test_sums_of_calcenergy_are_those_of_the_law(omega):
+    """YADE's own bookkeeping holds for Mindlin's shear of a Hertz contact."""
+    law = functor("pohrt-popov", "hertz", bridge="native", calcEnergy=True)
+    seen(box_of_stones(law))
+    totals = law.totals()
+    assert (law.shearEnergy, law.frictionDissipation) == (totals.shear_stored, totals.shear_dissipated)
+    assert min(totals.shear_stored, totals.shear_dissipated) > 0.0
+
+
 def test_on_two_threads(tmp_path):
     under_yade(
         """
@@ -187,10 +209,40 @@ def wrong(layout):
 
 native.Layout.find_step = wrong
 law = hertz()
-assert "shearForce" in native.find_layout().step_refused
+assert "shearForce" in native.find_layout().step_refused and not any(native.find_layout().allowed.values())
 calls = Counted(law)
 found = seen(box_of_stones(law))
 assert calls.calls >= contact_steps(found) and found["kn"].max() > 1e-4 * 60.6e9
+print("REFUSED")
+""",
+        tmp_path,
+    ).stdout.index("REFUSED")
+
+
+def test_what_differs_with_damping_alone_is_refused_there(tmp_path):
+    """Another formula of damping, or of turning vectors: the rest of the step is still ours."""
+    under_yade(
+        """
+from test_yade_step import *
+from demlaws.yade import native
+find = native.Layout.find_step
+
+def wrong(layout):
+    found = find(layout)
+    found["State"]["mass"] = found["State"]["vel"][0], found["State"]["vel"][-1]
+    return found
+
+native.Layout.find_step, native.find_axes = wrong, lambda rotate: None
+law = hertz()
+assert native.find_layout().allowed == {"own_step": 1, "own_damping": 0, "own_period": 0}
+assert "normalViscous" in native.find_layout().step_refused
+for damping, most in (({}, 0.1), ({"en": 0.6, "es": 0.6}, 1.1)):
+    physics = yade.Ip2_FrictMat_FrictMat_MindlinPhys(**damping)
+    stock = seen(box_of_stones(yade.Law2_ScGeom_MindlinPhys_Mindlin(), physics))
+    law = hertz()
+    calls = Counted(law)
+    assert_same(seen(box_of_stones(law, physics)), stock)
+    assert most - 0.2 < calls.calls / contact_steps(stock) < most
 print("REFUSED")
 """,
         tmp_path,

@@ -1,0 +1,341 @@
+// demlaws_contact.h: one contact whose law is a table of demlaws: force and stiffness of a step, the stiffness of
+// shear, energies. C++11; part of demlaws_table.h.
+//
+// Licence: GPL-2.0-or-later, as the package demlaws.
+#ifndef DEMLAWS_CONTACT_H
+#define DEMLAWS_CONTACT_H
+#include "demlaws_reader.h"
+
+namespace demlaws {
+
+// What the contacts between two materials share.
+struct Pair {
+  const Table *table = NULL;
+  Unloading rule = ELASTIC;
+  double modulus = 0.;        // effective modulus E* [Pa]
+  double length = 0.;         // [m]; 0: length_per_radius * R
+  double inverse_length = 0.; // [1/m]; where length is 0, of length_per_radius
+  double length_per_radius = 0.;
+  double only_radius = 0.; // > 0: the only R that the table is valid for (see checked)
+  double sigma = 0.;       // roughness [m], for rule OWN; of the table's contact by default
+  double metre = 1.,
+         pascal = 1.; // in the units of the lengths and moduli given here, for rule OWN, which knows SI only
+
+  Pair() {}
+  // roughness: combined rms roughness sigma [m]; without it the length of the file is taken.
+  Pair(const Table &t, double effective_modulus, double roughness = 0.)
+      : table(&t), rule(t.unloading()), modulus(effective_modulus),
+        sigma(roughness > 0. ? roughness : t.of_contact("roughness", 0.)) {
+    if (rule == OWN && !t.own_rule())
+      throw std::runtime_error(t.path() + ": its unloading rule '" + t.text("rule") +
+                               "' is user-defined code in an object beside the file, which this engine does not load");
+    const double over_roughness = t.number("length_over_roughness", 0.);
+    if (t.number("length_over_radius", 0.) > 0.) length_per_radius = t.number("length_over_radius", 0.);
+    else if (roughness > 0. && over_roughness > 0.) length = over_roughness * roughness;
+    else length = t.number("length", 0.);
+    if (!(length > 0.) && !(length_per_radius > 0.))
+      throw std::runtime_error(t.path() + ": the header gives no length; pass the roughness of the pair [m]");
+    if (!(modulus > 0.)) throw std::runtime_error(t.path() + ": the effective modulus must be positive [Pa]");
+    inverse_length = 1. / (length > 0. ? length : length_per_radius);
+  }
+  inline double length_of(double radius) const { return length > 0. ? length : length_per_radius * radius; }
+
+  // As the constructor; a law that does not collapse is refused for another modulus or roughness than its table's, and
+  // only_radius is set.
+  static Pair checked(const Table &t, double effective_modulus, double roughness = 0.) {
+    Pair pair(t, effective_modulus, t.collapses() ? roughness : 0.);
+    if (t.collapses()) return pair;
+    const double made_for = t.of_contact("modulus", 0.);
+    pair.only_radius = t.of_contact("radius", 0.);
+    std::ostringstream what;
+    what << t.path() << " holds for one contact only, since law " << t.text("law") << " does not collapse";
+    if (!(pair.only_radius > 0.) || !(made_for > 0.)) what << ", and names no radius and modulus";
+    else if (!(fabs(effective_modulus - made_for) <= 1e-6 * made_for))
+      what << ": for the effective modulus " << made_for << " Pa, not " << effective_modulus
+           << " Pa; make a table of this pair";
+    else if (roughness > 0.) what << ": for its own roughness; give no roughness with it";
+    else return pair;
+    throw std::runtime_error(what.str());
+  }
+  // The same in an engine's units, of which a metre and a pascal are so many; the modulus is given in them.
+  void in_units(double effective_modulus, double per_metre, double per_pascal) {
+    modulus = effective_modulus;
+    length *= metre = per_metre;
+    inverse_length = 1. / (length > 0. ? length : length_per_radius);
+    only_radius *= per_metre;
+    pascal = per_pascal;
+  }
+  inline bool serves(double radius, double tolerance) const {
+    return !(only_radius > 0.) || fabs(radius - only_radius) <= tolerance * only_radius;
+  }
+};
+
+struct State {
+  double maximum_overlap = 0., plastic_overlap = 0., radius_ratio = 0.;
+};
+
+struct Force {
+  double force, stiffness;
+  bool outside;     // the overlap lies beyond the table: force is an uncertified extrapolation
+  double unloading; // of a rule OWN: the stiffness with which it would unload from here; else 0
+};
+
+// First loading of one contact, for a rule OWN; SI. The pointers come first: the rule finds them by their place.
+struct FirstLoading {
+  void (*at)(const FirstLoading *, double overlap, double *found); // force, stiffness, Hertz-equivalent overlap, a^2/R
+  double (*inverse)(const FirstLoading *, double force);
+  double (*energy)(const FirstLoading *, double overlap);
+  const Table &table;
+  double radius, modulus, roughness, length, newton;
+  mutable bool outside; // whether an overlap beyond the table was asked for
+
+  FirstLoading(const Pair &pair, double engine_radius)
+      : at(&read), inverse(&reverse), energy(&work), table(*pair.table), radius(engine_radius / pair.metre),
+        modulus(pair.modulus / pair.pascal), roughness(std::max(pair.sigma, 1e-40 * radius)),
+        length(pair.length_of(engine_radius) / pair.metre), newton(pair.pascal * pair.metre * pair.metre),
+        outside(false) {}
+  int64_t address() const { return (int64_t)(intptr_t)this; }
+
+private:
+  static void read(const FirstLoading *p, double overlap, double *found) {
+    double s, slope;
+    const double u = overlap / p->length;
+    if (!p->table.look_up(u, s, slope) && !p->table.outside(u, s, slope)) p->outside = true;
+    const double root = p->modulus * sqrt(p->radius * s * p->length);
+    found[0] = (4. / 3.) * root * s * p->length;
+    found[1] = 2. * root * slope;
+    found[2] = s * p->length;
+    found[3] = p->table.area(s) * p->length;
+  }
+  static double reverse(const FirstLoading *p, double force) {
+    const double root = cbrt(0.75 * force / (p->modulus * sqrt(p->radius)));
+    return p->table.overlap_where(root * root / p->length) * p->length;
+  }
+  static double work(const FirstLoading *p, double overlap) {
+    return p->modulus * sqrt(p->radius * p->length) * p->length * p->length * p->table.energy(overlap / p->length);
+  }
+};
+
+inline Force own_step(const Pair &pair, double radius, double overlap, double *state, bool update) {
+  const FirstLoading loading(pair, radius);
+  double now[3] = {state[0], state[1], state[2]}, found[3] = {0., 0., 0.};
+  pair.table->own_rule()->step(loading.address(), loading.radius, loading.modulus, loading.roughness,
+                               overlap / pair.metre, now, found);
+  if (update && found[0] == found[0])
+    for (int i = 0; i < 3; i++) state[i] = now[i];
+  const double stiffness = loading.newton / pair.metre;
+  const Force force = {found[0] * loading.newton, found[1] * stiffness, loading.outside,
+                       std::max(0., found[2] * stiffness)};
+  return force;
+}
+
+// One step of one contact. `state` points to state_size(rule) doubles: maximum overlap [m], plastic overlap [m],
+// radius ratio R_p / R; it is written only when `update` is true. overlap <= 0 clears it. RULE is known when compiled.
+// inverse_radius: 1 / radius where the engine has it before the radius.
+template <Unloading RULE>
+inline Force step_rule(const Pair &pair, double radius, double overlap, double *state, bool update,
+                       double inverse_radius = 0.) {
+  Force now = {0., 0., false, 0.};
+  if (overlap <= 0.) {
+    if (update)
+      for (int i = 0; i < state_size(RULE); i++) state[i] = 0.;
+    return now;
+  }
+  if (RULE == OWN) return own_step(pair, radius, overlap, state, update);
+  double hertz_overlap, slope = 1., effective_radius = radius;
+  const bool loads = RULE == ELASTIC || !(overlap < state[0]); // NaN, too
+  double length = 0., inverse_length = 0.;
+  if (RULE == GIVEN || RULE == LINEAR || loads) {
+    length = pair.length;
+    inverse_length = pair.inverse_length;
+    if (!(length > 0.)) {
+      length = pair.length_per_radius * radius;
+      inverse_length *= inverse_radius > 0. ? inverse_radius : 1. / radius;
+    }
+  }
+  if (loads) {
+    double s;
+    if (!pair.table->look_up(overlap * inverse_length, s, slope))
+      now.outside = !pair.table->outside(overlap * inverse_length, s, slope);
+    hertz_overlap = s * length;
+    if (RULE != ELASTIC && update && s == s) {
+      state[0] = overlap;
+      if (RULE == HERTZ) state[1] = overlap - hertz_overlap;
+      else if (RULE == GIVEN) state[1] = overlap - pair.table->recover(s) * length;
+      else if (RULE == LINEAR) // P/k2
+        state[1] = overlap - (4. / 3.) * s * sqrt(s) / pair.table->linear_stiffness(overlap * inverse_length) * length;
+      else if (RULE == EEPA) state[1] = pair.table->eepa_plastic() * overlap;
+      else {
+        // R_p/R = (area/s)^1.5, recoverable overlap s (R/R_p)^(1/3)
+        const double area =
+            RULE == ETSION ? pair.table->area_of_overlap(overlap * inverse_length) : pair.table->area(s);
+        const double ratio = s / area;
+        state[1] = overlap - hertz_overlap * sqrt(ratio);
+        state[2] = 1. / (ratio * sqrt(ratio));
+      }
+    }
+  } else {
+    hertz_overlap = overlap - state[1];
+    if (hertz_overlap <= 0.) return now;
+    if (RULE == LINEAR) {
+      now.stiffness = pair.modulus * sqrt(radius * length) * pair.table->linear_stiffness(state[0] * inverse_length);
+      now.force = now.stiffness * hertz_overlap;
+      return now;
+    }
+    if (RULE == EEPA) {
+      const double k2 = pair.modulus * sqrt(radius) * pair.table->eepa_stiffness(), root = sqrt(overlap);
+      now.force = k2 * (root * overlap - sqrt(state[1]) * state[1]);
+      now.stiffness = 1.5 * k2 * root;
+      return now;
+    }
+    if (RULE == GIVEN) {
+      double s;
+      pair.table->unloading_curve().evaluate(hertz_overlap * inverse_length, s, slope);
+      hertz_overlap = s * length;
+    }
+    if (RULE == THORNTON || RULE == ETSION) effective_radius *= state[2];
+  }
+  const double root = pair.modulus * sqrt(effective_radius * hertz_overlap);
+  now.force = (4. / 3.) * root * hertz_overlap;
+  now.stiffness = 2. * root * slope;
+  return now;
+}
+
+// What a template gives whose rule of unloading is a contact's: Of<RULE>::call.
+template <template <Unloading> class Of, class... Arguments>
+inline auto with_rule(Unloading rule, Arguments &&...arguments) -> decltype(Of<ELASTIC>::call(arguments...)) {
+  switch (rule) {
+  case ELASTIC:
+    return Of<ELASTIC>::call(arguments...);
+  case HERTZ:
+    return Of<HERTZ>::call(arguments...);
+  case THORNTON:
+    return Of<THORNTON>::call(arguments...);
+  case LINEAR:
+    return Of<LINEAR>::call(arguments...);
+  case EEPA:
+    return Of<EEPA>::call(arguments...);
+  case ETSION:
+    return Of<ETSION>::call(arguments...);
+  case OWN:
+    return Of<OWN>::call(arguments...);
+  default:
+    return Of<GIVEN>::call(arguments...);
+  }
+}
+
+template <Unloading RULE> struct StepOf {
+  static inline Force call(const Pair &pair, double radius, double overlap, double *state, bool update,
+                           double inverse_radius) {
+    return step_rule<RULE>(pair, radius, overlap, state, update, inverse_radius);
+  }
+};
+inline Force step(const Pair &pair, double radius, double overlap, double *state, bool update = true,
+                  double inverse_radius = 0.) {
+  return with_rule<StepOf>(pair.rule, pair, radius, overlap, state, update, inverse_radius);
+}
+
+inline Force step(const Pair &pair, double radius, double overlap, State &state) {
+  return step(pair, radius, overlap, &state.maximum_overlap);
+}
+
+// Integral of x^1.5 - plastic^1.5 from the plastic overlap, as a product: the difference of its terms would cancel.
+inline double eepa_energy(double overlap, double plastic) {
+  const double a = sqrt(overlap), b = sqrt(plastic);
+  return 0.2 * (a - b) * (a - b) * (a * a * (2. * a + 4. * b) + b * b * (6. * a + 3. * b));
+}
+
+// The normal stiffness that the tangential stiffness K_t of an elastic contact is a multiple of (docs/shear.md); SLIP:
+// that of ELASTIC, with partial slip (demlaws_slip.h).
+enum Shear { ELASTIC_SHEAR = 1, LOADING_SHEAR = 2, SLIP_SHEAR = 3 }; // restart files have the numbers
+
+inline bool shear_from_name(const std::string &name, Shear &shear) {
+  shear = name == "loading" ? LOADING_SHEAR : name == "slip" ? SLIP_SHEAR : ELASTIC_SHEAR;
+  return shear != ELASTIC_SHEAR || name == "elastic";
+}
+
+// That stiffness [N/m], from the result of step_rule and the state that it left (or, with `update` false, found): the
+// stiffness with which the contact would unload now, or that of first loading at the force now carried.
+template <Unloading RULE>
+inline double shear_stiffness(Shear shear, const Pair &pair, double radius, double overlap, const Force &now,
+                              const double *state) {
+  if (RULE == ELASTIC || !(now.force > 0.)) return now.stiffness;
+  if (shear == SLIP_SHEAR) shear = ELASTIC_SHEAR;
+  if (RULE == OWN && shear == ELASTIC_SHEAR) return now.unloading;
+  const bool loads = RULE != OWN && !(overlap < state[0]); // what a rule OWN remembers is its own
+  if (shear == ELASTIC_SHEAR) {
+    if (!loads) return now.stiffness;
+    const bool known = overlap == state[0];
+    if ((RULE <= THORNTON || RULE == ETSION) && known) {
+      const double recoverable =
+          overlap - state[1]; // K = 1.5 P / recoverable overlap, where rounding leaves some of it
+      if (recoverable > 1e-9 * overlap) return 1.5 * now.force / recoverable;
+      const double root = sqrt(RULE == HERTZ ? radius : radius * state[2]);
+      return 2. * pair.modulus * root * cbrt(0.75 * now.force / (pair.modulus * root));
+    }
+    double own[3] = {0., 0., 0.};
+    for (int i = 0; i < state_size(RULE); i++) own[i] = state[i];
+    if (!known) step_rule<RULE>(pair, radius, overlap, own, true);
+    return step_rule<RULE>(pair, radius, overlap * (1. - 1. / 68719476736.), own, false).stiffness; // 2^-36 below
+  }
+  if (loads) return now.stiffness;
+  const double length = pair.length_of(radius), root = cbrt(0.75 * now.force / (pair.modulus * sqrt(radius)));
+  return 2. * pair.modulus * sqrt(radius) * root * pair.table->loading_curve().slope_where(root * root / length);
+}
+
+template <Unloading RULE> struct ShearStiffnessOf {
+  static inline double call(Shear shear, const Pair &pair, double radius, double overlap, const Force &now,
+                            const double *state) {
+    return shear_stiffness<RULE>(shear, pair, radius, overlap, now, state);
+  }
+};
+inline double shear_stiffness(Shear shear, const Pair &pair, double radius, double overlap, const Force &now,
+                              const double *state) {
+  return with_rule<ShearStiffnessOf>(pair.rule, shear, pair, radius, overlap, now, state);
+}
+
+// Work that a contact with a history gives back from this overlap on, along the curve that it unloads along [J].
+inline double given_back(const Pair &pair, double radius, double overlap, const double *state) {
+  const double length = pair.length_of(radius), left = std::max(0., overlap - state[1]);
+  if (pair.rule == LINEAR)
+    return 0.5 * pair.modulus * sqrt(radius * length) * pair.table->linear_stiffness(state[0] / length) * left * left;
+  if (pair.rule == EEPA)
+    return pair.modulus * sqrt(radius) * pair.table->eepa_stiffness() * eepa_energy(overlap, state[1]);
+  // a law with a seating load has a negative plastic overlap: its part below zero overlap never comes back
+  const double below = std::max(0., -state[1]);
+  if (pair.rule == GIVEN) {
+    const Curve &curve = pair.table->unloading_curve();
+    return pair.modulus * sqrt(radius) * length * length * sqrt(length) *
+           (curve.energy(left / length) - curve.energy(below / length));
+  }
+  const double r = pair.rule == THORNTON || pair.rule == ETSION ? radius * state[2] : radius;
+  return (8. / 15.) * pair.modulus * sqrt(r) * (left * left * sqrt(left) - below * below * sqrt(below));
+}
+
+// Energies of one contact since it was made [J]: what it would give back, and what its plastic flow took.
+inline void stored_and_dissipated(const Pair &pair, double radius, double overlap, const double *state, double &stored,
+                                  double &dissipated) {
+  stored = dissipated = 0.;
+  const double length = pair.length_of(radius);
+  const double scale = pair.modulus * sqrt(radius) * length * length * sqrt(length);
+  if (pair.rule == ELASTIC) {
+    if (overlap > 0.) stored = scale * pair.table->energy(overlap / length);
+    return;
+  }
+  if (pair.rule == OWN) {
+    if (state[0] == 0. && state[1] == 0. && state[2] == 0.) return;
+    const FirstLoading loading(pair, radius);
+    double own[3] = {state[0], state[1], state[2]}, found[2] = {0., 0.};
+    pair.table->own_rule()->energies(loading.address(), loading.radius, loading.modulus, loading.roughness,
+                                     overlap / pair.metre, own, found);
+    stored = found[0] * loading.newton * pair.metre;
+    dissipated = found[1] * loading.newton * pair.metre;
+    return;
+  }
+  if (!(state[0] > 0.)) return;
+  if (overlap > 0. && overlap > state[1]) stored = std::max(0., given_back(pair, radius, overlap, state));
+  dissipated = scale * pair.table->energy(state[0] / length) - given_back(pair, radius, state[0], state);
+}
+
+} // namespace demlaws
+#endif

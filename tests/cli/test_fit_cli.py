@@ -1,0 +1,127 @@
+"""`demlaws fit`, `choose` and `table --points`: what they print, read and refuse."""
+
+import io
+import json
+import sys
+import warnings
+
+import numpy as np
+import pytest
+
+import demlaws as dl
+from demlaws.advice.fit_model import history
+from demlaws.cli import main
+from demlaws.errors import NeedsClasses
+
+PAIR = dl.Contact(4.35e-3, 32.32e9, 2.4e-6, 2.22, 6.266e9)
+CONTACT = ["--effective-radius", "4.35mm", "--modulus", "32.32GPa", "--combined-roughness", "2.4um"]
+ECHO = "contact: R = 4.35 mm, E* = 32.32 GPa, σ = 2.4 µm"
+
+
+@pytest.fixture(autouse=True)
+def restored():
+    """main() shows warnings in its own way: undo that."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", dl.ValidityWarning)
+        yield
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    """Points as an indenter writes them, made by a law that the fits of the tests do not include."""
+    force = np.concatenate([np.linspace(1.5, 148.0, 50), np.linspace(140.0, 10.0, 15)])
+    law = dl.law("rough-plastic", PAIR, "thornton", yield_pressure=0.8e9)
+    depth = history(law, force)[0] + 2e-8 * np.random.default_rng(1).standard_normal(force.size)
+    path = tmp_path_factory.mktemp("points") / "points.txt"
+    rows = "".join(f"{1e9 * d:.1f}\t{1e6 * p:.8g}\n" for d, p in zip(depth, force, strict=True))
+    path.write_text("Depth (nm)\tLoad (µN)\n" + rows, encoding="utf-8")
+    return path
+
+
+LAWS = ["--law", "hertz", "--law", "goddard", "--law", "rough-plastic", "--law", "pohrt-popov", "--law", "conical-damage"]
+
+
+def test_the_table_of_a_fit(file, capsys):
+    """Before: rows of up to 315 characters, a footnote per row, no contact; 4.5e+08 Pa stood beside GPa."""
+    assert main(["fit", str(file), *CONTACT, "--fractal-dimension", "2.22", *LAWS]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == ECHO
+    assert max(map(len, lines)) <= 100
+    (best, *others) = [line for line in lines if line.startswith(("hertz", "goddard", "rough", "pohrt", "conical"))]
+    assert best.startswith("rough-plastic    thornton") and best.endswith("scatter")
+    assert all(line.endswith("systematic") for line in others if line.split()[0] in ("hertz", "goddard"))
+    assert sum(line.startswith("systematic misfit") for line in lines) == 1
+    assert not any(" Pa" in line for line in lines) and any("strength" in line and "GPa" in line for line in lines)
+
+
+def test_the_mark_of_a_systematic_misfit_is_in_json(file, capsys):
+    assert main(["fit", str(file), *CONTACT, "--law", "hertz", "--json"]) == 0
+    laws = json.loads(capsys.readouterr().out)["laws"]
+    assert all(law["systematic"] for law in laws)
+
+
+def test_points_and_scenes_from_standard_input(file, tmp_path, monkeypatch, capsys):
+    def given(content):
+        monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(content)))
+
+    given(file.read_bytes())
+    assert main(["fit", "-", *CONTACT, "--law", "hertz"]) == 0
+    assert "standard input: 65 points" in capsys.readouterr().out
+    given(file.read_bytes())
+    assert main(["table", "--points", "-", *CONTACT, "--out", str(tmp_path / "points.tbl")]) == 0
+    assert capsys.readouterr().out.splitlines()[0] == ECHO
+    given(SCENE.encode())
+    assert main(["choose", "-"]) == 0
+
+
+ERRORS = [
+    (["fit", "FILE", *CONTACT, "--law", "hertz", "--force-noise", "0.1N"], ("--force-noise", "--displacement-noise")),
+    (["fit", "FILE", *CONTACT, "--law", "hertz", "--displacement-noise", "1m"], ("--displacement-noise",)),
+    (["fit", "FILE", *CONTACT, "--law", "rough-plastic", "--free", "yield_pressure"], ("--fractal-dimension",)),
+    (
+        ["table", "--points", "FILE", *CONTACT, "--out", "t.tbl", "--unloading", "FILE", "--plastic-overlap", "1mm"],
+        ("--plastic",),
+    ),
+]
+
+
+@pytest.mark.parametrize(("words", "options"), ERRORS)
+def test_errors_name_options(words, options, file, capsys, tmp_path, monkeypatch):
+    """Before: they named Python's arguments, force_noise and Contact(..., fractal_dimension=...)."""
+    monkeypatch.chdir(tmp_path)
+    assert main([str(file) if word == "FILE" else word for word in words]) == 2
+    text = capsys.readouterr().err
+    assert all(option in text for option in options)
+    assert "_noise" not in text and "Contact(" not in text and "plastic_overlap" not in text
+
+
+SCENE = """
+radii = [2e-3, 8e-3]
+force = [50.0, 2000.0]
+quantity = "overlap"
+cyclic = true
+yield_pressure = 1.66e9
+[material]
+young = 60.6e9
+poisson = 0.25
+hardness = 6.266e9
+density = 2650
+[surface]
+roughness = 1.7e-6
+fractal_dimension = 2.22
+"""
+
+
+def test_choose_writes_no_table_that_cannot_serve(tmp_path, capsys):
+    """Before: a table of the largest grains, beside the answer that one table cannot serve a range of radii."""
+    scene, table = tmp_path / "scene.toml", tmp_path / "law.tbl"
+    scene.write_text(SCENE)
+    assert main(["choose", str(scene), "--out", str(table)]) == 2
+    assert "give them as classes" in capsys.readouterr().err
+    assert not table.exists()
+    best = dl.choose(dl.Scene.load(scene)).best
+    assert best.name == "rough-plastic"
+    with pytest.raises(NeedsClasses):
+        best.tables()
+    (tmp_path / "one.toml").write_text(SCENE.replace("[2e-3, 8e-3]", "8e-3"))
+    assert main(["choose", str(tmp_path / "one.toml"), "--out", str(table)]) == 0 and table.exists()
