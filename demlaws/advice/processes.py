@@ -1,5 +1,8 @@
 """Independent jobs in one process or several, by `concurrent.futures`."""
 
+import contextlib
+import pickle
+import tempfile
 import time
 import warnings
 from collections.abc import Callable, Iterator
@@ -15,9 +18,10 @@ _PATIENCE = 0.5  # [s] of work before other processes are started: each takes ab
 _work: Callable | None = None  # of a process that was started here
 
 
-def _begin(work):
+def _begin(path):
     global _work
-    _work = work
+    with open(path, "rb") as file:
+        _work = pickle.load(file)
     warnings.simplefilter("ignore")  # they would pass the caller's filters
 
 
@@ -36,11 +40,18 @@ def results(work: Callable, jobs: list, processes: int = 1, progress: Callable =
     if any(not definition.prepare.__module__.startswith("demlaws.laws.") for definition in registry().values()):
         processes = 1
     begin, pool, futures = time.monotonic(), None, {}
-    try:
+    with contextlib.ExitStack() as stack:
         for number, job in enumerate(progress(jobs)):
             if pool is None and processes > 1 and number + 2 < len(jobs) and time.monotonic() > begin + _PATIENCE:
-                pool = ProcessPoolExecutor(processes - 1, get_context("spawn"), _begin, (work,))
-                futures = {n: pool.submit(_do, jobs[n]) for n in reversed(range(number + 1, len(jobs)))}
+                # in a file: an argument of over 64 kB would block for ever where the process dies at its start
+                file = stack.enter_context(tempfile.NamedTemporaryFile(suffix=".pickle"))
+                file.write(pickle.dumps(work))
+                file.flush()
+                pool = ProcessPoolExecutor(processes - 1, get_context("spawn"), _begin, (file.name,))
+                stack.callback(pool.shutdown, wait=False, cancel_futures=True)
+                with contextlib.suppress(BrokenProcessPool):
+                    for n in reversed(range(number + 1, len(jobs))):
+                        futures[n] = pool.submit(_do, jobs[n])
             if number not in futures or futures[number].cancel():
                 yield work(job)
                 continue
@@ -48,6 +59,3 @@ def results(work: Callable, jobs: list, processes: int = 1, progress: Callable =
                 yield futures[number].result()
             except BrokenProcessPool:  # a script without `if __name__ == "__main__":`, for instance
                 yield work(job)
-    finally:
-        if pool is not None:
-            pool.shutdown(wait=False, cancel_futures=True)

@@ -1,6 +1,8 @@
 """Jobs in several processes: the same results in the same order, and no process that was not asked for."""
 
 import os
+import subprocess
+import sys
 import time
 
 import numpy as np
@@ -49,3 +51,24 @@ def test_fits_in_two_processes_are_those_of_one():
     for wrong in (0, 1.5, "two"):
         with pytest.raises(dl.DemlawsError):
             dl.fit(ROWS, PAIR, laws=laws, processes=wrong)
+
+
+UNGUARDED = """
+import functools, time
+import numpy as np
+from demlaws.advice.processes import results
+
+def slow(jobs):
+    time.sleep(0.6)
+    yield from jobs
+
+large = functools.partial(np.add, np.zeros(100_000))  # longer than a pipe
+print(sum(float(found[0]) for found in results(large, list(range(6)), 2, slow)))
+"""
+
+
+def test_a_script_without_a_main_guard_goes_on_alone(tmp_path):
+    """Before: the process that was started died, and the script waited for ever."""
+    (tmp_path / "script.py").write_text(UNGUARDED)
+    done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=100)
+    assert done.stdout.split() == ["15.0"]
