@@ -61,6 +61,25 @@ class MapWarning(ValidityWarning):
     """A height map that is hardly the measured surface: spikes, fillers, a wrong unit."""
 
 
+# of YADE, here since a process without YADE may report them
+
+
+class BridgeWarning(UserWarning):
+    """The law acts through the public API, since the native bridge is not available; or this YADE has not been tested."""
+
+
+class TimeStepWarning(UserWarning):
+    """A time stepper of the engine list had no bound that is stable for the law."""
+
+
+class CoefficientWarning(UserWarning):
+    """A script or an engine has changed kno or kso of a contact, which the law writes in each step."""
+
+
+class ShapeWarning(UserWarning):
+    """A contact of a shape that is neither sphere nor flat has the distance from the body's centre as R, without a choice."""
+
+
 def most_similar(word: object, known: Iterable[str]) -> str | None:
     """The known word that is most similar to `word`, or None."""
     import difflib

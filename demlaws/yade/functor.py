@@ -8,7 +8,7 @@ import warnings
 import yade
 
 from demlaws.core.shear import DEFAULT, SLIP
-from demlaws.errors import DemlawsError, warn
+from demlaws.errors import BridgeWarning, DemlawsError, warn
 from demlaws.laws.names import HERTZ
 from demlaws.yade import native, selftest
 from demlaws.yade.binding import Binding
@@ -16,14 +16,6 @@ from demlaws.yade.pairs import Pairs, Span
 
 NATIVE_ATTRIBUTES = frozenset(yade.Law2_ScGeom_MindlinPhys_Mindlin().dict()) | {"preventGranularRatcheting"}
 O = yade.O  # noqa: E741  YADE's name
-
-
-class BridgeWarning(UserWarning):
-    """The law acts through the public API, since the native bridge is not available; or this YADE has not been tested."""
-
-
-class TimeStepWarning(UserWarning):
-    """A time stepper of the engine list had no bound that is stable for the law."""
 
 
 class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):

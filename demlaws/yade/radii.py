@@ -11,10 +11,6 @@ from demlaws.errors import DemlawsError, EngineStopped
 from demlaws.yade import layout
 
 
-class ShapeWarning(UserWarning):
-    """A contact of a shape that is neither sphere nor flat has the distance from the body's centre as R, without a choice."""
-
-
 class Curvature(NamedTuple):
     """radius="curvature" with an upper bound of the principal radii [m]: flat faces then have contacts with R up to it."""
 
