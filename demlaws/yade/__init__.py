@@ -9,14 +9,10 @@ YADE's Python.
 
 import importlib
 
-from demlaws.errors import DemlawsError
+from demlaws.errors import BridgeWarning, CoefficientWarning, DemlawsError, ShapeWarning, TimeStepWarning
 
 _HOMES = {
     "Law2_ScGeom_MindlinPhys_Demlaws": "functor",
-    "BridgeWarning": "functor",
-    "CoefficientWarning": "binding",
-    "ShapeWarning": "radii",
-    "TimeStepWarning": "functor",
     "ContactState": "contacts",
     "Curvature": "radii",
     "Totals": "contacts",
@@ -27,7 +23,7 @@ _HOMES = {
     "public_step": "scene",
 }
 
-__all__ = [*_HOMES]
+__all__ = ["BridgeWarning", "CoefficientWarning", "ShapeWarning", "TimeStepWarning", *_HOMES]
 
 
 def __getattr__(name):

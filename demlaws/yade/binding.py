@@ -12,12 +12,12 @@ import yade
 import yade.utils
 
 from demlaws.admissible import LARGE_RADIUS, LARGE_ROUGHNESS, LARGEST_ROUGHNESS, judge
-from demlaws.errors import CoefficientWarning, DemlawsError, EngineStopped, LargeOverlap, warn
+from demlaws.errors import CoefficientWarning, DemlawsError, EngineStopped, LargeOverlap, ShapeWarning, warn
 from demlaws.units import SMALL_OVERLAP
 from demlaws.yade import layout, native
 from demlaws.yade.contacts import Totals, is_ours, real_contacts, state_of, with_overlaps
 from demlaws.yade.pairs import Pairs
-from demlaws.yade.radii import ShapeWarning, body_radius_text
+from demlaws.yade.radii import body_radius_text
 
 O = yade.O  # noqa: E741  YADE's name
 LOOKS = (2, 3, 12, 102, 1002)  # calls of the guard with a check of every contact and body, which takes time
