@@ -12,9 +12,9 @@ import warnings
 
 import yade
 
-from demlaws.errors import DemlawsError, EngineStopped
+from demlaws.errors import DemlawsError, EngineStopped, TimeStepWarning
 from demlaws.yade import native
-from demlaws.yade.functor import Law2_ScGeom_MindlinPhys_Demlaws, TimeStepWarning
+from demlaws.yade.functor import Law2_ScGeom_MindlinPhys_Demlaws
 from demlaws.yade.omega import O, get_engines, set_engines
 
 GUARD_COMMAND = "__import__('demlaws.yade').yade.guard({label!r})"
