@@ -135,6 +135,7 @@ def test_light_large_grains_need_their_number_of_contacts():
 # --- the present stiffness of contacts with a history
 
 
+@pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 @each_law_and_rule
 def test_stiffest_tangent_of_a_history(name, unloading):
     """Contacts that have carried ten times their force: known history, unknown history with and without the overlap."""

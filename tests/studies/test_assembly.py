@@ -97,7 +97,7 @@ def test_a_state_is_in_balance_under_its_law(tmp_path):
 def test_moduli_agree_with_small_strains_in_lammps(tmp_path):
     probe.run_probes(200, tmp_path / "probes.csv", tmp_path, [study.Series(law="pohrt-popov", sigma=0.5)])
     for row in study.read(tmp_path / "probes.csv"):
-        assert row["exact"] == pytest.approx(row["engine"], rel=2e-4) and row["linear"] == pytest.approx(
+        assert row["exact"] == pytest.approx(row["engine"], rel=5e-4) and row["linear"] == pytest.approx(
             row["engine"], rel=2e-3
         )
 
