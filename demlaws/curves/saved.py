@@ -148,7 +148,7 @@ def _definition(file, rule, prefix, collapses):
 
 
 def definition_of_table(name: str, source: str, description: str, length: str, collapses: bool, **facts: Any) -> Definition:
-    """`Definition` of a law thatis known from its table only."""
+    """`Definition` of a law that is known from its table only."""
     return Definition(
         name=name,
         prepare=_not_here,
