@@ -83,7 +83,7 @@ def register(add):
         print(f"wrote {path}; start {path.parent / 'run.sh'}")
 
     def convert(arguments):
-        from demlaws.convert import convert_file
+        from demlaws.plugins.convert import convert_file
 
         out = arguments.out or output(arguments.input + ".demlaws")
         out, conversion = convert_file(arguments.input, name, arguments.table, out)
@@ -207,7 +207,7 @@ def _grain_arguments(export):
 def _grains_of(arguments):
     """The case's `Grain`s, the rule or law that they unload by, and the options of the law."""
     from demlaws.contact import Material, Surface
-    from demlaws.grains import Grain
+    from demlaws.plugins.grains import Grain
 
     count, columns = len(arguments.radius), []
     for name, *_ in PROPERTIES:

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import demlaws
-from demlaws.engines import SHARED
 from demlaws.errors import DemlawsError
+from demlaws.plugins.engines import SHARED
 
 OWN = Path(__file__).parent / "source"
 FOLDERS = (OWN, Path(__file__).parent / "src", SHARED)

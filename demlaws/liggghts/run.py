@@ -6,9 +6,9 @@ import re
 import shutil
 import subprocess
 
-from demlaws.engines import Engine
 from demlaws.errors import DemlawsError
 from demlaws.liggghts.build import PACKAGES, build
+from demlaws.plugins.engines import Engine
 
 VERSION = "3.8.0"
 HEAD = """\

@@ -11,9 +11,9 @@ from inputs import part
 
 import demlaws as dl
 from demlaws import cli
-from demlaws.convert import convert, convert_file
 from demlaws.errors import DemlawsError
 from demlaws.liggghts import run
+from demlaws.plugins.convert import convert, convert_file
 
 TUTORIALS = Path(__file__).parents[2] / "liggghts_inputs" / "tutorials.py"
 LIGGGHTS = """\

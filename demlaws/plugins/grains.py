@@ -9,13 +9,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-from demlaws.contact import Contact, Material, Surface
+from demlaws.contact import DENSITY, Contact, Material, Surface
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
 from demlaws.laws.names import USUAL
 from demlaws.make import law as make_law
 from demlaws.make import rebound, rule_and_curve, unloading_of_case
-from demlaws.materials import DENSITY
 from demlaws.timestep import timestep
 from demlaws.units import number, whole
 

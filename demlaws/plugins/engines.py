@@ -19,7 +19,7 @@ from pathlib import Path
 import demlaws
 from demlaws.errors import DemlawsError, EngineStopped
 
-SHARED = Path(__file__).parent / "cpp"
+SHARED = Path(__file__).parents[1] / "cpp"
 """Headers that all plugins include."""
 
 
