@@ -99,11 +99,11 @@ def _add_cell(stats, patch, i, j, u1, u2, u3, u4):
 
 
 @kernel
-def _add_memory(stats, patch, area, spread, limit, i, j, row, column):
-    """Add the memory of the triangle with the corners (i - 1, j - 1), (row, column) and (i, j)."""
+def _add_memory(stats, patch, area, spread, limit):
+    """Add the memory of a triangle, given as the sums over its corners."""
     if area > 0.0:
-        stats[patch, SPREAD] += area / 3.0 * (spread[i - 1, j - 1] + spread[row, column] + spread[i, j])
-        stats[patch, LIMIT] += area / 3.0 * (limit[i - 1, j - 1] + limit[row, column] + limit[i, j])
+        stats[patch, SPREAD] += area / 3.0 * spread
+        stats[patch, LIMIT] += area / 3.0 * limit
 
 
 @loop
@@ -117,6 +117,7 @@ def scan(h, cut, window, labels, mask, parent, stats, spread, limit):
     """
     top, bottom, left, right = window[0], window[1], window[2], window[3]
     rows, columns = h.shape
+    remembers = spread.shape[0] > 0
     new_top, new_bottom, new_left, new_right = bottom + 1, top - 1, right + 1, left - 1
     count = 0
     # one ring outside the window belongs to the cells that the contour crosses
@@ -159,9 +160,11 @@ def scan(h, cut, window, labels, mask, parent, stats, spread, limit):
                     if lower:
                         x, y = j - stats[lower, X0], i - stats[lower, Y0]
                         lower_area = _triangle(stats, lower, u1, u3, u4, x - 1.0, y - 1.0, x - 1.0, y, x, y)
-                if spread.shape[0] > 0:
-                    _add_memory(stats, upper, upper_area, spread, limit, i, j, i - 1, j)
-                    _add_memory(stats, lower, lower_area, spread, limit, i, j, i, j - 1)
+                if remembers:
+                    s, s_upper, s_lower = spread[i - 1, j - 1] + spread[i, j], spread[i - 1, j], spread[i, j - 1]
+                    m, m_upper, m_lower = limit[i - 1, j - 1] + limit[i, j], limit[i - 1, j], limit[i, j - 1]
+                    _add_memory(stats, upper, upper_area, s + s_upper, m + m_upper)
+                    _add_memory(stats, lower, lower_area, s + s_lower, m + m_lower)
             north_west, west = north, label
     window[0], window[1], window[2], window[3] = new_top, new_bottom, new_left, new_right
     return count
