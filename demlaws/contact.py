@@ -44,6 +44,26 @@ def _refuse_lengths(values: dict) -> None:
         raise DemlawsError(f"one entry per contact is needed, got {sizes}; give arrays of one length") from None
 
 
+def compliance(material: Any) -> float:
+    """(1 - ν²)/E [1/Pa] of a material: an object with `young` and `poisson`, also YADE's."""
+    return (1.0 - material.poisson**2) / material.young
+
+
+def effective_modulus(material1: Any, material2: Any) -> float:
+    """E* [Pa], 1/E* = (1-ν1²)/E1 + (1-ν2²)/E2."""
+    return 1.0 / (compliance(material1) + compliance(material2))
+
+
+def effective_radius(radius1: Any, radius2: Any) -> Any:
+    """R [m] of two spheres, 1/R = 1/R1 + 1/R2; inf is a flat."""
+    return 1.0 / (1.0 / radius1 + 1.0 / radius2)
+
+
+def combined_roughness(roughness1: Any, roughness2: Any) -> Any:
+    """σ = √(Sq1² + Sq2²) [m]."""
+    return np.hypot(roughness1, roughness2)
+
+
 @refuses_unknown_keywords
 @dataclass(frozen=True)
 class Material:
@@ -89,7 +109,7 @@ class Material:
     @property
     def plane_modulus(self) -> float:
         """E/(1 - ν²) [Pa]."""
-        return self.young / (1.0 - self.poisson**2)
+        return 1.0 / compliance(self)
 
 
 @refuses_unknown_keywords
@@ -158,7 +178,7 @@ class Surface:
         dimensions = [d for d in (self.fractal_dimension, other.fractal_dimension) if d is not None]
         hardnesses = [h for h in (self.hardness, other.hardness) if h is not None]
         return Surface(
-            math.hypot(self.roughness, other.roughness),
+            combined_roughness(self.roughness, other.roughness),
             sum(dimensions) / len(dimensions) if dimensions else None,
             min(hardnesses) if hardnesses else None,
         )
@@ -295,9 +315,9 @@ class Contact:
         if hardness is None and hardnesses:
             hardness = min(hardnesses)
         combined = {
-            "radius": 1.0 / (1.0 / radius1 + 1.0 / radius2),
-            "modulus": 1.0 / (1.0 / material1.plane_modulus + 1.0 / material2.plane_modulus),
-            "roughness": np.hypot(roughness1, roughness2),
+            "radius": effective_radius(radius1, radius2),
+            "modulus": effective_modulus(material1, material2),
+            "roughness": combined_roughness(roughness1, roughness2),
         }
         try:
             return cls(**combined, fractal_dimension=fractal_dimension, hardness=hardness)

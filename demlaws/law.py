@@ -232,18 +232,18 @@ def _adapted(unloading, contact, curve):
 
 def resolve(unloading: "str | os.PathLike | Law", definition: Definition) -> Unloading:
     """`Unloading` of a rule's name, of a law or a table to follow, or of the path of a table, for a law of this definition."""
-    unloading = read_if_path(unloading)
+    unloading = read_unloading(unloading)
     if isinstance(unloading, Law):
         return Unloading(definition.rule(GIVEN), unloading.curve, unloading.contact)
+    return Unloading(definition.rule(unloading))  # type: ignore[arg-type]
+
+
+def read_unloading(unloading: Any) -> Any:
+    """What a user gives as `unloading`: the name of a rule as it is, the elastic law to follow, read where it is a path."""
     if isinstance(unloading, str) and unloading == GIVEN:
         raise DemlawsError(
             f"unloading {GIVEN!r} needs its curve: give a law or a table, unloading=dl.law(...) or dl.Table.load(...)"
         )
-    return Unloading(definition.rule(unloading))  # type: ignore[arg-type]
-
-
-def read_if_path(unloading: Any) -> Any:
-    """The elastic law to follow, read where it is the path of a table; a rule's name as it is."""
     if names_a_file(unloading):
         unloading = Table.load(unloading)
     if isinstance(unloading, Law) and unloading.unloading != "elastic":
