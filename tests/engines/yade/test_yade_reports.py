@@ -158,7 +158,7 @@ def test_native_shear_warns_and_slip_needs_the_bridge(omega):
         functor("hertz", "elastic", {}, bridge="native", shear="native")
     with pytest.raises(dl.DemlawsError, match="native bridge"):
         functor(bridge="public", shear="slip")
-    with pytest.raises(dl.DemlawsError, match="needs unloading elastic"):
+    with pytest.raises(dl.DemlawsError, match="needs an unloading rule with springs"):
         functor("walton-braun", None, SURFACES, bridge="native", shear="slip", loading_stiffness=3e6, stiffness_ratio=2.0)
 
 
