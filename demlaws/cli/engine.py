@@ -1,4 +1,4 @@
-"""`demlaws liggghts` and `demlaws lammps`: build | check | export | convert | run; lammps also: source."""
+"""`demlaws liggghts` and `demlaws lammps`: build | source | check | export | convert | run."""
 
 import argparse
 import contextlib
@@ -120,11 +120,11 @@ def register(add):
     builds.add_argument("--force", action="store_true", help="compile even if the plugin exists")
     builds.set_defaults(func=build)
 
-    if name == "lammps":
-        text = example("  demlaws lammps source ~/lammps/src/GRANULAR")
-        sources = parts.add_parser("source", help="write the models as sources of LAMMPS, to be compiled with it", **text)
-        sources.add_argument("folder", help="folder src/GRANULAR of LAMMPS's sources, 4 Feb 2025 or later")
-        sources.set_defaults(func=lambda arguments: print(part("source")(arguments.folder)))
+    place, release = {"liggghts": ("src", "3.8.0"), "lammps": ("src/GRANULAR", "4 Feb 2025 or later")}[name]
+    text = example(f"  demlaws {name} source ~/{name}/{place}")
+    sources = parts.add_parser("source", help=f"write the models as sources of {engine}, to be compiled with it", **text)
+    sources.add_argument("folder", help=f"folder {place} of {engine}'s sources, {release}")
+    sources.set_defaults(func=lambda arguments: print(part("source")(arguments.folder)))
 
     checks = parts.add_parser("check", help="test the plugin on this machine (15 s)", **example(f"  demlaws {name} check"))
     checks.set_defaults(func=check)

@@ -2,7 +2,7 @@
 
 from demlaws.engines import laws_to_check, moves, self_test
 from demlaws.liggghts.build import build, engine_library, headers
-from demlaws.liggghts.run import ENGINE, HEAD, executable, versions
+from demlaws.liggghts.run import ENGINE, HEAD, built_in, executable, versions
 
 _PARTICLES = """\
 processors      1 1 1
@@ -50,8 +50,11 @@ def follow(law, text=WITH_ENERGIES, **options):
 def check(report=print):
     """Versions, build and self-test; prints the results, raises DemlawsError at the first failure."""
     report(f"binary    {executable()}: {versions()}")
-    report(f"library   {engine_library()}, headers {headers()}")
-    report(f"plugin    {build()}")
+    if built_in():
+        report("models    built into LIGGGHTS: no plugin is loaded")
+    else:
+        report(f"library   {engine_library()}, headers {headers()}")
+        report(f"plugin    {build()}")
     for law, rtol, limit, name in laws_to_check():
         self_test(report, *follow(law, rtol=rtol), name, limit)
     report("all good")
