@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import demlaws
-from demlaws.errors import DemlawsError
 from demlaws.plugins.engines import SHARED, inlined, write_sources
 
 OWN = Path(__file__).parent / "source"
