@@ -2,7 +2,7 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
-from demlaws.heightmap import self_affine
+from demlaws.surfaces.heightmap import self_affine
 
 import demlaws as dl
 
