@@ -5,6 +5,7 @@ from demlaws.lazy import load_lazily
 TYPE_CHECKING = False  # type checkers and editors take it for true; importing typing would take a third of the import time
 if TYPE_CHECKING:
     from demlaws import driver as driver
+    from demlaws import materials as materials
     from demlaws import plots as plots
     from demlaws import regime as regime
     from demlaws import surface as surface
@@ -52,6 +53,7 @@ _HOMES = {
     "law": "demlaws.make",
     "laws": "demlaws.laws.registry",
     "load_laws": "demlaws.laws.registry",
+    "materials": "demlaws.materials",
     "plots": "demlaws.plots",
     "regime": "demlaws.regime",
     "register": "demlaws.laws.registry",

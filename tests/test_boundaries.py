@@ -102,7 +102,7 @@ LAYERS = (
     "regime curves",
     "plots",
     "responses",
-    "law",
+    "law materials",
     "make shear timestep",
     "driver plugins user_laws yade",
     "lammps liggghts granite",
@@ -180,7 +180,7 @@ def missing(path):
 
 UNDER_YADE = (
     "demlaws.yade",
-    *(f"studies.{study}.yade_" for study in ("extremes", "trade", "softening")),
+    *(f"studies.{study}.yade_" for study in ("cases", "extremes", "trade", "softening")),
     "studies.validation.in_yade",
 )
 """Modules that import YADE when they are imported."""
@@ -188,8 +188,7 @@ UNDER_YADE = (
 
 def test_imported_names_exist():
     """Also in benchmarks, in scripts and inside functions, which few tests run."""
-    inputs = ("yade_scripts", "liggghts_inputs", "lammps_inputs")
-    places = ("demlaws", "studies", *inputs, "docs/making", "tests/benchmarks", "tests/machines")
+    places = ("demlaws", "studies", "yade_scripts", "docs/making", "tests/benchmarks", "tests/machines")
     files = [path for place in places for path in sorted((PROJECT / place).rglob("*.py"))]
     assert not {str(path.relative_to(PROJECT)): names for path in files if (names := missing(path))}
 
@@ -244,7 +243,7 @@ def test_importing_a_module_does_not_hide_a_function():
         assert law is dl.law and law.__module__ == "demlaws.make" and set(dl.__all__) <= set(dir(dl))
         for name in dl.__all__:
             value = getattr(dl, name)
-            if name not in ("driver", "plots", "regime", "surface"):  # modules
+            if name not in ("driver", "materials", "plots", "regime", "surface"):  # modules
                 assert pickle.loads(pickle.dumps(value)) is value, name
         assert importlib.import_module("demlaws.law").Law is dl.Law
         print(law("hertz", dl.Contact(radius=1e-2, modulus=1e10)).name, *laws())

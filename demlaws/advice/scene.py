@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from demlaws.advice.errors import QUANTITIES, Sample
-from demlaws.contact import DENSITY, Contact, Material, Surface, effective_modulus, effective_radius
+from demlaws.contact import DENSITY, Contact, Material, Surface, effective_modulus, effective_radius, surface_of
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, NotPassive, refuses_unknown_keywords
 from demlaws.files import names_a_file, read_text
@@ -91,7 +91,7 @@ class Scene:
 
     radii: float | Sequence[float] = ()
     materials: Material | Sequence[Material] = ()
-    surfaces: Surface | Sequence[Surface] = field(default_factory=Surface)
+    surfaces: Surface | Sequence[Surface] | None = None
     force: Sequence[float] | None = None
     pressure: tuple | None = None
     loads: np.ndarray | None = None
@@ -129,7 +129,8 @@ class Scene:
                 raise DemlawsError(f"{label} = {getattr(self, label)!r}: give true or false, without quotes")
         object.__setattr__(self, "radii", (min(radii), max(radii)))
         materials = _all_of(self.materials, Material, "materials")
-        surfaces = _all_of(self.surfaces, Surface, "surfaces")
+        given = self.surfaces if self.surfaces is not None else [surface_of(material) for material in materials]
+        surfaces = _all_of(given, Surface, "surfaces")
         if any(surface.edge_radius is not None for surface in surfaces):
             raise DemlawsError("edge_radius: the contacts of a scene are those of spheres; give the edges' radius as radii")
         kinds = max(len(materials), len(surfaces))

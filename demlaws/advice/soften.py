@@ -149,6 +149,8 @@ class Softening:
                 f"factor = {self.factor:g} makes the roughness {float(np.max(changes['roughness'])):g} m, more than the "
                 f"effective radius of {float(np.min(thing.radius)):g} m: use a smaller factor"
             )
+        if isinstance(thing, Material) and isinstance(thing.surface, Surface):
+            changes["surface"] = self.of(thing.surface)
         return replace(thing, **changes)
 
     def _law(self, law):

@@ -1,4 +1,4 @@
-"""`demlaws liggghts` and `demlaws lammps`: build | check | export | convert | run; lammps also: source."""
+"""`demlaws liggghts` and `demlaws lammps`: build | source | check | export | convert | run."""
 
 import argparse
 import contextlib
@@ -53,8 +53,7 @@ def register(add):
     parser = add(**example(f"  demlaws {name} check"))
     parts = parser.add_subparsers(dest="part", required=True, metavar="PART", parser_class=_PartParser)
     _add_build(parts, name)
-    if name == "lammps":
-        _add_source(parts)
+    _add_source(parts, name)
     checks = parts.add_parser("check", help="test the plugin on this machine (15 s)", **example(f"  demlaws {name} check"))
     checks.set_defaults(func=lambda arguments: _function(name, "check")())
     _add_export(parts, name)
@@ -86,11 +85,13 @@ def _add_build(parts, name):
     builds.set_defaults(func=build)
 
 
-def _add_source(parts):
-    text = example("  demlaws lammps source ~/lammps/src/GRANULAR")
-    sources = parts.add_parser("source", help="write the models as sources of LAMMPS, to be compiled with it", **text)
-    sources.add_argument("folder", help="folder src/GRANULAR of LAMMPS's sources, 4 Feb 2025 or later")
-    sources.set_defaults(func=lambda arguments: print(_function("lammps", "source")(arguments.folder)))
+def _add_source(parts, name):
+    place, release = {"liggghts": ("src", "3.8.0"), "lammps": ("src/GRANULAR", "4 Feb 2025 or later")}[name]
+    engine = name.upper()
+    text = example(f"  demlaws {name} source ~/{name}/{place}")
+    sources = parts.add_parser("source", help=f"write the models as sources of {engine}, to be compiled with it", **text)
+    sources.add_argument("folder", help=f"folder {place} of {engine}'s sources, {release}")
+    sources.set_defaults(func=lambda arguments: print(_function(name, "source")(arguments.folder)))
 
 
 def _add_export(parts, name):

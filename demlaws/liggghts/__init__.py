@@ -18,6 +18,7 @@ _HOMES = {
     "header_folder": "demlaws.liggghts.build",
     "read_log": "demlaws.liggghts.run",
     "run": "demlaws.liggghts.run",
+    "source": "demlaws.liggghts.source",
     "stock_fit": "demlaws.liggghts.export",
 }
 """Public name → the module that it is loaded from on first use: the plugin is built without numba."""

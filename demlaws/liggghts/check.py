@@ -1,7 +1,7 @@
 """Prove the plugin on this machine: versions, build, and two particles pressed together inside LIGGGHTS."""
 
 from demlaws.liggghts.build import build, engine_library, headers
-from demlaws.liggghts.run import ENGINE, HEAD, executable, versions
+from demlaws.liggghts.run import ENGINE, HEAD, built_in, executable, versions
 from demlaws.plugins.engines import laws_to_check, moves, self_test
 
 _PARTICLES = """\
@@ -50,8 +50,11 @@ def follow(law, text=WITH_ENERGIES, **options):
 def check(report=print):
     """Versions, build and self-test; prints the results, raises DemlawsError at the first failure."""
     report(f"binary    {executable()}: {versions()}")
-    report(f"library   {engine_library()}, headers {headers()}")
-    report(f"plugin    {build()}")
+    if built_in():
+        report("models    built into LIGGGHTS: no plugin is loaded")
+    else:
+        report(f"library   {engine_library()}, headers {headers()}")
+        report(f"plugin    {build()}")
     for law, rtol, limit, name in laws_to_check():
         self_test(report, *follow(law, rtol=rtol), name, limit)
     report("all good")
