@@ -89,9 +89,8 @@ class Law(Response):
     @functools.cached_property
     def unloading_law(self) -> "Law | None":
         """The law along whose curve the contact unloads (rule "table"), or None."""
-        return (
-            None if self.unloading_parts.curve is None else composed(self.unloading_parts.contact, self.unloading_parts.curve)
-        )
+        parts = self.unloading_parts
+        return None if parts.curve is None or parts.contact is None else composed(parts.contact, parts.curve)
 
     @property
     def force_error(self) -> float:
