@@ -94,7 +94,7 @@ def run(arguments):
             f"nothing meets the tolerance {scene.tolerance:g}: the best is {best.describe()} with {best.error:.2g}; "
             "use that tolerance, or give the reference's quantities (fractal dimension, hardness, yield pressure)"
         )
-    rayleigh = min(rayleigh_step(scene.radii[0], m.density or DENSITY, m.young, m.poisson) for m in scene.materials)
+    rayleigh = min(rayleigh_step(scene.radii[0], m.density or DENSITY, m.young, poisson=m.poisson) for m in scene.materials)
     print(f"\nchosen: {best.describe()}")
     print(f"time step {best.step:.3g} s, at most {STEP_SAFETY:g} of the estimated stability limit (Rayleigh: {rayleigh:.3g} s)")
     for physics, error in best.left_out:

@@ -94,7 +94,7 @@ def loose(grains, count, seed=15485863):
     return types, radii, centres, (across * pitch, centres[:, 2].max() + 3.0 * pitch)
 
 
-def export(folder, law=USUAL, grains=(), unloading=None, options=None, **more):
+def export(folder, law=USUAL, grains=(), *, unloading=None, options=None, **more):
     """Write a ready case into `folder` and return its in.case: grains of all types settle in a box under gravity.
 
     law: a name, or a whole `Case`; more: further fields of `demlaws.plugins.grains.Case`: rtol, stock, load, restitution,

@@ -46,7 +46,7 @@ def stock_fit(law, load, loads=None):
     return StockFit(load, modulus, loads, forces / loads - 1.0)
 
 
-def export(folder, law=USUAL, grains=(), unloading=None, options=None, **more):
+def export(folder, law=USUAL, grains=(), *, unloading=None, options=None, **more):
     """Write a ready case into `folder` and return its in.case: grains of all types settle in a box under gravity.
 
     law: a name, or a whole `Case`; more: further fields of `Case`: rtol, stock, load, restitution, friction, count,
