@@ -21,9 +21,9 @@ from pathlib import Path
 import numpy as np
 
 import demlaws as dl
-from demlaws.convert import convert
 from demlaws.errors import DemlawsError
 from demlaws.liggghts import build, run
+from demlaws.plugins.convert import convert
 
 TUTORIALS = (
     "chute_wear",

@@ -9,9 +9,9 @@ from inputs import part
 
 import demlaws as dl
 from demlaws import cli
-from demlaws.convert import convert, convert_file
 from demlaws.errors import DemlawsError
 from demlaws.liggghts import run
+from demlaws.plugins.convert import convert, convert_file
 from studies.cases import tutorials as script
 
 LIGGGHTS = """\

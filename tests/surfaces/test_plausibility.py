@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 import demlaws as dl
-from demlaws import cli, plausibility, surface
+from demlaws import cli, surface
 from demlaws.errors import MapWarning
 from demlaws.surface import HeightMap, self_affine
+from demlaws.surfaces import plausibility
 
 ROUGH = self_affine(128, 1e-6, 0.7, 0.5e-6, 3, longest=40e-6)
 

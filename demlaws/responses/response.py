@@ -24,8 +24,8 @@ from demlaws.errors import DemlawsError, LargeOverlap, warn
 from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps, number, real, unmasked
 
 if TYPE_CHECKING:
-    from demlaws.batch import State
-    from demlaws.path import Path
+    from demlaws.responses.batch import State
+    from demlaws.responses.path import Path
 
 
 class Breach(NamedTuple):
@@ -212,7 +212,7 @@ class Response:
         -------
         State
         """
-        from demlaws.batch import State
+        from demlaws.responses.batch import State
 
         return State(self.state_names, (self.contact.size or 1) if n is None else n, dtype)
 
@@ -247,7 +247,7 @@ class Response:
             After the loop, if an overlap is NaN, infinite, beyond the effective radius or beyond a table's range: the force
             of that contact is not finite and its history is unchanged; all other contacts are complete.
         """
-        from demlaws.batch import PIECE, in_threads, writable
+        from demlaws.responses.batch import PIECE, in_threads, writable
 
         overlap = _numbers(overlap, "overlap", "m")
         if overlap.ndim != 1:
@@ -315,7 +315,7 @@ class Response:
 
     def _arrays_of(self, state, n):
         """The arrays of a batch's state, checked."""
-        from demlaws.batch import State
+        from demlaws.responses.batch import State
 
         if state is not None and not isinstance(state, State):
             raise DemlawsError(f"state must be what law.new_state({n}) returns, got {state!r}")
@@ -389,7 +389,7 @@ class Response:
         quantities = dict(zip(self.state_names, history, strict=True))
         maximum = quantities.get("maximum_overlap", np.maximum.accumulate(np.maximum(values, 0.0)))
         plastic = quantities.get("plastic_overlap", np.full(values.size, math.nan if self.state_names else 0.0))
-        from demlaws.path import Path
+        from demlaws.responses.path import Path
 
         return Path(values, force, stiffness, maximum, plastic, stored, dissipated)
 

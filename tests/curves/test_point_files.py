@@ -9,8 +9,8 @@ import pytest
 
 import demlaws as dl
 from demlaws import granite
+from demlaws.curves.point_files import Points, columns_of, read_points
 from demlaws.errors import DemlawsError
-from demlaws.points import Points, columns_of, read_points
 
 TEST = granite.find_test("SS(18-18)")
 
@@ -48,7 +48,7 @@ def test_noise_is_no_unloading(bound):
     assert dips.first_loading()[: int(np.argmax(dips.force)) + 1].mean() > 0.95
 
 
-DATA = Path(__file__).parent / "data" / "points"
+DATA = Path(__file__).parents[1] / "data" / "points"
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from demlaws.results import PATH_COLUMNS, Tabular
+from demlaws.responses.results import PATH_COLUMNS, Tabular
 
 
 class Point(NamedTuple):

@@ -9,9 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from demlaws import plausibility, units
+from demlaws import units
 from demlaws.contact import Surface
 from demlaws.errors import DemlawsError, MapWarning, warn
+from demlaws.surfaces import plausibility
 
 UNITS = {**units.UNITS["m"], "µm": 1e-6, "μm": 1e-6}
 

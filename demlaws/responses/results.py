@@ -28,6 +28,8 @@ def _text(value):
 class Tabular:
     """Methods of results that have columns. A class defines `columns`, and `title` if it has one."""
 
+    most_rows = SHOWN
+
     def columns(self) -> dict[str, Sequence]:
         """Name of each column, with its unit → its values."""
         raise NotImplementedError
@@ -49,8 +51,8 @@ class Tabular:
         columns = self.columns()
         count = len(next(iter(columns.values())))
         places = range(count)
-        if count > SHOWN:
-            places = [*places[: SHOWN // 2], None, *places[-SHOWN // 2 :]]
+        if count > self.most_rows:
+            places = [*places[: self.most_rows // 2], None, *places[-self.most_rows // 2 :]]
         rows = [None if n is None else [_text(values[n]) for values in columns.values()] for n in places]
         return list(columns), rows
 

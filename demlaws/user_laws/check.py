@@ -5,13 +5,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from demlaws.contact import Contact
+from demlaws.contact import GRANITE, Contact
+from demlaws.curves.soundness import EPS, Check, curve_checks, largest_of, refuse_unless_collapses
 from demlaws.errors import DemlawsError, NotPassive, quiet
 from demlaws.law import Law
 from demlaws.laws.registry import find
 from demlaws.make import example
-from demlaws.materials import GRANITE
-from demlaws.soundness import EPS, Check, curve_checks, largest_of, refuse_unless_collapses
 
 GRANITE_PAIR = Contact(4.35e-3, 0.5 * GRANITE.plane_modulus, 2.40e-6, 2.22, GRANITE.hardness)
 """The granite pair SS(18-18), on which a law is checked by default."""

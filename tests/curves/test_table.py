@@ -247,7 +247,7 @@ def test_a_curve_that_ends_too_early_is_refused():
     assert dl.law("pohrt-popov", GRANITE, curve).tabulate(max_force=5.0).unloading == "table"
 
 
-GOOD = Path(__file__).parent / "data" / "tables" / "good"
+GOOD = Path(__file__).parents[1] / "data" / "tables" / "good"
 
 
 def test_a_law_that_is_not_here_is_its_table(tmp_path):

@@ -19,8 +19,40 @@ from pathlib import Path
 import demlaws
 from demlaws.errors import DemlawsError, EngineStopped
 
-SHARED = Path(__file__).parent / "cpp"
+SHARED = Path(__file__).parents[1] / "cpp"
 """Headers that all plugins include."""
+
+_INCLUDE = re.compile(r'#include "([^"]+)"')
+
+
+def inlined(name, folders, kept=(), seen=None):
+    """Lines of the source file `name`, found in `folders`, with the headers found there, each once, in place of their includes.
+
+    kept: names of headers whose includes stay.
+    """
+    seen = {name} if seen is None else seen
+    for line in next(folder / name for folder in folders if (folder / name).is_file()).read_text().splitlines():
+        include = _INCLUDE.match(line)
+        inner = include and include.group(1)
+        if not inner or inner in kept or not any((folder / inner).is_file() for folder in folders):
+            yield line
+        elif inner not in seen:
+            seen.add(inner)
+            yield from inlined(inner, folders, kept, seen)
+
+
+def write_sources(folder, texts):
+    """Write {name: text} into `folder` and return the paths; a file that has its text stays untouched: no build repeats it."""
+    folder = Path(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, text in texts.items():
+            file = folder / name
+            if not file.is_file() or file.read_text() != text:
+                file.write_text(text)
+    except OSError as error:
+        raise DemlawsError(f"cannot write to {folder}: {error.strerror}") from error
+    return tuple(folder / name for name in texts)
 
 
 def cache_folder():

@@ -9,13 +9,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-from demlaws.contact import Contact, Material, Surface
+from demlaws.contact import DENSITY, Contact, Material, Surface, surface_of
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
 from demlaws.laws.names import USUAL
 from demlaws.make import law as make_law
 from demlaws.make import rebound, rule_and_curve, unloading_of_case
-from demlaws.materials import DENSITY
 from demlaws.timestep import timestep
 from demlaws.units import number, whole
 
@@ -24,11 +23,15 @@ LARGEST_SHEAR_RATIO, MOST_LEVELS = 4.0 / 3.0, 8
 
 @dataclass(frozen=True)
 class Grain:
-    """One particle type: radius [m], material, surface. The first of a case is type 1."""
+    """One particle type: radius [m], material, surface (default: the material's). The first of a case is type 1."""
 
     radius: float
     material: Material
-    surface: Surface = field(default_factory=Surface)
+    surface: Surface | None = None
+
+    def __post_init__(self):
+        if self.surface is None:
+            object.__setattr__(self, "surface", surface_of(self.material))
 
     def contact(self, other, wall=False):
         """Contact of this grain with another, or with a plane wall of the other's material and surface (`wall`)."""
