@@ -11,14 +11,13 @@ from pathlib import Path
 import numpy as np
 
 from demlaws.advice.errors import QUANTITIES, Sample
-from demlaws.contact import Contact, Material, Surface
+from demlaws.contact import DENSITY, Contact, Material, Surface, surface_of
 from demlaws.errors import DemlawsError, NotPassive, refuses_unknown_keywords
 from demlaws.files import read_text
 from demlaws.law import Law
 from demlaws.laws.registry import find
 from demlaws.make import law as bind_law
 from demlaws.make import rule_and_curve
-from demlaws.materials import DENSITY
 from demlaws.timestep import shear_ratio, timestep
 from demlaws.units import number, real
 
@@ -91,7 +90,7 @@ class Scene:
 
     radii: float | Sequence[float] = ()
     materials: Material | Sequence[Material] = ()
-    surfaces: Surface | Sequence[Surface] = field(default_factory=Surface)
+    surfaces: Surface | Sequence[Surface] | None = None
     force: Sequence[float] | None = None
     pressure: tuple | None = None
     loads: np.ndarray | None = None
@@ -129,7 +128,8 @@ class Scene:
                 raise DemlawsError(f"{label} = {getattr(self, label)!r}: give true or false, without quotes")
         object.__setattr__(self, "radii", (min(radii), max(radii)))
         materials = _all_of(self.materials, Material, "materials")
-        surfaces = _all_of(self.surfaces, Surface, "surfaces")
+        given = self.surfaces if self.surfaces is not None else [surface_of(material) for material in materials]
+        surfaces = _all_of(given, Surface, "surfaces")
         if any(surface.edge_radius is not None for surface in surfaces):
             raise DemlawsError("edge_radius: the contacts of a scene are those of spheres; give the edges' radius as radii")
         kinds = max(len(materials), len(surfaces))
@@ -213,7 +213,7 @@ class Scene:
 
     def grains(self) -> list:
         """A LIGGGHTS `Grain` for each kind and size: `classes`, or the smallest and the largest."""
-        from demlaws.grains import Grain
+        from demlaws.plugins.grains import Grain
 
         sizes = self.classes or tuple(dict.fromkeys(self.radii))
         return [Grain(r, m, s) for m, s in zip(self.materials, self.surfaces, strict=True) for r in sizes]

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from demlaws.contact import Contact, Surface
+from demlaws.contact import Contact, Material, Surface, surface_of
 from demlaws.core.levels import DEFAULT_LEVELS
 from demlaws.core.loops import clamped_roughness, loading_part, scale_contact
 from demlaws.core.shear import CHOICES, DEFAULT, SLIP
@@ -72,6 +72,8 @@ class Span(NamedTuple):
 def _surface(label, value):
     if not isinstance(label, str) or not label:
         raise DemlawsError(f"surfaces: {label!r} is not a label; use the label of the YADE materials that have the surface")
+    if isinstance(value, Material):
+        value = surface_of(value)
     if isinstance(value, Surface):
         return value
     try:
@@ -254,7 +256,7 @@ class Pairs:
         shear_ratio=None,
         radius=None,
     ):
-        if isinstance(surfaces, Surface):
+        if isinstance(surfaces, Surface | Material):
             surfaces = {EVERY: surfaces}
         if not isinstance(surfaces, dict | None):
             raise DemlawsError(
