@@ -93,7 +93,7 @@ def test_names_of_laws_are_written_in_one_file():
 LAYERS = (
     "errors lazy results",
     "core",
-    "admissible files plausibility units",
+    "admissible contacts files plausibility units",
     "contact criterion points soundness",
     "materials heightmap surface",
     "solvers",
