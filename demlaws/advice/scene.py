@@ -20,7 +20,7 @@ from demlaws.laws.registry import find
 from demlaws.make import known_unloading
 from demlaws.make import law as bind_law
 from demlaws.timestep import shear_ratio, timestep
-from demlaws.units import number, real
+from demlaws.units import as_float, number
 
 ENGINES = ("python", "yade", "liggghts", "lammps")
 PROCESSES = ("oedometer", "shear", "pour")
@@ -142,7 +142,7 @@ class Scene:
             if getattr(self, label) is not None:
                 object.__setattr__(self, label, _range(getattr(self, label), label, unit))
         if self.loads is not None:
-            loads = np.ravel(real(np.ravel(self.loads), "loads", "N", array=True))
+            loads = np.ravel(as_float(np.ravel(self.loads), "loads", "N", array=True))
             if not np.all(np.isfinite(loads)) or not np.any(loads > 0.0):
                 raise DemlawsError(f"loads must be finite forces in N, none masked, some above 0, got {self.loads!r:.60}")
             object.__setattr__(self, "loads", loads[loads > 0.0])
