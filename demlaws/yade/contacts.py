@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import yade
 
-from demlaws.admissible import RANGES
-from demlaws.results import Tabular
+from demlaws.responses.results import Tabular
+from demlaws.units import RANGES
 
 O = yade.O  # noqa: E741  YADE's name
 PHYSICS = tuple(getattr(yade, name) for name in ("MindlinPhys", "MindlinCapillaryPhys") if hasattr(yade, name))
