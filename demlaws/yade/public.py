@@ -41,7 +41,7 @@ class Held:
         return bodies[rows["tag"] > 0], rows[rows["tag"] > 0]
 
     def restore(self, bodies, saved, contacts):
-        """Hold the history that `saved` has of contacts of a scene that was loaded; not of those that were cleared and made again."""
+        """Hold the history that `saved` has of contacts of a loaded scene; not of those that were cleared and made again."""
         place_of = {pair: place for place, pair in enumerate(map(tuple, bodies.tolist()))}
         mine = [c for c in contacts if (c.id1, c.id2) in place_of and c.phys.prevU[1] != 0.0]
         self.keys, self.objects = [_key(contact) for contact in mine], []
