@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from demlaws.admissible import RANGES, judge, outside, refuse, refuse_plain_radius
 from demlaws.errors import DemlawsError, did_you_mean, refuses_unknown_keywords, warn
-from demlaws.units import number, positive, real
+from demlaws.units import RANGES, judge, number, outside, positive, real, refuse, refuse_plain_radius
 
 PER_CONTACT = ("radius", "modulus", "roughness")
 """Fields of a `Contact` that may have one entry per contact."""
@@ -419,3 +418,11 @@ def contact_at(contact: Contact, index: int) -> Contact:
     """The contact at this place in an array; a single one is at every place."""
     values = {name: np.broadcast_to(getattr(contact, name), contact.size or index + 1)[index] for name in PER_CONTACT}
     return replace(contact, **values)
+
+
+DENSITY = 2650.0
+"""Density [kg/m³] of a material that states none: quartz."""
+GRANITE = Material(young=60.6e9, poisson=0.25, hardness=639 * 9.80665e6, density=2680.0)
+"""Mount Sorrel granite: Table 1 of Altuhafi, Baudet & Coop 2023 (639 kgf/mm², 6.266 GPa)."""
+GRANITE_YIELD_PRESSURE = 1.66e9
+"""p_y [Pa] of the rough-plastic law for its spheres and the cone RFC10: 0.265 of the hardness."""

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import demlaws as dl
-from demlaws.contacts import COLUMNS, MAIN, Contacts
+from demlaws.responses.contacts import COLUMNS, MAIN, Contacts
 
 ONE, TWO = np.array([[0.0, 0, 0], [0, 0, 1], [0, 1, 0]]), np.array([[0.0, 0, 1], [0, 0, 2], [0, 1, 1]])
 

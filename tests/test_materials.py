@@ -3,9 +3,9 @@
 import pytest
 
 import demlaws as dl
-from demlaws.contact import Unknown
-from demlaws.grains import Grain
-from demlaws.materials import GRANITE, SYMBOLS, names, typical
+from demlaws.contact import GRANITE, Unknown
+from demlaws.materials import SYMBOLS, names, typical
+from demlaws.plugins.grains import Grain
 
 
 @pytest.mark.parametrize("name", names())

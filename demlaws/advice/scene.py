@@ -11,14 +11,13 @@ from pathlib import Path
 import numpy as np
 
 from demlaws.advice.errors import QUANTITIES, Sample
-from demlaws.contact import Contact, Material, Surface, surface_of
+from demlaws.contact import DENSITY, Contact, Material, Surface, surface_of
 from demlaws.errors import DemlawsError, NotPassive, refuses_unknown_keywords
 from demlaws.files import read_text
 from demlaws.law import Law
 from demlaws.laws.registry import find
 from demlaws.make import law as bind_law
 from demlaws.make import rule_and_curve
-from demlaws.materials import DENSITY
 from demlaws.timestep import shear_ratio, timestep
 from demlaws.units import number, real
 
@@ -214,7 +213,7 @@ class Scene:
 
     def grains(self) -> list:
         """A LIGGGHTS `Grain` for each kind and size: `classes`, or the smallest and the largest."""
-        from demlaws.grains import Grain
+        from demlaws.plugins.grains import Grain
 
         sizes = self.classes or tuple(dict.fromkeys(self.radii))
         return [Grain(r, m, s) for m, s in zip(self.materials, self.surfaces, strict=True) for r in sizes]

@@ -98,7 +98,7 @@ class Softening:
     def of(self, thing: Any) -> Any:
         """See `soften`."""
         from demlaws.advice.scene import Scene
-        from demlaws.grains import Case, Grain
+        from demlaws.plugins.grains import Case, Grain
 
         kind = next((k for k in EXPONENTS if isinstance(thing, k)), None)
         if kind is not None:

@@ -61,7 +61,7 @@ def read(arguments):
     """`Contacts` of the two dumps that the arguments name."""
     import numpy as np
 
-    from demlaws.contacts import Contacts
+    from demlaws.responses.contacts import Contacts
 
     for path in (arguments.snapshot, arguments.contacts):
         if not path.is_file():

@@ -85,6 +85,8 @@ public:
     return work_[low] + gauss(nodes_[low], u);
   }
 
+  int bits() const { return bits_; }
+  const std::vector<double> &kinks() const { return kinks_; }
   double first() const { return u_first_; }
   double last() const { return u_last_; }
   double last_s() const { return s_last_; }

@@ -1,12 +1,10 @@
 """The models as sources of LAMMPS: files that are copied into src/GRANULAR. Only the standard library."""
 
-import re
 from pathlib import Path
 from typing import NamedTuple
 
 import demlaws
-from demlaws.engines import SHARED
-from demlaws.errors import DemlawsError
+from demlaws.plugins.engines import SHARED, inlined, write_sources
 
 OWN = Path(__file__).parent / "source"
 FOLDERS = (OWN, Path(__file__).parent / "src", SHARED)
@@ -22,7 +20,6 @@ ROWS = """\
   { "demlaws/tangent",        &creator<GranSubModDampingDemlaws>,               DAMPING },
   { "demlaws",                &creator<GranSubModTangentialDemlaws>,            TANGENTIAL },
 """
-_INCLUDE = re.compile(r'#include "([^"]+)"')
 
 
 class Written(NamedTuple):
@@ -42,40 +39,16 @@ class Written(NamedTuple):
         return "\n".join(lines)
 
 
-def _header(name):
-    return next((folder / name for folder in FOLDERS if (folder / name).is_file()), None)
-
-
-def _inlined(name, seen):
-    """Lines of a header with demlaws's other headers, each once, in the place of their includes."""
-    for line in _header(name).read_text().splitlines():
-        include = _INCLUDE.match(line)
-        inner = include and include.group(1)
-        if not inner or inner in COPIED or not _header(inner):
-            yield line
-        elif inner not in seen:
-            seen.add(inner)
-            yield from _inlined(inner, seen)
-
-
 def source(folder):
     """Write the files into `folder`, LAMMPS's src/GRANULAR, and return `Written`; earlier ones are replaced.
 
     For releases from 4 Feb 2025 on. LAMMPS then has the models without any plugin, also as a static executable, and reads the
     inputs of the plugin and its restart files.
     """
-    folder = Path(folder)
     head = f"// The models of demlaws {demlaws.__version__}, written by `demlaws lammps source`. Licence: GPL-2.0-or-later."
     texts = {name: (OWN / name).read_text() for name in COPIED}
-    texts[MODELS] = "\n".join([head, *_inlined("granular_models.h", {"granular_models.h"})]) + "\n"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, text in texts.items():
-            file = folder / name
-            if not file.is_file() or file.read_text() != text:  # else a build would compile it again
-                file.write_text(text)
-        register = folder / REGISTER
-        missing = register.is_file() and "gran_sub_mod_demlaws.h" not in register.read_text()
-    except OSError as error:
-        raise DemlawsError(f"cannot write to {folder}: {error.strerror}") from error
-    return Written(tuple(folder / name for name in texts), register if missing else None)
+    texts[MODELS] = "\n".join([head, *inlined("granular_models.h", FOLDERS, COPIED)]) + "\n"
+    files = write_sources(folder, texts)
+    register = Path(folder) / REGISTER
+    missing = register.is_file() and "gran_sub_mod_demlaws.h" not in register.read_text()
+    return Written(files, register if missing else None)

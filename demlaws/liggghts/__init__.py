@@ -10,14 +10,15 @@ log = lg.run("case/in.case", ranks=2)               # the stock binary with the 
 from demlaws.lazy import load_lazily
 
 _HOMES = {
-    "Case": "demlaws.grains",
-    "Grain": "demlaws.grains",
+    "Case": "demlaws.plugins.grains",
+    "Grain": "demlaws.plugins.grains",
     "build": "demlaws.liggghts.build",
     "check": "demlaws.liggghts.check",
     "export": "demlaws.liggghts.export",
     "header_folder": "demlaws.liggghts.build",
     "read_log": "demlaws.liggghts.run",
     "run": "demlaws.liggghts.run",
+    "source": "demlaws.liggghts.source",
     "stock_fit": "demlaws.liggghts.export",
 }
 """Public name → the module that it is loaded from on first use: the plugin is built without numba."""

@@ -5,8 +5,8 @@ import re
 import shutil
 from pathlib import Path
 
-from demlaws.engines import SHARED, Plugin, output_of
 from demlaws.errors import DemlawsError
+from demlaws.plugins.engines import SHARED, Plugin, output_of
 
 HEADERS = Path("/usr/include/liggghts")
 PACKAGES = "sudo apt install liggghts libliggghts-dev libopenmpi-dev g++"
@@ -28,8 +28,8 @@ def engine_library():
         raise DemlawsError(f"{binary} does not find its libliggghts: set LD_LIBRARY_PATH to the folder of that library")
     if libraries:
         raise DemlawsError(
-            f"{binary} contains LIGGGHTS statically and loads no libliggghts, which the plugin needs: "
-            "link main.cpp with the shared library instead (docs/machines.md has the line)"
+            f"{binary} contains LIGGGHTS statically and loads no libliggghts, which the plugin needs: build it with the models "
+            "in it (`demlaws liggghts source`), or link main.cpp with the shared library (docs/machines.md has both)"
         )
     return None
 

@@ -1,8 +1,8 @@
 """Prove the plugin on this machine: versions, build, and two particles pressed together inside LIGGGHTS."""
 
-from demlaws.engines import laws_to_check, moves, self_test
 from demlaws.liggghts.build import build, engine_library, headers
-from demlaws.liggghts.run import ENGINE, HEAD, executable, versions
+from demlaws.liggghts.run import ENGINE, HEAD, built_in, executable, versions
+from demlaws.plugins.engines import laws_to_check, moves, self_test
 
 _PARTICLES = """\
 processors      1 1 1
@@ -43,15 +43,18 @@ WITH_ENERGIES = TWO_PARTICLES.replace("thermo_style    custom step v_overlap v_f
 
 
 def follow(law, text=WITH_ENERGIES, **options):
-    """See `demlaws.engines.Engine.follow`."""
+    """See `plugins.engines.Engine.follow`."""
     return ENGINE.follow(law, text, **options)
 
 
 def check(report=print):
     """Versions, build and self-test; prints the results, raises DemlawsError at the first failure."""
     report(f"binary    {executable()}: {versions()}")
-    report(f"library   {engine_library()}, headers {headers()}")
-    report(f"plugin    {build()}")
+    if built_in():
+        report("models    built into LIGGGHTS: no plugin is loaded")
+    else:
+        report(f"library   {engine_library()}, headers {headers()}")
+        report(f"plugin    {build()}")
     for law, rtol, limit, name in laws_to_check():
         self_test(report, *follow(law, rtol=rtol), name, limit)
     report("all good")

@@ -9,9 +9,9 @@ import demlaws
 from demlaws.core.levels import DEFAULT_LEVELS
 from demlaws.errors import DemlawsError, quiet
 from demlaws.files import write_atomically
-from demlaws.grains import make_case, output_folder
 from demlaws.laws.names import USUAL
 from demlaws.make import law as make_law
+from demlaws.plugins.grains import make_case, output_folder
 from demlaws.units import number
 
 

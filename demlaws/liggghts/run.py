@@ -5,10 +5,11 @@ import os
 import re
 import shutil
 import subprocess
+from pathlib import Path
 
-from demlaws.engines import Engine
 from demlaws.errors import DemlawsError
 from demlaws.liggghts.build import PACKAGES, build
+from demlaws.plugins.engines import Engine, output_of
 
 VERSION = "3.8.0"
 HEAD = """\
@@ -50,6 +51,17 @@ def _version_of(binary):
     return f"{match.group(1)} {match.group(2)}"
 
 
+@functools.lru_cache
+def _has_models(files, stamps):
+    return any(b"model demlaws/table" in Path(file).read_bytes() for file in files)
+
+
+def built_in():
+    """Whether the binary, or the libliggghts that it loads, was built with the models in it (`demlaws liggghts source`)."""
+    files = [executable(), *re.findall(r"(/\S*/libliggghts[^/\s]*) \(0x", output_of(["ldd", executable()]))]
+    return _has_models(tuple(files), tuple(os.stat(file).st_mtime_ns for file in files))
+
+
 def versions():
     """Version of the binary; DemlawsError unless the plugin is for it, or a superquadric build."""
     return _version_of(executable())
@@ -60,7 +72,7 @@ class _Liggghts(Engine):
 
     def start(self, ranks, plugin, portable):
         environment, loading = dict(os.environ), {}
-        if plugin:
+        if plugin and not built_in():
             versions()  # loaded into another LIGGGHTS, the plugin would crash it or worse
             loading = {"LD_PRELOAD": ":".join(p for p in (str(build(portable)), environment.get("LD_PRELOAD")) if p)}
         if ranks == 1 and not any(name.startswith(("OMPI_COMM_", "PMIX_", "PMI_")) for name in environment):  # no mpirun

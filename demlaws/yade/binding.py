@@ -11,9 +11,8 @@ import numpy as np
 import yade
 import yade.utils
 
-from demlaws.admissible import LARGE_RADIUS, LARGE_ROUGHNESS, LARGEST_ROUGHNESS, judge
 from demlaws.errors import CoefficientWarning, DemlawsError, EngineStopped, LargeOverlap, ShapeWarning, warn
-from demlaws.units import SMALL_OVERLAP
+from demlaws.units import LARGE_RADIUS, LARGE_ROUGHNESS, LARGEST_ROUGHNESS, SMALL_OVERLAP, judge
 from demlaws.yade import layout, native
 from demlaws.yade.contacts import SHEAR, Totals, is_ours, real_contacts, state_of, with_overlaps
 from demlaws.yade.pairs import Pairs

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import yade
 
-from demlaws.contacts import Contacts
+from demlaws.responses.contacts import Contacts
 
 O = yade.O  # noqa: E741  YADE's name
 PHYSICS = tuple(getattr(yade, name) for name in ("MindlinPhys", "MindlinCapillaryPhys") if hasattr(yade, name))

@@ -10,7 +10,6 @@ import numba
 import numpy as np
 from numba import types
 
-from demlaws.admissible import LARGEST_ROUGHNESS, RANGES
 from demlaws.core.cache import source_digest
 from demlaws.core.dispatch import scale, step, stored_and_dissipated, virgin
 from demlaws.core.fastmath import hertz_coefficient
@@ -19,7 +18,7 @@ from demlaws.core.numba_compat import callback, kernel, loop
 from demlaws.core.shear import shear_stiffness
 from demlaws.core.unloading import rule_of_smooth_contact
 from demlaws.laws.hertz import HertzParams, HertzShape
-from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP
+from demlaws.units import LARGEST_OVERLAP, LARGEST_ROUGHNESS, RANGES, SMALL_OVERLAP
 from demlaws.yade import layout, objects
 from demlaws.yade.layout import CONTEXT, SEEN, SHAPE
 from demlaws.yade.mindlin import Contact, body_of, native_go

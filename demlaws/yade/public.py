@@ -8,9 +8,8 @@ InteractionLoop and hides them.
 import numpy as np
 import yade
 
-from demlaws.admissible import LARGEST_ROUGHNESS, outside
 from demlaws.errors import DemlawsError, EngineStopped
-from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP
+from demlaws.units import LARGEST_OVERLAP, LARGEST_ROUGHNESS, SMALL_OVERLAP, outside
 from demlaws.yade import kernel, layout, native
 from demlaws.yade.contacts import is_ours
 from demlaws.yade.shear import move_loop, relax_loop

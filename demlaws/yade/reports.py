@@ -3,9 +3,8 @@
 import numpy as np
 import yade
 
-from demlaws.admissible import RANGES
 from demlaws.errors import did_you_mean
-from demlaws.units import SMALL_OVERLAP, large_overlap, too_large_overlap
+from demlaws.units import RANGES, SMALL_OVERLAP, large_overlap, too_large_overlap
 from demlaws.yade import layout
 from demlaws.yade.contacts import real_contacts
 from demlaws.yade.pairs import NOT_SERVED

@@ -4,7 +4,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import demlaws as dl
-from demlaws.heightmap import self_affine
+from demlaws.surfaces.heightmap import self_affine
 
 RADIUS, LOAD = 8.7e-3, 100.0  # m, N
 granite = dl.materials.granite

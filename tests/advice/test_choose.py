@@ -16,8 +16,8 @@ from demlaws.advice.errors import error_of
 from demlaws.advice.kept import kept
 from demlaws.advice.scene import samples
 from demlaws.cli import main
+from demlaws.contact import GRANITE
 from demlaws.errors import NotPassive
-from demlaws.materials import GRANITE
 
 ROUGH = dl.Surface(1.7e-6, 2.22)
 SMOOTH = dl.Surface(0.02e-6, 2.1)

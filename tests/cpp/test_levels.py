@@ -1,4 +1,4 @@
-"""Shear with levels in the C++ header, which the plugins use, against Python."""
+"""The contact of example.cpp, normal force, shear with levels and energies, against Python."""
 
 import subprocess
 from pathlib import Path
@@ -12,17 +12,27 @@ from demlaws.make import example as example_law
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
-HERE = Path(__file__).parent
 RATIO, FRICTION = 0.857, 0.4
 LAWS = [("hertz", "elastic"), ("pohrt-popov", "elastic"), ("pohrt-popov", "hertz"), ("rough-plastic", "hertz")]
 
 
 @pytest.fixture(scope="module")
 def program(tmp_path_factory):
-    program = tmp_path_factory.mktemp("levels") / "levels"
+    program = tmp_path_factory.mktemp("contact") / "example"
     headers = Path(dl.__file__).parent / "cpp"
-    subprocess.run(["g++", "-std=c++11", "-O2", "-I", str(headers), str(HERE / "levels.cpp"), "-o", str(program)], check=True)
+    source = headers / "example.cpp"
+    subprocess.run(["g++", "-std=c++11", "-O2", "-I", str(headers), str(source), "-o", str(program)], check=True)
     return program
+
+
+def columns(program, table, overlap, across, levels=3, damping=0.0):
+    """What the program prints along a path of the table's own contact, as columns."""
+    path, table = table
+    contact = table.contact
+    words = (program, path, contact.modulus, contact.radius, 0, RATIO, FRICTION, levels, damping)
+    text = "\n".join(f"{a!r} {b!r} {c!r}" for a, (b, c) in zip(overlap.tolist(), across.tolist(), strict=True))
+    out = subprocess.run([*map(str, words)], input=text, capture_output=True, text=True, check=True).stdout
+    return np.array([line.split() for line in out.splitlines()], float).T
 
 
 def wandering(kind, largest, points=4000, seed=3):
@@ -44,23 +54,37 @@ def table(request, tmp_path_factory):
     law, rule = request.param
     path = tmp_path_factory.mktemp("table") / "law.tbl"
     example_law(law, GRANITE, rule).tabulate(rtol=1e-6).save(path)
-    return path
+    return path, dl.Table.load(path)
 
 
 @pytest.mark.parametrize("levels", shared(range(1, 9), lambda count: count < 5))
 @pytest.mark.parametrize("kind", ["noise", "vibration"])
-def test_levels_are_pythons(program, table, levels, kind):
-    words = [str(v) for v in (program, table, FRICTION, RATIO, levels)]
-    table = dl.Table.load(table)
-    overlap, across = wandering(kind, 0.5 * float(table.overlap(100.0)))
-    text = "\n".join(f"{a!r} {b!r} {c!r}" for a, (b, c) in zip(overlap.tolist(), across.tolist(), strict=True))
-    out = subprocess.run(words, input=text, capture_output=True, text=True, check=True).stdout
-    force, first, second, work, stored = np.array([line.split() for line in out.splitlines()], float).T
-    path = dl.driver.sheared(table, overlap, across, RATIO, levels=levels, friction=FRICTION)
+def test_forces_and_energies_are_pythons(program, table, levels, kind):
+    overlap, across = wandering(kind, 0.5 * float(table[1].overlap(100.0)))
+    force, _, _, _, stored, dissipated, first, second = columns(program, table, overlap, across, levels)
+    path = dl.driver.sheared(table[1], overlap, across, RATIO, levels=levels, friction=FRICTION)
+    normal = table[1].follow(overlap)
     limit = FRICTION * path.force.max()
     sticks = np.hypot(*path.shear_force.T) < 0.999 * FRICTION * path.force
     assert sticks.sum() > 100 and (~sticks).sum() > 100
     np.testing.assert_allclose(force, path.force, rtol=1e-10, atol=1e-10 * path.force.max())
-    np.testing.assert_allclose(np.stack([first, second], -1), path.shear_force, rtol=0.0, atol=1e-9 * limit)
-    np.testing.assert_allclose(stored, path.stored, rtol=0.0, atol=1e-9 * path.stored.max())
-    assert np.all(work - stored > -1e-12 * np.abs(work).max())
+    np.testing.assert_allclose(np.stack([first, second], -1), -path.shear_force, rtol=0.0, atol=1e-9 * limit)
+    np.testing.assert_allclose(stored - normal.stored, path.stored, rtol=0.0, atol=1e-9 * stored.max())
+    ended = np.flatnonzero(overlap <= 0.0)[-1]  # Python's normal energies are those of the present contact
+    flow = normal.dissipated + np.where(np.arange(len(overlap)) < ended, 0.0, normal.dissipated[ended - 1])
+    work = -0.5 * sum((f[1:] + f[:-1]) * np.diff(x) for f, x in zip((first, second), across.T, strict=True))
+    lost = work - np.diff(dissipated - flow + stored - normal.stored)
+    lost[ended - 1] = 0.0  # in the step that parts the bodies shear does no work
+    assert work.sum() > stored.max() / 10 and np.abs(lost.cumsum()).max() <= 1e-9 * stored.max()
+    assert dissipated.min() >= -1e-12 * stored.max()
+
+
+def test_damping_takes_what_the_contact_does_not_return(program, table):
+    """Work of the forces along a closed path, by the trapezoidal rule, against the energies."""
+    overlap = 0.3 * float(table[1].overlap(100.0)) * np.sin(np.linspace(0.0, np.pi, 4001))[1:-1]
+    across = np.zeros((len(overlap), 2))
+    elastic, damped = (columns(program, table, overlap, across, damping=damping) for damping in (0.0, 0.05))
+    pull = damped[0] - elastic[0]
+    work = (0.5 * (pull[1:] + pull[:-1]) * np.diff(overlap)).sum()
+    lost = damped[5, -1] - elastic[5, -1]
+    assert lost > 0.0 and abs(work - lost) <= 0.01 * lost
