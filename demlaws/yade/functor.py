@@ -129,7 +129,7 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         return self.binding.totals()
 
     def contacts(self, interactions=None):
-        """`demlaws.responses.contacts.Contacts`, a table: all real contacts, or the given interactions; `save` writes it for ParaView."""
+        """All real contacts, or the given ones: a table (`demlaws.responses.contacts`) that `save` writes for ParaView."""
         return self.binding.contacts(interactions)
 
     def normElastEnergy(self):
