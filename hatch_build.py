@@ -17,8 +17,8 @@ class PluginOfLammps(BuildHookInterface):
         if self.target_name != "wheel" or version == "editable" or not sys.platform.startswith("linux"):
             return
         sys.path.insert(0, self.root)
-        from demlaws.engines import compiler
         from demlaws.lammps.build import PLUGIN
+        from demlaws.plugins.engines import compiler
 
         if not compiler():
             self.app.display_warning("demlaws: no C++ compiler, so the wheel is without the plugin for LAMMPS")

@@ -5,6 +5,7 @@ from demlaws.lazy import load_lazily
 TYPE_CHECKING = False  # type checkers and editors take it for true; importing typing would take a third of the import time
 if TYPE_CHECKING:
     from demlaws import driver as driver
+    from demlaws import materials as materials
     from demlaws import plots as plots
     from demlaws import regime as regime
     from demlaws import surface as surface
@@ -12,11 +13,9 @@ if TYPE_CHECKING:
     from demlaws.advice.fit import fit as fit
     from demlaws.advice.scene import Scene as Scene
     from demlaws.advice.soften import soften as soften
-    from demlaws.checks.law import check_law as check_law
     from demlaws.contact import Contact as Contact
     from demlaws.contact import Material as Material
     from demlaws.contact import Surface as Surface
-    from demlaws.defined import define as define
     from demlaws.errors import DemlawsError as DemlawsError
     from demlaws.errors import ValidityWarning as ValidityWarning
     from demlaws.law import Law as Law
@@ -29,6 +28,8 @@ if TYPE_CHECKING:
     from demlaws.laws.registry import register as register
     from demlaws.make import law as law
     from demlaws.timestep import timestep as timestep
+    from demlaws.user_laws.check import check_law as check_law
+    from demlaws.user_laws.define import define as define
 
 __version__ = "0.2.0"
 
@@ -44,14 +45,15 @@ _HOMES = {
     "Surface": "demlaws.contact",
     "Table": "demlaws.law",
     "ValidityWarning": "demlaws.errors",
-    "check_law": "demlaws.checks.law",
+    "check_law": "demlaws.user_laws.check",
     "choose": "demlaws.advice.choose",
-    "define": "demlaws.defined",
+    "define": "demlaws.user_laws.define",
     "driver": "demlaws.driver",
     "fit": "demlaws.advice.fit",
     "law": "demlaws.make",
     "laws": "demlaws.laws.registry",
     "load_laws": "demlaws.laws.registry",
+    "materials": "demlaws.materials",
     "plots": "demlaws.plots",
     "regime": "demlaws.regime",
     "register": "demlaws.laws.registry",

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from demlaws.admissible import RANGES, judge, outside, refuse, refuse_plain_radius
 from demlaws.errors import DemlawsError, did_you_mean, refuses_unknown_keywords, warn
-from demlaws.units import number, positive, real
+from demlaws.units import RANGES, judge, number, outside, positive, real, refuse, refuse_plain_radius
 
 PER_CONTACT = ("radius", "modulus", "roughness")
 """Fields of a `Contact` that may have one entry per contact."""
@@ -45,6 +44,30 @@ def _refuse_lengths(values: dict) -> None:
         raise DemlawsError(f"one entry per contact is needed, got {sizes}; give arrays of one length") from None
 
 
+def compliance(material: Any) -> float:
+    """(1 - ν²)/E [1/Pa] of a material: an object with `young` and `poisson`, also YADE's."""
+    return (1.0 - material.poisson**2) / material.young
+
+
+def effective_modulus(material1: Any, material2: Any) -> float:
+    """E* [Pa], 1/E* = (1-ν1²)/E1 + (1-ν2²)/E2."""
+    return 1.0 / (compliance(material1) + compliance(material2))
+
+
+def effective_radius(radius1: Any, radius2: Any) -> Any:
+    """R [m] of two spheres, 1/R = 1/R1 + 1/R2; inf is a flat."""
+    return 1.0 / (1.0 / radius1 + 1.0 / radius2)
+
+
+def combined_roughness(roughness1: Any, roughness2: Any) -> Any:
+    """σ = √(Sq1² + Sq2²) [m]."""
+    return np.hypot(roughness1, roughness2)
+
+
+class Unknown(str):
+    """In place of a quantity that no source gives: what is missing and what to do, the text of the error where it is used."""
+
+
 @refuses_unknown_keywords
 @dataclass(frozen=True)
 class Material:
@@ -60,6 +83,8 @@ class Material:
         Indentation hardness H_m [Pa], required by laws with plastic asperities.
     density : float or str, optional
         Density [kg/m³], required where mass matters.
+    surface : Surface, optional
+        Usual surface of bodies of this material, taken where no other is given (default: smooth).
 
     Raises
     ------
@@ -77,20 +102,28 @@ class Material:
     poisson: float
     hardness: float | None = None
     density: float | None = None
+    surface: "Surface | Unknown | None" = None
 
     if TYPE_CHECKING:  # text becomes a number
 
         def __init__(
-            self, young: float | str, poisson: float, hardness: float | str | None = None, density: float | str | None = None
+            self,
+            young: float | str,
+            poisson: float,
+            hardness: float | str | None = None,
+            density: float | str | None = None,
+            surface: "Surface | Unknown | None" = None,
         ) -> None: ...
 
     def __post_init__(self) -> None:
         _check(self, "young", "poisson", "hardness", "density")
+        if not isinstance(self.surface, Surface | Unknown | None):
+            raise DemlawsError(f"surface must be a demlaws.Surface, got {self.surface!r:.60}")
 
     @property
     def plane_modulus(self) -> float:
         """E/(1 - ν²) [Pa]."""
-        return self.young / (1.0 - self.poisson**2)
+        return 1.0 / compliance(self)
 
 
 @refuses_unknown_keywords
@@ -159,7 +192,7 @@ class Surface:
         dimensions = [d for d in (self.fractal_dimension, other.fractal_dimension) if d is not None]
         hardnesses = [h for h in (self.hardness, other.hardness) if h is not None]
         return Surface(
-            math.hypot(self.roughness, other.roughness),
+            combined_roughness(self.roughness, other.roughness),
             sum(dimensions) / len(dimensions) if dimensions else None,
             min(hardnesses) if hardnesses else None,
         )
@@ -246,8 +279,8 @@ class Contact:
         *,
         radius1: Any,
         radius2: Any = math.inf,
-        roughness1: Any = 0.0,
-        roughness2: Any = 0.0,
+        roughness1: Any = None,
+        roughness2: Any = None,
         fractal_dimension: float | None = None,
         hardness: float | None = None,
     ) -> "Contact":
@@ -259,10 +292,10 @@ class Contact:
             Materials of both bodies.
         radius1, radius2 : float, str or ndarray
             Radii of the spheres [m]; inf is a flat.
-        roughness1, roughness2 : float, str or ndarray
-            Rms roughness Sq of each surface [m].
+        roughness1, roughness2 : float, str or ndarray, optional
+            Rms roughness Sq of each surface [m]; default: that of the material's `surface`, 0 if it has none.
         fractal_dimension : float, optional
-            Fractal dimension Df, 2 to 3.
+            Fractal dimension Df, 2 to 3; default: the mean of the materials' surfaces.
         hardness : float or str, optional
             Hardness [Pa]; default: that of the softer material.
 
@@ -281,6 +314,12 @@ class Contact:
                 raise DemlawsError(f"{name} must be a demlaws.Material, got {material!r:.60}")
         refuse_plain_radius("radius1", radius1)
         refuse_plain_radius("radius2", radius2)
+        pairs = (material1, roughness1), (material2, roughness2)
+        surfaces = [_usual_surface(material, roughness is not None) for material, roughness in pairs]
+        roughness1 = surfaces[0].roughness if roughness1 is None else roughness1
+        roughness2 = surfaces[1].roughness if roughness2 is None else roughness2
+        if fractal_dimension is None:
+            fractal_dimension = surfaces[0].combined(surfaces[1]).fractal_dimension
         lengths = {"radius1": radius1, "radius2": radius2, "roughness1": roughness1, "roughness2": roughness2}
         values = {name: real(value, name, "m", array=True) for name, value in lengths.items()}
         for name, value in values.items():
@@ -292,13 +331,13 @@ class Contact:
         radius1, radius2, roughness1, roughness2 = values.values()
         if np.any(np.isinf(radius1) & np.isinf(radius2)):
             raise DemlawsError("radius1 and radius2 are both inf: two flats have no Hertz contact; give one a radius in m")
-        hardnesses = [m.hardness for m in (material1, material2) if m.hardness is not None]
-        if hardness is None and hardnesses:
-            hardness = min(hardnesses)
+        if hardness is None:
+            hardnesses = [s.hardness or m.hardness for s, m in zip(surfaces, (material1, material2), strict=True)]
+            hardness = min((h for h in hardnesses if h is not None), default=None)
         combined = {
-            "radius": 1.0 / (1.0 / radius1 + 1.0 / radius2),
-            "modulus": 1.0 / (1.0 / material1.plane_modulus + 1.0 / material2.plane_modulus),
-            "roughness": np.hypot(roughness1, roughness2),
+            "radius": effective_radius(radius1, radius2),
+            "modulus": effective_modulus(material1, material2),
+            "roughness": combined_roughness(roughness1, roughness2),
         }
         try:
             return cls(**combined, fractal_dimension=fractal_dimension, hardness=hardness)
@@ -376,6 +415,18 @@ def pressure_of(contact: Contact, value: Any, name: str) -> float:
     return pressure
 
 
+def surface_of(material: Material) -> Surface:
+    """The material's surface; smooth if it has none. DemlawsError if its roughness is not known."""
+    if isinstance(material.surface, Unknown):
+        raise DemlawsError(str(material.surface))
+    return material.surface or Surface()
+
+
+def _usual_surface(material: Material, measured: bool) -> Surface:
+    """Surface of a body whose own roughness is given, or is that of its material."""
+    return Surface() if measured and isinstance(material.surface, Unknown) else surface_of(material)
+
+
 def as_contact(value: Any) -> Contact:
     """The value, or a DemlawsError if it is not a `Contact`."""
     if not isinstance(value, Contact):
@@ -387,3 +438,11 @@ def contact_at(contact: Contact, index: int) -> Contact:
     """The contact at this place in an array; a single one is at every place."""
     values = {name: np.broadcast_to(getattr(contact, name), contact.size or index + 1)[index] for name in PER_CONTACT}
     return replace(contact, **values)
+
+
+DENSITY = 2650.0
+"""Density [kg/m³] of a material that states none: quartz."""
+GRANITE = Material(young=60.6e9, poisson=0.25, hardness=639 * 9.80665e6, density=2680.0)
+"""Mount Sorrel granite: Table 1 of Altuhafi, Baudet & Coop 2023 (639 kgf/mm², 6.266 GPa)."""
+GRANITE_YIELD_PRESSURE = 1.66e9
+"""p_y [Pa] of the rough-plastic law for its spheres and the cone RFC10: 0.265 of the hardness."""

@@ -13,7 +13,7 @@ from demlaws.core.loops import energy_loop, loading_part
 from demlaws.core.numba_compat import loop
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, as_law
-from demlaws.path import Path
+from demlaws.responses.path import Path
 from demlaws.shear import Sheared as Sheared
 from demlaws.shear import sheared as sheared
 from demlaws.units import number, real, whole

@@ -14,13 +14,13 @@ from demlaws.contact import Contact, as_contact
 from demlaws.core.loops import bind_params, equal_params, loading_part, one_of
 from demlaws.core.unloading import GIVEN
 from demlaws.curves.closed import ClosedForm
+from demlaws.curves.unloading import ELASTIC, Unloading, joined_shape, refuse_unless_passive
 from demlaws.errors import DemlawsError
 from demlaws.files import as_path, names_a_file, write_atomically, write_together
 from demlaws.laws.definition import Definition
 from demlaws.laws.registry import is_user_defined
-from demlaws.response import Response, as_given
+from demlaws.responses.response import Response, as_given
 from demlaws.units import number
-from demlaws.unloading import ELASTIC, Unloading, joined_shape, refuse_unless_passive
 
 if TYPE_CHECKING:
     from demlaws.core.grid import Nodes
@@ -53,7 +53,7 @@ class Law(Response):
         self.shape = joined_shape(curve.shape, contact, unloading)
         self.params = bind_params(self.shape, contact)
         if unloading.rule.curve == "law" and unloading.rule_parameters is None and is_user_defined(self.definition):
-            from demlaws.soundness import refuse_unsound_rule
+            from demlaws.curves.soundness import refuse_unsound_rule
 
             refuse_unsound_rule(self.name, unloading.rule, one_of(self.params, 0), float(np.ravel(contact.radius)[0]))
         self._limits = None
@@ -232,18 +232,18 @@ def _adapted(unloading, contact, curve):
 
 def resolve(unloading: "str | os.PathLike | Law", definition: Definition) -> Unloading:
     """`Unloading` of a rule's name, of a law or a table to follow, or of the path of a table, for a law of this definition."""
-    unloading = read_if_path(unloading)
+    unloading = read_unloading(unloading)
     if isinstance(unloading, Law):
         return Unloading(definition.rule(GIVEN), unloading.curve, unloading.contact)
+    return Unloading(definition.rule(unloading))  # type: ignore[arg-type]
+
+
+def read_unloading(unloading: Any) -> Any:
+    """What a user gives as `unloading`: the name of a rule as it is, the elastic law to follow, read where it is a path."""
     if isinstance(unloading, str) and unloading == GIVEN:
         raise DemlawsError(
             f"unloading {GIVEN!r} needs its curve: give a law or a table, unloading=dl.law(...) or dl.Table.load(...)"
         )
-    return Unloading(definition.rule(unloading))  # type: ignore[arg-type]
-
-
-def read_if_path(unloading: Any) -> Any:
-    """The elastic law to follow, read where it is the path of a table; a rule's name as it is."""
     if names_a_file(unloading):
         unloading = Table.load(unloading)
     if isinstance(unloading, Law) and unloading.unloading != "elastic":
@@ -372,7 +372,7 @@ class Table(Law):
         """Object with the code of a user-defined rule, or None where the file contains all that a reader needs."""
         if self.unloads.rule.number is not None:
             return None
-        from demlaws.rule_object import rule_object
+        from demlaws.curves.rule_object import rule_object
 
         return rule_object(self.unloads.rule, self.unloads.rule_parameters)
 

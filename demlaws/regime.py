@@ -10,7 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from demlaws.contact import Contact, as_contact
-from demlaws.criterion import (
+from demlaws.errors import DemlawsError, warn
+from demlaws.laws.definition import Conditions
+from demlaws.laws.registry import registry
+from demlaws.solvers.criterion import (
     BAND,
     FIT_LIMIT,
     YIELD_RATIO,
@@ -25,9 +28,6 @@ from demlaws.criterion import (
     transition_load,
     transition_roughness,
 )
-from demlaws.errors import DemlawsError, warn
-from demlaws.laws.definition import Conditions
-from demlaws.laws.registry import registry
 from demlaws.units import number, real
 
 __all__ = [

@@ -12,10 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from demlaws import plausibility, units
+from demlaws import units
 from demlaws.errors import DemlawsError, MapWarning, did_you_mean, warn
 from demlaws.files import as_path, read_text, write_atomically
-from demlaws.heightmap import UNITS, HeightMap, box_correction, length, self_affine
+from demlaws.surfaces import plausibility
+from demlaws.surfaces.heightmap import UNITS, HeightMap, box_correction, length, self_affine
 
 __all__ = ["UNITS", "HeightMap", "box_correction", "length", "read", "self_affine", "write"]
 

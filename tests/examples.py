@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import demlaws as dl
-from demlaws.checks.law import overlaps  # noqa: F401  for the tests
 from demlaws.core.unloading import GIVEN
 from demlaws.laws.registry import registry
 from demlaws.make import example
+from demlaws.user_laws.check import overlaps  # noqa: F401  for the tests
 
 GRANITE = dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22, hardness=6.266e9)
 SMOOTHER = dl.Contact(radius=4.04e-3, modulus=32.32e9, roughness=0.15e-6, fractal_dimension=2.075, hardness=6.266e9)

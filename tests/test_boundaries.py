@@ -6,6 +6,7 @@ import inspect
 import pkgutil
 import re
 
+import pytest
 from processes import PACKAGE, python
 
 import demlaws
@@ -69,8 +70,9 @@ def test_modules_are_imported_by_statement():
     assert {path.relative_to(PACKAGE).as_posix() for path in found} == set(STRINGS)
 
 
-def test_no_import_circles():
-    assert circle(import_graph(PACKAGE)) == []
+@pytest.mark.parametrize("folder", [PACKAGE, PROJECT / "studies"], ids=lambda folder: folder.name)
+def test_no_import_circles(folder):
+    assert circle(import_graph(folder)) == []
 
 
 def test_every_law_has_one_file():
@@ -91,61 +93,55 @@ def test_names_of_laws_are_written_in_one_file():
 
 
 LAYERS = (
-    "errors lazy results",
-    "core",
-    "admissible files plausibility units",
-    "contact criterion points soundness",
-    "materials heightmap surface",
-    "solvers",
+    "errors lazy",
+    "__init__ core files units",
+    "contact",
+    "solvers surfaces",
+    "surface",
     "laws",
-    "regime defined unloading",
-    "curves rule_object",
-    "batch path response law",
-    "driver make shear timestep",
-    "convert engines grains",
-    "checks yade liggghts lammps",
-    "advice",
+    "regime curves",
     "plots",
-    "granite",
+    "responses",
+    "law materials",
+    "make shear timestep",
+    "driver plugins user_laws yade",
+    "lammps liggghts granite",
+    "advice",
     "cli",
-    "__init__ __main__",
+    "__main__",
 )
-"""Layers of the package, the lowest first: a module imports from its own layer and those below."""
-UPWARD = {
-    ("criterion.py", "solvers"): "a curve of the criterion is Greenwood & Tripp's solution, solved on demand",
-    ("response.py", "plots"): "the method plot of laws",
-    ("path.py", "plots"): "the method plot of paths",
-    ("curves/saved.py", "__init__"): "the version",
-    ("engines.py", "__init__"): "the version",
-    ("liggghts/export.py", "__init__"): "the version",
-    ("lammps/export.py", "__init__"): "the version",
-    ("lammps/source.py", "__init__"): "the version",
-    ("cli/__init__.py", "__init__"): "the version",
-    ("yade/run.py", "__init__"): "the folder that YADE is to find",
-    ("yade/check.py", "__init__"): "run by YADE as a user's script is",
-}
+"""Layers of the package, the lowest first: a top-level module or folder imports from those below it only."""
 
 
-def units_used(path):
-    """Top-level modules and folders of the package from which a file imports."""
-    for parts in (name.split(".") for name in imports(path)):
-        if parts[0] == "demlaws":
-            known = len(parts) > 1 and ((PACKAGE / parts[1]).is_dir() or (PACKAGE / f"{parts[1]}.py").is_file())
-            yield parts[1] if known else "__init__"
+def unit(module):
+    """Top-level module or folder of the package that a module is or lies in; `__init__` for the package itself."""
+    return [*module.split("."), "__init__"][1]
+
+
+def unit_graph(graph):
+    """Top-level module or folder → those that it imports, from a graph of modules."""
+    units = {unit(module): set() for module in graph}
+    for module, used in graph.items():
+        units[unit(module)] |= {unit(other) for other in used} - {unit(module)}
+    return units
+
+
+def layers(graph):
+    """The layers of a graph without circles, the lowest first: each imports only from those before it."""
+    sorter, found = graphlib.TopologicalSorter(graph), []
+    sorter.prepare()
+    while sorter.is_active():
+        found.append(sorted(sorter.get_ready()))
+        sorter.done(*found[-1])
+    return found
 
 
 def test_imports_go_one_way():
-    layer = {unit: number for number, units in enumerate(LAYERS) for unit in units.split()}
-    present = {path.stem for path in PACKAGE.glob("*.py")} | {path.parent.name for path in PACKAGE.glob("*/*.py")}
-    assert set(layer) == present, "each top-level module and folder needs a layer"
-    engines, upward = {"yade", "liggghts", "lammps"}, set()
-    for path in PACKAGE.rglob("*.py"):
-        where = path.relative_to(PACKAGE)
-        unit = where.parts[0] if len(where.parts) > 1 else path.stem
-        used = set(units_used(path)) if unit != "__init__" else set()
-        upward |= {(where.as_posix(), other) for other in used if layer[other] > layer[unit]}
-        assert unit not in engines or not used & (engines - {unit}), f"{where}: no engine imports another"
-    assert upward == set(UPWARD)
+    units = unit_graph(import_graph(PACKAGE))
+    assert circle(units) == [], "folders import one another"
+    assert layers(units) == [sorted(line.split()) for line in LAYERS]
+    for engine in (engines := {"yade", "liggghts", "lammps"}):
+        assert not units[engine] & engines, f"{engine}: no engine imports another"
 
 
 def test_studies_import_the_package_and_not_the_reverse():
@@ -184,7 +180,7 @@ def missing(path):
 
 UNDER_YADE = (
     "demlaws.yade",
-    *(f"studies.{study}.yade_" for study in ("extremes", "trade", "softening")),
+    *(f"studies.{study}.yade_" for study in ("cases", "extremes", "trade", "softening")),
     "studies.validation.in_yade",
 )
 """Modules that import YADE when they are imported."""
@@ -192,8 +188,7 @@ UNDER_YADE = (
 
 def test_imported_names_exist():
     """Also in benchmarks, in scripts and inside functions, which few tests run."""
-    inputs = ("yade_scripts", "liggghts_inputs", "lammps_inputs")
-    places = ("demlaws", "studies", *inputs, "docs/making", "tests/benchmarks", "tests/machines")
+    places = ("demlaws", "studies", "yade_scripts", "docs/making", "tests/benchmarks", "tests/machines")
     files = [path for place in places for path in sorted((PROJECT / place).rglob("*.py"))]
     assert not {str(path.relative_to(PROJECT)): names for path in files if (names := missing(path))}
 
@@ -248,7 +243,7 @@ def test_importing_a_module_does_not_hide_a_function():
         assert law is dl.law and law.__module__ == "demlaws.make" and set(dl.__all__) <= set(dir(dl))
         for name in dl.__all__:
             value = getattr(dl, name)
-            if name not in ("driver", "plots", "regime", "surface"):  # modules
+            if name not in ("driver", "materials", "plots", "regime", "surface"):  # modules
                 assert pickle.loads(pickle.dumps(value)) is value, name
         assert importlib.import_module("demlaws.law").Law is dl.Law
         print(law("hertz", dl.Contact(radius=1e-2, modulus=1e10)).name, *laws())

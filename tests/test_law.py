@@ -14,12 +14,12 @@ from references import EPS
 
 import demlaws as dl
 from demlaws.core.unloading import GIVEN
+from demlaws.curves.soundness import curve_checks
+from demlaws.curves.unloading import largest_stiffness_ratio
 from demlaws.errors import LargeOverlap
 from demlaws.laws.registry import registry
 from demlaws.make import example
-from demlaws.soundness import curve_checks
 from demlaws.surface import HeightMap
-from demlaws.unloading import largest_stiffness_ratio
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 

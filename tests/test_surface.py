@@ -9,8 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import demlaws as dl
-from demlaws import heightmap, surface
+from demlaws import surface
 from demlaws.surface import HeightMap, self_affine
+from demlaws.surfaces import heightmap
 
 DATA = Path(__file__).parent / "data" / "maps"
 

@@ -29,7 +29,7 @@ from demlaws.laws.names import HERTZ
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
 from demlaws.make import rebound
-from demlaws.results import Tabular
+from demlaws.responses.results import Tabular
 
 _TABLE_STEPS = (3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5)
 _MARGIN = 1.02  # between the points of the prediction an error may be a little larger

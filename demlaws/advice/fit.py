@@ -19,10 +19,10 @@ from demlaws.advice.fit_report import Fit, fitted
 from demlaws.advice.processes import results
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
+from demlaws.curves.point_files import columns_of, in_contact, refuse_other_units
 from demlaws.errors import DemlawsError
 from demlaws.laws.registry import find, registry
-from demlaws.points import columns_of, in_contact, refuse_other_units
-from demlaws.results import Tabular
+from demlaws.responses.results import Tabular
 from demlaws.units import number
 
 _DECISIVE = 10.0  # decrease of AICc from which a note mentions a fixed quantity

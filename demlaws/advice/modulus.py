@@ -19,11 +19,11 @@ import numpy as np
 from demlaws.advice.kept import kept
 from demlaws.advice.scene import PROCESSES, Scene, stable_step, unloading_rule
 from demlaws.advice.soften import Softening, soften
+from demlaws.contact import DENSITY
 from demlaws.errors import DemlawsError, quiet
 from demlaws.laws.names import USUAL
 from demlaws.make import law as bind_law
 from demlaws.make import rebound
-from demlaws.materials import DENSITY
 from demlaws.timestep import STEP_SAFETY
 from demlaws.units import number
 

@@ -98,7 +98,7 @@ class Softening:
     def of(self, thing: Any) -> Any:
         """See `soften`."""
         from demlaws.advice.scene import Scene
-        from demlaws.grains import Case, Grain
+        from demlaws.plugins.grains import Case, Grain
 
         kind = next((k for k in EXPONENTS if isinstance(thing, k)), None)
         if kind is not None:
@@ -149,6 +149,8 @@ class Softening:
                 f"factor = {self.factor:g} makes the roughness {float(np.max(changes['roughness'])):g} m, more than the "
                 f"effective radius of {float(np.min(thing.radius)):g} m: use a smaller factor"
             )
+        if isinstance(thing, Material) and isinstance(thing.surface, Surface):
+            changes["surface"] = self.of(thing.surface)
         return replace(thing, **changes)
 
     def _law(self, law):

@@ -15,6 +15,7 @@ from demlaws.errors import DemlawsError, ValidityWarning, most_similar
 COMMANDS = {
     "granite": ("granite", "reproduce the granite contact tests with every law"),
     "laws": ("laws", "list the laws, or the options of one law"),
+    "materials": ("materials", "list typical values of materials, with ranges and sources"),
     "curve": ("curve", "compute one contact along a path of forces or overlaps"),
     "table": ("table", "tabulate a law, or measured points, for an engine"),
     "regime": ("regime", "determine whether asperities or the bulk deform, and which laws apply"),

@@ -43,7 +43,7 @@ def run(arguments):
     from demlaws.advice.choose import choose, table_name
     from demlaws.advice.errors import QUANTITIES
     from demlaws.advice.scene import TEMPLATE, Scene
-    from demlaws.materials import DENSITY
+    from demlaws.contact import DENSITY
     from demlaws.timestep import STEP_SAFETY, rayleigh_step
 
     if arguments.template:

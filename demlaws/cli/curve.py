@@ -4,7 +4,7 @@ from demlaws.cli import example
 from demlaws.cli.arguments import force, length, whole
 from demlaws.cli.contact import add_law_arguments, describe, law_from
 from demlaws.cli.output import Output, output, record, write_csv
-from demlaws.results import PATH_COLUMNS
+from demlaws.responses.results import PATH_COLUMNS
 
 
 def register(add):

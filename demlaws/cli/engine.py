@@ -50,50 +50,95 @@ class _PartParser(Parser):
 def register(add):
     """Add the command of the engine whose name `add` holds, with its sub-commands."""
     (name,) = add.args
-    engine = name.upper()
     parser = add(**example(f"  demlaws {name} check"))
     parts = parser.add_subparsers(dest="part", required=True, metavar="PART", parser_class=_PartParser)
+    _add_build(parts, name)
+    _add_source(parts, name)
+    checks = parts.add_parser("check", help="test the plugin on this machine (15 s)", **example(f"  demlaws {name} check"))
+    checks.set_defaults(func=lambda arguments: _function(name, "check")())
+    _add_export(parts, name)
+    _add_convert(parts, name)
+    _add_run(parts, name)
 
-    def part(part_name):
-        from demlaws import lammps, liggghts
 
-        return getattr({"liggghts": liggghts, "lammps": lammps}[name], part_name)
+def _function(engine, name):
+    """A public function of `demlaws.liggghts` or `demlaws.lammps`."""
+    from demlaws import lammps, liggghts
 
+    return getattr({"liggghts": liggghts, "lammps": lammps}[engine], name)
+
+
+def _add_build(parts, name):
     def build(arguments):
         from demlaws.lammps.run import refusal
 
-        plugin = part("build")(portable=arguments.portable, force=arguments.force)
+        plugin = _function(name, "build")(portable=arguments.portable, force=arguments.force)
         print(plugin)
         if name == "lammps":
             with contextlib.suppress(DemlawsError):  # no LAMMPS here: built for another machine
                 if reason := refusal(plugin):
                     print(f"demlaws: {reason}", file=sys.stderr)
 
-    def check(arguments):
-        part("check")()
+    builds = parts.add_parser("build", help="compile the plugin, print its path", **example(f"  demlaws {name} build"))
+    builds.add_argument("--portable", action="store_true", help="for any x86-64 processor, for clusters with different nodes")
+    builds.add_argument("--force", action="store_true", help="compile even if the plugin exists")
+    builds.set_defaults(func=build)
 
+
+def _add_source(parts, name):
+    place, release = {"liggghts": ("src", "3.8.0"), "lammps": ("src/GRANULAR", "4 Feb 2025 or later")}[name]
+    engine = name.upper()
+    text = example(f"  demlaws {name} source ~/{name}/{place}")
+    sources = parts.add_parser("source", help=f"write the models as sources of {engine}, to be compiled with it", **text)
+    sources.add_argument("folder", help=f"folder {place} of {engine}'s sources, {release}")
+    sources.set_defaults(func=lambda arguments: print(_function(name, "source")(arguments.folder)))
+
+
+def _add_export(parts, name):
     def export(arguments):
         grains, unloading, options = _grains_of(arguments)
         values = {"rtol": arguments.rtol, "load": arguments.load, "count": arguments.count}
         values |= {"shear_ratio": arguments.shear_ratio, "levels": arguments.levels}
         stock = getattr(arguments, "stock", None)
-        path = part("export")(arguments.folder, arguments.law, grains, unloading, options, stock=stock, **values)
+        path = _function(name, "export")(arguments.folder, arguments.law, grains, unloading, options, stock=stock, **values)
         if stock:
             print((path.parent / "fit.txt").read_text(), end="")
         print(f"wrote {path}; start {path.parent / 'run.sh'}")
 
+    text = example(EXPORT_EXAMPLE.format(name=name) + (WITHOUT_COMPILER if name == "liggghts" else ""))
+    exports = parts.add_parser("export", help="write a complete case: tables, input, run script", **text)
+    _grain_arguments(exports)
+    if name == "liggghts":
+        exports.add_argument("--stock", choices=("hertz",), help="write stock hertz with a fitted modulus; needs no compiler")
+    exports.set_defaults(func=export)
+
+
+def _add_convert(parts, name):
     def convert(arguments):
-        from demlaws.convert import convert_file
+        from demlaws.plugins.convert import convert_file
 
         out = arguments.out or output(arguments.input + ".demlaws")
         out, conversion = convert_file(arguments.input, name, arguments.table, out)
         record(file=out, notes=conversion.notes)
-        print(
-            "\n".join(
-                [*conversion.report(arguments.input), "no line converted, no file written" if out is None else f"wrote {out}"]
-            )
-        )
+        last = "no line converted, no file written" if out is None else f"wrote {out}"
+        print("\n".join([*conversion.report(arguments.input), last]))
         return 0 if conversion.complete else 1
+
+    converts = parts.add_parser(
+        "convert",
+        help="replace the contact model of an input by demlaws/table",
+        description="Replaces the contact model of an input by demlaws/table, also in `if`, in hybrid styles and in variables. "
+        "Exit status: 0 if every granular line was converted, 1 if lines remain that are named with the reason.",
+        **example(CONVERT_EXAMPLE.format(name=name)),
+    )
+    converts.add_argument("input", help="input script with stock models")
+    converts.add_argument("--table", required=True, help="table file of the law (`demlaws table` writes one)")
+    converts.add_argument("--out", type=output, help="file to write (default: INPUT.demlaws)")
+    converts.set_defaults(func=convert)
+
+
+def _add_run(parts, name):
+    engine = name.upper()
 
     def run(arguments):
         _refuse_mpirun(name)
@@ -105,7 +150,7 @@ def register(add):
         if arguments.script is None and (not rest or rest[0].startswith("-")):
             raise DemlawsError(f"no input script: demlaws {name} run INPUT ..., or -in INPUT among the options of {engine}")
         script = arguments.script or rest.pop(0)
-        part("run")(
+        _function(name, "run")(
             script,
             arguments.np,
             plugin=not arguments.stock,
@@ -115,42 +160,7 @@ def register(add):
             arguments=[*rest, *(["-screen", arguments.screen] if arguments.screen not in (None, "none") else [])],
         )
 
-    builds = parts.add_parser("build", help="compile the plugin, print its path", **example(f"  demlaws {name} build"))
-    builds.add_argument("--portable", action="store_true", help="for any x86-64 processor, for clusters with different nodes")
-    builds.add_argument("--force", action="store_true", help="compile even if the plugin exists")
-    builds.set_defaults(func=build)
-
-    place, release = {"liggghts": ("src", "3.8.0"), "lammps": ("src/GRANULAR", "4 Feb 2025 or later")}[name]
-    text = example(f"  demlaws {name} source ~/{name}/{place}")
-    sources = parts.add_parser("source", help=f"write the models as sources of {engine}, to be compiled with it", **text)
-    sources.add_argument("folder", help=f"folder {place} of {engine}'s sources, {release}")
-    sources.set_defaults(func=lambda arguments: print(part("source")(arguments.folder)))
-
-    checks = parts.add_parser("check", help="test the plugin on this machine (15 s)", **example(f"  demlaws {name} check"))
-    checks.set_defaults(func=check)
-
-    text = example(EXPORT_EXAMPLE.format(name=name) + (WITHOUT_COMPILER if name == "liggghts" else ""))
-    exports = parts.add_parser("export", help="write a complete case: tables, input, run script", **text)
-    _grain_arguments(exports)
-    if name == "liggghts":
-        exports.add_argument("--stock", choices=("hertz",), help="write stock hertz with a fitted modulus; needs no compiler")
-    exports.set_defaults(func=export)
-
-    text = example(CONVERT_EXAMPLE.format(name=name))
-    converts = parts.add_parser(
-        "convert",
-        help="replace the contact model of an input by demlaws/table",
-        description="Replaces the contact model of an input by demlaws/table, also in `if`, in hybrid styles and in variables. "
-        "Exit status: 0 if every granular line was converted, 1 if lines remain that are named with the reason.",
-        **text,
-    )
-    converts.add_argument("input", help="input script with stock models")
-    converts.add_argument("--table", required=True, help="table file of the law (`demlaws table` writes one)")
-    converts.add_argument("--out", type=output, help="file to write (default: INPUT.demlaws)")
-    converts.set_defaults(func=convert)
-
-    text = example(RUN_EXAMPLE.format(name=name, engine=engine))
-    runs = parts.add_parser("run", help="run an input with the plugin", **text)
+    runs = parts.add_parser("run", help="run an input with the plugin", **example(RUN_EXAMPLE.format(name=name, engine=engine)))
     _run_options(runs)
     text = f"input script; {engine} runs in its folder; then the options above and any options of {engine}"
     runs.add_argument("rest", nargs=argparse.REMAINDER, metavar="INPUT ...", help=text)
@@ -207,7 +217,7 @@ def _grain_arguments(export):
 def _grains_of(arguments):
     """The case's `Grain`s, the rule or law that they unload by, and the options of the law."""
     from demlaws.contact import Material, Surface
-    from demlaws.grains import Grain
+    from demlaws.plugins.grains import Grain
 
     count, columns = len(arguments.radius), []
     for name, *_ in PROPERTIES:

@@ -100,7 +100,7 @@ def run(arguments):
 
     from demlaws import plots
     from demlaws.advice.fit import fit
-    from demlaws.points import read_points
+    from demlaws.curves.point_files import read_points
 
     points, contact = read_points(arguments.points), contact_from(arguments)
     print(describe(contact))

@@ -33,7 +33,7 @@ def run(arguments):
     if arguments.check and arguments.name is None:
         raise DemlawsError("--check is for one law: demlaws laws NAME --check")
     if arguments.check:
-        from demlaws.checks.law import check_law
+        from demlaws.user_laws.check import check_law
 
         report = check_law(arguments.name)
         print(report)

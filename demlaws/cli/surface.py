@@ -110,7 +110,8 @@ def run_surface(arguments):
 
 def _cropped(arguments, path):
     """The map as it was read, without spikes if asked for, and without what lies outside the field of view asked for."""
-    from demlaws import plausibility, surface
+    from demlaws import surface
+    from demlaws.surfaces import plausibility
 
     heights, scale = surface.read_unchecked(path, arguments.pixel, arguments.unit, arguments.missing, arguments.channel)
     if arguments.crop is not None:
@@ -187,7 +188,7 @@ def _summits(arguments, path):
 
 
 def _describe(heights, wavelengths):
-    from demlaws import plausibility
+    from demlaws.surfaces import plausibility
 
     record(pixels=heights.shape[::-1], field_of_view=heights.field_of_view, missing=heights.missing)
     record(sq=heights.sq, sa=heights.sa, slope=heights.slope, form_order=heights.form_order)
@@ -249,9 +250,9 @@ def _synthetic(arguments):
 
 
 def _contact(arguments, name):
-    from demlaws.plausibility import resolution_doubts
     from demlaws.regime import assess
     from demlaws.solvers.contact import RoughContact
+    from demlaws.surfaces.plausibility import resolution_doubts
 
     heights = _levelled(arguments, name)
     if arguments.young is None:

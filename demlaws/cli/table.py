@@ -67,8 +67,8 @@ def measured_table(arguments):
     """The table of the points, and the (overlap, force) of first loading and unloading for a figure."""
     import numpy as np
 
+    from demlaws.curves.point_files import read_points
     from demlaws.law import Table
-    from demlaws.points import read_points
 
     if arguments.law is not None or arguments.option or arguments.max_force is not None:
         raise DemlawsError("--points replaces --law, --option and --max-force: give one or the other")

@@ -67,13 +67,13 @@ class ClosedForm:
     def check(self, contact: Contact) -> None:
         """Raise DemlawsError where a user-defined law is inadmissible on this contact."""
         if is_user_defined(self.definition) and not isinstance(self.shape, TableShape):
-            from demlaws.soundness import refuse_unsound
+            from demlaws.curves.soundness import refuse_unsound
 
             refuse_unsound(self.definition, self.shape, contact, self.options)
 
     def check_collapse(self, contact: Contact) -> None:
         """Raise DemlawsError where the curve of a user-defined law does not serve all contacts, as its definition states."""
         if is_user_defined(self.definition) and self.definition.collapses:
-            from demlaws.soundness import refuse_unless_collapses
+            from demlaws.curves.soundness import refuse_unless_collapses
 
             refuse_unless_collapses(self, contact)

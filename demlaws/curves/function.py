@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from demlaws.curves.soundness import fault_of_slope, fault_of_values
 from demlaws.errors import DemlawsError
-from demlaws.soundness import fault_of_slope, fault_of_values
 from demlaws.units import positive
 
 _STEPS = (1e-2, 1e-3, 1e-4)  # of ln δ, tried in turn

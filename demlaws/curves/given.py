@@ -12,13 +12,13 @@ import numpy as np
 from demlaws.contact import Contact
 from demlaws.core.loops import bind_params
 from demlaws.curves.function import Called, GivenCurve
+from demlaws.curves.point_files import Points, columns_of
 from demlaws.curves.points import MeasuredCurve, past_plastic_overlap
 from demlaws.curves.saved import definition_of_table
 from demlaws.curves.table import TableCurve
 from demlaws.curves.tabulate import tabulate_given, tolerance
 from demlaws.errors import DemlawsError, NotPassive, warn
 from demlaws.laws.registry import registry
-from demlaws.points import Points, columns_of
 from demlaws.units import SMALL_OVERLAP, check_overlaps, number
 
 _REACH = 3.2  # of an unloading curve beyond its table's end, whose last cells are wide where the table is rough

@@ -12,16 +12,16 @@ import numpy as np
 from demlaws.contact import Contact, contact_at
 from demlaws.core.grid import shape_from_nodes
 from demlaws.core.table_types import NO_YIELD, BulkYield
-from demlaws.criterion import YIELD_RATIO
 from demlaws.curves import text
 from demlaws.curves.points import Knots
 from demlaws.curves.table import Certificate, TableCurve
 from demlaws.curves.text import UNLOADING
+from demlaws.curves.unloading import Unloading
 from demlaws.errors import DemlawsError, warn
 from demlaws.files import as_path
 from demlaws.laws.definition import Definition, no_limits
 from demlaws.laws.registry import find, registry, source_checksum
-from demlaws.unloading import Unloading
+from demlaws.solvers.criterion import YIELD_RATIO
 
 
 def compose(contact: Contact, curve: TableCurve, unloading: Unloading, collapses: bool, native_rule: bytes | None) -> tuple:

@@ -20,9 +20,9 @@ from demlaws.core.loops import (
 )
 from demlaws.core.table_types import BulkYield, TableShape
 from demlaws.core.unloading import Rule
+from demlaws.curves.unloading import Unloading
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Definition
-from demlaws.unloading import Unloading
 
 if TYPE_CHECKING:
     from demlaws.curves.points import Knots

@@ -20,9 +20,9 @@ from demlaws.core.loops import (
 )
 from demlaws.core.table_types import NO_YIELD
 from demlaws.curves.table import Certificate, TableCurve
+from demlaws.curves.unloading import Unloading, joined_shape
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Definition
-from demlaws.unloading import Unloading, joined_shape
 
 
 class Source(NamedTuple):

@@ -12,15 +12,14 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws import driver
-from demlaws.contact import Contact
+from demlaws.contact import GRANITE, GRANITE_YIELD_PRESSURE, Contact
 from demlaws.errors import DemlawsError, LargeOverlap, ValidityWarning, quiet
 from demlaws.files import save_csv
 from demlaws.laws.names import POHRT_POPOV
 from demlaws.laws.registry import registry
 from demlaws.make import law
-from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
-from demlaws.path import Path
-from demlaws.results import PATH_COLUMNS
+from demlaws.responses.path import Path
+from demlaws.responses.results import PATH_COLUMNS
 
 _MODULUS = 0.5 * GRANITE.plane_modulus
 SWITCH_FORCE = 10.0

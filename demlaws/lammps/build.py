@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from demlaws.engines import Plugin, compiler
+from demlaws.plugins.engines import Plugin, compiler
 
 PACKAGED = Path(__file__).parent / "lib"
 """Where the wheel has the plugin, compiled for any processor, and the digest of the sources that it was made of."""
@@ -40,7 +40,7 @@ def packaged():
 
 
 def build(portable=False, force=False):
-    """Path of the plugin's shared object; compiled (5 s) unless the cache or the wheel has it, see `demlaws.engines.Plugin`.
+    """Path of the plugin's shared object; compiled (5 s) unless the cache or the wheel has it, see `engines.Plugin`.
 
     portable: for any processor of this kind; where the wheel brings that one, it is taken, and also without a compiler.
     """

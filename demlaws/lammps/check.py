@@ -1,8 +1,8 @@
 """Prove the plugin on this machine: version, plugin, and contacts on a prescribed path inside LAMMPS."""
 
-from demlaws.engines import laws_to_check, moves, self_test
 from demlaws.lammps.build import build
 from demlaws.lammps.run import ENGINE, HEAD, executable, loaded, versions
+from demlaws.plugins.engines import laws_to_check, moves, self_test
 
 _WATCH = """\
 group           left id 1
@@ -58,7 +58,7 @@ WALL = _scene("-0.01 0.06 -0.03 0.03 -0.03 0.03", _WALLS, "0.05 0 0.02", "${radi
 
 
 def follow(law, text=TWO_PARTICLES, radius=None, every=4, newton="on", **options):
-    """See `demlaws.engines.Engine.follow`; text=WALL: a sphere of the law's radius and a wall."""
+    """See `plugins.engines.Engine.follow`; text=WALL: a sphere of the law's radius and a wall."""
     radius = law.contact.radius if radius is None and text is WALL else radius
     return ENGINE.follow(law, text, radius, every=every, newton=newton, **options)
 

@@ -6,11 +6,12 @@ from typing import NamedTuple
 import numpy as np
 
 import demlaws
+from demlaws.contact import effective_modulus
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
-from demlaws.grains import make_case, output_folder
 from demlaws.laws.names import USUAL
 from demlaws.laws.registry import find
+from demlaws.plugins.grains import make_case, output_folder
 
 
 class Models(NamedTuple):
@@ -22,7 +23,7 @@ class Models(NamedTuple):
 
 def joined(one, other):
     """Young's modulus [Pa] and Poisson's ratio of the material that, against itself, has E* and G* of the two."""
-    modulus = 1.0 / ((1.0 - one.poisson**2) / one.young + (1.0 - other.poisson**2) / other.young)
+    modulus = effective_modulus(one, other)
     shear = 1.0 / sum(2.0 * (2.0 - m.poisson) * (1.0 + m.poisson) / m.young for m in (one, other))
     ratio = modulus / shear
     poisson = (ratio - 4.0) / (ratio - 2.0)
@@ -96,10 +97,10 @@ def loose(grains, count, seed=15485863):
 def export(folder, law=USUAL, grains=(), unloading=None, options=None, **more):
     """Write a ready case into `folder` and return its in.case: grains of all types settle in a box under gravity.
 
-    law: a name, or a whole `Case`; more: further fields of `demlaws.grains.Case`: rtol, stock, load, restitution, friction,
-    count, shear_ratio, levels. Written are the tables (one for all pairs where the law collapses, else one per pair of types
-    and a wall), grains.data, in.case, run.sh and post/. stock="hertz", for law hertz: LAMMPS's own hertz/material instead of
-    tables; the case needs no plugin.
+    law: a name, or a whole `Case`; more: further fields of `demlaws.plugins.grains.Case`: rtol, stock, load, restitution,
+    friction, count, shear_ratio, levels. Written are the tables (one for all pairs where the law collapses, else one per pair
+    of types and a wall), grains.data, in.case, run.sh and post/. stock="hertz", for law hertz: LAMMPS's own hertz/material
+    instead of tables; the case needs no plugin.
     """
     case, folder = make_case(law, grains, unloading, options, more), output_folder(folder)
     stock, grains = case.stock, case.grains

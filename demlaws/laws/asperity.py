@@ -14,13 +14,13 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, kernel
 from demlaws.core.grid import Nodes, grid, shape_from_nodes
 from demlaws.core.table_types import Grid
-from demlaws.criterion import transition_load
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Advice, Definition, Drawing, Limit, Option, bulk_yield, plastic_asperities
 from demlaws.laws.family import CurveNumber, FamilyShape, family_params, shared_grid
 from demlaws.laws.hertz import HertzShape
-from demlaws.plausibility import advise
+from demlaws.solvers.criterion import transition_load
 from demlaws.surface import HeightMap, read, self_affine
+from demlaws.surfaces.plausibility import advise
 from demlaws.units import number
 
 _BITS = 6  # cells per octave

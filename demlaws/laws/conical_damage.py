@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.contact import pressure_of
+from demlaws.contact import GRANITE_YIELD_PRESSURE, pressure_of
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, sqrt
 from demlaws.errors import DemlawsError
@@ -29,7 +29,6 @@ from demlaws.laws.definition import (
     power_of,
     pressure_option,
 )
-from demlaws.materials import GRANITE_YIELD_PRESSURE
 from demlaws.units import number
 
 

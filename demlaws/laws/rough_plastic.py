@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.contact import pressure_of
+from demlaws.contact import GRANITE, GRANITE_YIELD_PRESSURE, pressure_of
 from demlaws.core.dispatch import bind, energy, inverse, scale, virgin
 from demlaws.core.fastmath import bits, from_bits, hertz_overlap, kernel
 from demlaws.errors import DemlawsError
@@ -26,7 +26,6 @@ from demlaws.laws.definition import (
     Option,
     pressure_option,
 )
-from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
 
 
 class RoughPlasticShape(NamedTuple):

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.contact import pressure_of
+from demlaws.contact import GRANITE_YIELD_PRESSURE, pressure_of
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, kernel
 from demlaws.errors import DemlawsError
@@ -22,7 +22,6 @@ from demlaws.laws.definition import (
 )
 from demlaws.laws.hertz import HertzParams
 from demlaws.laws.rough_plastic import RoughPlasticParams
-from demlaws.materials import GRANITE_YIELD_PRESSURE
 
 
 class ThorntonNingShape(NamedTuple):

@@ -10,8 +10,8 @@ log = lg.run("case/in.case", ranks=2)               # the stock binary with the 
 from demlaws.lazy import load_lazily
 
 _HOMES = {
-    "Case": "demlaws.grains",
-    "Grain": "demlaws.grains",
+    "Case": "demlaws.plugins.grains",
+    "Grain": "demlaws.plugins.grains",
     "build": "demlaws.liggghts.build",
     "check": "demlaws.liggghts.check",
     "export": "demlaws.liggghts.export",

@@ -5,8 +5,8 @@ import re
 import shutil
 from pathlib import Path
 
-from demlaws.engines import SHARED, Plugin, output_of
 from demlaws.errors import DemlawsError
+from demlaws.plugins.engines import SHARED, Plugin, output_of
 
 HEADERS = Path("/usr/include/liggghts")
 PACKAGES = "sudo apt install liggghts libliggghts-dev libopenmpi-dev g++"

@@ -1,8 +1,8 @@
 """Prove the plugin on this machine: versions, build, and two particles pressed together inside LIGGGHTS."""
 
-from demlaws.engines import laws_to_check, moves, self_test
 from demlaws.liggghts.build import build, engine_library, headers
 from demlaws.liggghts.run import ENGINE, HEAD, built_in, executable, versions
+from demlaws.plugins.engines import laws_to_check, moves, self_test
 
 _PARTICLES = """\
 processors      1 1 1
@@ -43,7 +43,7 @@ WITH_ENERGIES = TWO_PARTICLES.replace("thermo_style    custom step v_overlap v_f
 
 
 def follow(law, text=WITH_ENERGIES, **options):
-    """See `demlaws.engines.Engine.follow`."""
+    """See `plugins.engines.Engine.follow`."""
     return ENGINE.follow(law, text, **options)
 
 

@@ -8,9 +8,9 @@ import numpy as np
 import demlaws
 from demlaws.errors import DemlawsError, quiet
 from demlaws.files import write_atomically
-from demlaws.grains import make_case, output_folder
 from demlaws.laws.names import USUAL
 from demlaws.make import law as make_law
+from demlaws.plugins.grains import make_case, output_folder
 from demlaws.units import number
 
 

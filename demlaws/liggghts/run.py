@@ -7,9 +7,9 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from demlaws.engines import Engine, output_of
 from demlaws.errors import DemlawsError
 from demlaws.liggghts.build import PACKAGES, build
+from demlaws.plugins.engines import Engine, output_of
 
 VERSION = "3.8.0"
 HEAD = """\

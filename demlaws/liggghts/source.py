@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import demlaws
-from demlaws.engines import SHARED, inlined, write_sources
 from demlaws.liggghts.build import PLUGIN
+from demlaws.plugins.engines import SHARED, inlined, write_sources
 
 NAME = PLUGIN.source
 """No name of a header: LIGGGHTS would combine a normal_model_*.h with each of its own models."""

@@ -371,7 +371,7 @@ class RoughContact:
 
     def advise(self, step):
         """Warn, once for each reason, where the model leaves out what happens at this step."""
-        from demlaws import criterion
+        from demlaws.solvers import criterion
 
         if self.flat:
             return

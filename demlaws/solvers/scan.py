@@ -66,6 +66,46 @@ def _triangle(stats, i, u1, u2, u3, x1, y1, x2, y2, x3, y3):
     return area if alone else 0.5 - area
 
 
+@kernel
+def _begin(parent, stats, label, i, j):
+    """Begin a patch at pixel (i, j)."""
+    parent[label] = label
+    for n in range(X0):
+        stats[label, n] = 0.0
+    stats[label, X0], stats[label, Y0] = j, i
+
+
+@kernel
+def _join(parent, first, second):
+    """Make two labels one patch."""
+    a, b = _root(parent, first), _root(parent, second)
+    if a < b:
+        parent[b] = a
+    elif b < a:
+        parent[a] = b
+
+
+@kernel
+def _add_cell(stats, patch, i, j, u1, u2, u3, u4):
+    """Add a cell whose four corners are above the cut."""
+    x, y = j - 0.5 - stats[patch, X0], i - 0.5 - stats[patch, Y0]
+    stats[patch, AREA] += 1.0
+    stats[patch, VOLUME] += (2.0 * u1 + u2 + u3 + 2.0 * u4) / 6.0
+    stats[patch, X] += x
+    stats[patch, Y] += y
+    stats[patch, XX] += x * x + 1.0 / 12.0
+    stats[patch, XY] += x * y
+    stats[patch, YY] += y * y + 1.0 / 12.0
+
+
+@kernel
+def _add_memory(stats, patch, area, spread, limit):
+    """Add the memory of a triangle, given as the sums over its corners."""
+    if area > 0.0:
+        stats[patch, SPREAD] += area / 3.0 * spread
+        stats[patch, LIMIT] += area / 3.0 * limit
+
+
 @loop
 def scan(h, cut, window, labels, mask, parent, stats, spread, limit):
     """Label the patches of h > cut inside the window and gather area, volume and moments of each, in one pass.
@@ -91,35 +131,17 @@ def scan(h, cut, window, labels, mask, parent, stats, spread, limit):
             north = labels[previous, j] if i > first_row else 0
             label = 0
             if here > cut:
-                if north_west:
-                    label = north_west
-                elif north:
-                    label = north
-                    if west:
-                        a, b = _root(parent, north), _root(parent, west)
-                        if a < b:
-                            parent[b] = a
-                        elif b < a:
-                            parent[a] = b
-                elif west:
-                    label = west
-                else:
+                label = north_west if north_west else (north if north else west)
+                if label == 0:
                     count += 1
                     if count >= parent.size:
                         return -1
                     label = count
-                    parent[count] = count
-                    for n in range(10):
-                        stats[count, n] = 0.0
-                    stats[count, 10] = j
-                    stats[count, 11] = i
-                if i < new_top:
-                    new_top = i
-                new_bottom = i
-                if j < new_left:
-                    new_left = j
-                if j > new_right:
-                    new_right = j
+                    _begin(parent, stats, label, i, j)
+                elif north and west and not north_west:
+                    _join(parent, north, west)
+                new_top, new_bottom = min(new_top, i), i
+                new_left, new_right = min(new_left, j), max(new_right, j)
                 if i == 0 or j == 0 or i == rows - 1 or j == columns - 1:
                     stats[label, EDGE] = 1.0
             labels[row, j] = label
@@ -130,14 +152,7 @@ def scan(h, cut, window, labels, mask, parent, stats, spread, limit):
                 upper_area = lower_area = 0.0
                 if label and north and west and north_west:
                     upper_area = lower_area = 0.5
-                    xc, yc = j - 0.5 - stats[label, X0], i - 0.5 - stats[label, Y0]
-                    stats[label, AREA] += 1.0
-                    stats[label, VOLUME] += (2.0 * u1 + u2 + u3 + 2.0 * u4) / 6.0
-                    stats[label, X] += xc
-                    stats[label, Y] += yc
-                    stats[label, XX] += xc * xc + 1.0 / 12.0
-                    stats[label, XY] += xc * yc
-                    stats[label, YY] += yc * yc + 1.0 / 12.0
+                    _add_cell(stats, label, i, j, u1, u2, u3, u4)
                 else:
                     if upper:
                         x, y = j - stats[upper, X0], i - stats[upper, Y0]
@@ -146,14 +161,10 @@ def scan(h, cut, window, labels, mask, parent, stats, spread, limit):
                         x, y = j - stats[lower, X0], i - stats[lower, Y0]
                         lower_area = _triangle(stats, lower, u1, u3, u4, x - 1.0, y - 1.0, x - 1.0, y, x, y)
                 if remembers:
-                    if upper_area > 0.0:
-                        share = upper_area / 3.0
-                        stats[upper, SPREAD] += share * (spread[i - 1, j - 1] + spread[i - 1, j] + spread[i, j])
-                        stats[upper, LIMIT] += share * (limit[i - 1, j - 1] + limit[i - 1, j] + limit[i, j])
-                    if lower_area > 0.0:
-                        share = lower_area / 3.0
-                        stats[lower, SPREAD] += share * (spread[i - 1, j - 1] + spread[i, j - 1] + spread[i, j])
-                        stats[lower, LIMIT] += share * (limit[i - 1, j - 1] + limit[i, j - 1] + limit[i, j])
+                    s, s_upper, s_lower = spread[i - 1, j - 1] + spread[i, j], spread[i - 1, j], spread[i, j - 1]
+                    m, m_upper, m_lower = limit[i - 1, j - 1] + limit[i, j], limit[i - 1, j], limit[i, j - 1]
+                    _add_memory(stats, upper, upper_area, s + s_upper, m + m_upper)
+                    _add_memory(stats, lower, lower_area, s + s_lower, m + m_lower)
             north_west, west = north, label
     window[0], window[1], window[2], window[3] = new_top, new_bottom, new_left, new_right
     return count

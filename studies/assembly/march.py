@@ -3,8 +3,38 @@
 import numpy as np
 
 from demlaws.core.dispatch import gather, scatter, step
-from demlaws.core.numba_compat import loop
+from demlaws.core.numba_compat import kernel, loop
 from demlaws.core.shear import shear_stiffness
+
+
+@kernel
+def _strain(size, rate, results, stress, goal, feedback, fastest, dt):
+    """Strain the box by one step toward the stresses of `goal`; results: stresses first, strains from 6 on."""
+    volume = size[0] * size[1] * size[2]
+    for a in range(3):
+        results[a] = stress[a] / volume
+        share = results[a] / goal[a] - 1.0 if goal[a] > 0.0 else 0.0
+        wanted = feedback * share if share > -0.95 else -fastest
+        rate[a] = min(max(wanted, -fastest), fastest)
+        size[a] *= 1.0 + rate[a] * dt
+        results[6 + a] += rate[a] * dt
+
+
+@kernel
+def _move(x, v, w, moved, force, torque, mass, inertia, drag, rate, dt):
+    """Move all bodies by one step; returns the largest square of the distances moved and the sum of the forces."""
+    farthest, unbalanced = 0.0, 0.0
+    for i in range(x.shape[0]):
+        far = 0.0
+        unbalanced += np.sqrt(force[i, 0] ** 2 + force[i, 1] ** 2 + force[i, 2] ** 2)
+        for a in range(3):
+            v[i, a] += dt * (force[i, a] / mass - drag * v[i, a])
+            w[i, a] += dt * (torque[i, a] / inertia - drag * w[i, a])
+            x[i, a] += dt * (v[i, a] + rate[a] * x[i, a])
+            moved[i, a] += dt * v[i, a]
+            far += moved[i, a] ** 2
+        farthest = max(farthest, far)
+    return farthest, unbalanced
 
 
 @loop
@@ -58,40 +88,16 @@ def march(choice, rule, p, state, steps, given, goal, size, bodies, pairs, conta
             contacts[k, 0], contacts[k, 1], contacts[k, 2] = qx, qy, qz
             contacts[k, 3], contacts[k, 4], contacts[k, 5] = normal, tangent, side
             fx, fy, fz = normal * nx - qx, normal * ny - qy, normal * nz - qz
-            force[j, 0] += fx
-            force[j, 1] += fy
-            force[j, 2] += fz
-            force[i, 0] -= fx
-            force[i, 1] -= fy
-            force[i, 2] -= fz
-            tx, ty, tz = radius * (ny * qz - nz * qy), radius * (nz * qx - nx * qz), radius * (nx * qy - ny * qx)
-            for body in (i, j):
-                torque[body, 0] += tx
-                torque[body, 1] += ty
-                torque[body, 2] += tz
-            stress[0] += fx * dx
-            stress[1] += fy * dy
-            stress[2] += fz * dz
-            normal_sum, touching, stiffest = normal_sum + normal, touching + 1, max(stiffest, tangent, side)
-        volume = size[0] * size[1] * size[2]
-        for a in range(3):
-            results[a] = stress[a] / volume
-            share = results[a] / goal[a] - 1.0 if goal[a] > 0.0 else 0.0
-            wanted = feedback * share if share > -0.95 else -fastest
-            rate[a] = min(max(wanted, -fastest), fastest)
-            size[a] *= 1.0 + rate[a] * dt
-            results[6 + a] += rate[a] * dt
-        farthest, unbalanced = 0.0, 0.0
-        for i in range(count):
-            far = 0.0
-            unbalanced += np.sqrt(force[i, 0] ** 2 + force[i, 1] ** 2 + force[i, 2] ** 2)
+            torques = radius * (ny * qz - nz * qy), radius * (nz * qx - nx * qz), radius * (nx * qy - ny * qx)
             for a in range(3):
-                v[i, a] += dt * (force[i, a] / mass - drag * v[i, a])
-                w[i, a] += dt * (torque[i, a] / inertia - drag * w[i, a])
-                x[i, a] += dt * (v[i, a] + rate[a] * x[i, a])
-                moved[i, a] += dt * v[i, a]
-                far += moved[i, a] ** 2
-            farthest = max(farthest, far)
+                force[j, a] += (fx, fy, fz)[a]
+                force[i, a] -= (fx, fy, fz)[a]
+                torque[i, a] += torques[a]
+                torque[j, a] += torques[a]
+                stress[a] += (fx, fy, fz)[a] * (dx, dy, dz)[a]
+            normal_sum, touching, stiffest = normal_sum + normal, touching + 1, max(stiffest, tangent, side)
+        _strain(size, rate, results, stress, goal, feedback, fastest, dt)
+        farthest, unbalanced = _move(x, v, w, moved, force, torque, mass, inertia, drag, rate, dt)
         results[3], results[4], results[5] = unbalanced / count, normal_sum / max(touching, 1), stiffest
         strained = 2.0 * radius * (abs(results[6]) + abs(results[7]) + abs(results[8]))
         if 2.0 * np.sqrt(farthest) + 2.0 * strained > skin:

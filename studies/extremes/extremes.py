@@ -15,19 +15,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.contact import Contact
+from demlaws.contact import DENSITY, Contact
 from demlaws.core.loops import loading_part
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import quiet
 from demlaws.laws.registry import registry
 from demlaws.make import law as bind_law
-from demlaws.materials import DENSITY
 from demlaws.timestep import timestep
 from studies.engines import under_yade
 from studies.extremes import stability
 from studies.extremes.stability import DIMENSIONS, EPS, GRANITE, Case
 
-POISSON = 0.25  # of every sphere: LIGGGHTS's tangential model needs a shear modulus
 MODULI = (2e3, 1e6, 32.32e9, 1e13)  # [Pa]
 # roughness of each of two like spheres [m], and the effective radii [m] that it goes with: σ/R from 0 to a tenth
 SURFACES = ((0.0, (1e-6, 1e-3, 1.0)), (1e-7, (1.5e-6, 1e-4, 1e-2)), (1e-4, (1.5e-3, 0.1, 1.0)))
@@ -300,16 +298,6 @@ def _cluster(radius, random, deepest=0.05):
                 break
         position[n] = centre
     return position
-
-
-class Balance(NamedTuple):
-    """Energy [J], momentum [kg m/s] and number of contacts of a packing at one time."""
-
-    kinetic: float
-    stored: float
-    dissipated: float
-    momentum: np.ndarray
-    contacts: int
 
 
 class Released(NamedTuple):

@@ -6,7 +6,7 @@ from numba.extending import overload
 
 from demlaws.core import dispatch
 from demlaws.core.dispatch import energy, gather, parts, virgin
-from demlaws.core.numba_compat import loop
+from demlaws.core.numba_compat import kernel, loop
 from demlaws.core.unloading import Given, rule_of
 
 
@@ -67,6 +67,24 @@ def finite_loop(params, contacts, largest, count, random):
     return bad, falling
 
 
+@kernel
+def _drawn(random, smallest, largest, maximum):
+    """A random overlap at any scale, or after first loading as likely a reversal at any scale about the maximum."""
+    if random.random() < 0.5 or maximum == 0.0:
+        low, high = math.log(smallest), math.log(largest)
+        return math.exp(low + (high - low) * random.random())
+    overlap = maximum * (1.0 + (2.0 * random.random() - 1.0) * 10.0 ** (-15.0 * random.random()))
+    return min(overlap, largest)
+
+
+@kernel
+def _held_at(rule, p, overlap, force, plastic, state):
+    """`_held` where `step` returned `force`: with a seating load force ends in a step at zero overlap."""
+    closing = max(overlap, 1e-300)
+    last = force if overlap > 0.0 else dispatch.step(rule, p, closing, state)[0]
+    return _held(rule, p, last, max(closing - plastic, 0.0), closing, state)
+
+
 @loop
 def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, random):
     """Random load paths with excursions that come back: how many return work, by how much, and values not finite.
@@ -75,37 +93,23 @@ def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, ra
     on a given one that curve's energy, on one of the law's own the stored energy of the rule. Where a given curve is flat, what
     rounding of its force makes of the overlap is allowed.
     """
-    returned = 0
-    worst = 0.0
-    bad = 0
+    returned, worst, bad = 0, 0.0, 0
     for n in range(paths):
         i = n % contacts
         p = gather(params, i)
-        low = math.log(smallest[i])
-        high = math.log(largest[i])
         s = gather(state, 0)
-        before = 0.0
-        force_before = 0.0
-        maximum = 0.0
-        peak_force = 0.0
+        before = force_before = maximum = peak_force = 0.0
         held = 0.0  # energy of first loading to the maximum
         curve = 0.0  # largest energy of the curves so far
-        work = 0.0
+        work = work_at_mark = low_work = blur = 0.0
         mark = -1.0
-        work_at_mark = 0.0
-        low_work = 0.0
-        blur = 0.0
         for k in range(turns + 1):
             if k == turns:
                 overlap = 0.0
             elif mark >= 0.0:
                 overlap = mark  # back from the excursion
-            elif random.random() < 0.5 or maximum == 0.0:
-                overlap = math.exp(low + (high - low) * random.random())
             else:
-                # a reversal at any scale about the maximum
-                overlap = maximum * (1.0 + (2.0 * random.random() - 1.0) * 10.0 ** (-15.0 * random.random()))
-                overlap = min(overlap, largest[i])
+                overlap = _drawn(random, smallest[i], largest[i], maximum)
             force, stiffness, new = dispatch.step(rule, p, overlap, s)
             if not (force - force == 0.0 and stiffness - stiffness == 0.0) or force < 0.0 or stiffness < 0.0:
                 bad += 1
@@ -123,15 +127,10 @@ def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, ra
                         gained -= _held(rule, p, force_before, rest, before, s)
                     now = energy(p, overlap) if overlap > 0.0 else 0.0
                     gained += now - held
-                    held = now
-                    maximum = overlap
-                    peak_force = force
+                    held, maximum, peak_force = now, overlap, force
                     blur = max(blur, _blur(rule, force, stiffness))
                 else:
-                    closing = max(overlap, 1e-300)  # with a seating load force ends in a step at zero overlap
-                    last = force if overlap > 0.0 else dispatch.step(rule, p, closing, s)[0]
-                    elastic = max(closing - plastic, 0.0)
-                    gained = _held(rule, p, last, elastic, closing, s) - _held(rule, p, force_before, rest, before, s)
+                    gained = _held_at(rule, p, overlap, force, plastic, s) - _held(rule, p, force_before, rest, before, s)
             work += gained
             # a seated contact's unloading curve begins below zero overlap: rounding is that of its whole energy
             scale = max(held, 0.4 * peak_force * (maximum - _plastic(rule, new)) if maximum > 0.0 else 0.0)
@@ -146,9 +145,7 @@ def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, ra
             elif k < turns - 1 and random.random() < 0.4:
                 mark = overlap
                 work_at_mark = work
-            before = overlap
-            force_before = force
-            s = new
+            before, force_before, s = overlap, force, new
         worst = min(worst, low_work)
         if low_work < -1e-11:
             returned += 1

@@ -12,8 +12,7 @@ from demlaws.lammps.run import HEAD as LAMMPS_HEAD
 from demlaws.laws.names import HERTZ
 from demlaws.laws.registry import registry
 from demlaws.liggghts.run import HEAD as LIGGGHTS_HEAD
-from studies.extremes.extremes import POISSON, Balance
-from studies.extremes.stability import GRANITE, Case
+from studies.extremes.stability import GRANITE, POISSON, Balance, Case
 
 START = """\
 {head}boundary {boundary}

@@ -31,8 +31,19 @@ SPEEDS = tuple(np.geomspace(1e-6, 100.0, 9))
 STEPS = (5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10_000, 100_000)
 ALLOWED_GAIN = 1e-4
 TABLE = 1e-5
+POISSON = 0.25  # of every sphere: LIGGGHTS's tangential model needs a shear modulus
 GRANITE = find_test("SS(18-18)").contact
 _MASS = 1.2e-2  # kg, of a granite sphere of twice that radius
+
+
+class Balance(NamedTuple):
+    """Energy [J], momentum [kg m/s] and number of contacts of a packing at one time."""
+
+    kinetic: float
+    stored: float
+    dissipated: float
+    momentum: np.ndarray
+    contacts: int
 
 
 class Case(NamedTuple):

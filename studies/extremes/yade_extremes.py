@@ -6,13 +6,13 @@ import numpy as np
 import yade
 import yade.utils
 
-from demlaws.contact import Surface
+from demlaws.contact import GRANITE, Surface
 from demlaws.laws.names import HERTZ
 from demlaws.laws.registry import find
-from demlaws.materials import GRANITE
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
 from studies.extremes import stability
-from studies.extremes.extremes import POISSON, Balance, results
+from studies.extremes.extremes import results
+from studies.extremes.stability import POISSON, Balance
 from studies.under_yade import serve
 
 O = yade.O  # noqa: E741  YADE's name

@@ -81,30 +81,44 @@ def repeated_figure(contact, history, name, others):
     others: memory → history of the same contact with another assumption of what a pixel remembers.
     """
     fig, axes = figure(columns=3, rows=2, width=5.0, height=4.1)
-    heights, first = contact.heights, history[0]
+    _draw_maps(fig, axes[0], contact, history[0], name)
+    _draw_patches(fig, axes[1, 0], contact, history[0].step)
+    _draw_profiles(axes[1, 1], contact.heights, history)
+    _draw_run_in(axes[1, 2], contact, history, others)
+    return fig
+
+
+def _draw_maps(fig, axes, contact, first, name):
+    heights = contact.heights
     after = first.contact.heights.heights
     span = {"vmin": np.nanmin(heights.heights) * MICRO, "vmax": np.nanmax(heights.heights) * MICRO}
-    show(fig, axes[0, 0], heights, heights.heights * MICRO, "height (µm)", **span)
-    axes[0, 0].set_title(f"{name} before: Sq = {heights.sq * MICRO:.2f} µm", fontsize=10)
-    show(fig, axes[0, 1], heights, after * MICRO, "height (µm)", **span)
-    axes[0, 1].set_title(f"after cycle 1 at {first.step.load:.3g} N", fontsize=10)
+    show(fig, axes[0], heights, heights.heights * MICRO, "height (µm)", **span)
+    axes[0].set_title(f"{name} before: Sq = {heights.sq * MICRO:.2f} µm", fontsize=10)
+    show(fig, axes[1], heights, after * MICRO, "height (µm)", **span)
+    axes[1].set_title(f"after cycle 1 at {first.step.load:.3g} N", fontsize=10)
     change = (after - heights.heights) * MICRO
     limit = max(abs(np.nanmin(change)), 1e-9)
-    show(fig, axes[0, 2], heights, change, "change (µm)", cmap="RdBu", vmin=-limit, vmax=limit)
+    show(fig, axes[2], heights, change, "change (µm)", cmap="RdBu", vmin=-limit, vmax=limit)
     touched = np.argwhere(change != 0)
     (row0, column0), (row1, column1) = touched.min(axis=0), touched.max(axis=0)
     px, py = heights.pixel_x * MICRO, heights.pixel_y * MICRO
-    axes[0, 2].set(xlim=((column0 - 8) * px, (column1 + 8) * px), ylim=((row0 - 8) * py, (row1 + 8) * py))
-    axes[0, 2].set_title("plastic change (contact region)", fontsize=10)
-    ax = axes[1, 0]
+    axes[2].set(xlim=((column0 - 8) * px, (column1 + 8) * px), ylim=((row0 - 8) * py, (row1 + 8) * py))
+    axes[2].set_title("plastic change (contact region)", fontsize=10)
+
+
+def _draw_patches(fig, ax, contact, step):
+    heights = contact.heights
     show(fig, ax, heights, heights.heights * MICRO, "height (µm)", cmap="Greys_r", alpha=0.6)
-    ellipses(ax, first.step)
-    radius = (first.step.load * 0.75 * contact.pair.radius / contact.pair.modulus) ** (1 / 3)
+    ellipses(ax, step)
+    radius = (step.load * 0.75 * contact.pair.radius / contact.pair.modulus) ** (1 / 3)
     circle(ax, contact.centre, radius, "--", "Hertz radius")
-    counts = first.step.counts
+    counts = step.counts
     ax.set_title(f"contact, cycle 1: {counts[0]} elastic, {counts[1]} el.-plastic, {counts[2]} plastic", fontsize=10)
-    # profiles through the pixel that lost most
-    ax = axes[1, 1]
+
+
+def _draw_profiles(ax, heights, history):
+    """Profiles through the pixel that lost most."""
+    change = history[0].contact.heights.heights - heights.heights
     row, column = np.unravel_index(np.nanargmin(change), change.shape)
     x = np.arange(heights.shape[1]) * heights.pixel_x * MICRO
     ax.plot(x, heights.heights[row] * MICRO, "k-", lw=1.6, label="before")
@@ -123,7 +137,9 @@ def repeated_figure(contact, history, name, others):
     ax.set_ylim(np.nanmin(heights.heights[row][near]) * MICRO, np.nanmax(heights.heights[row][near]) * MICRO + 0.1)
     ax.set_title(f"profile at y = {row * heights.pixel_y * MICRO:.0f} µm", fontsize=10)
     ax.legend(fontsize=7, ncol=2)
-    ax = axes[1, 2]
+
+
+def _draw_run_in(ax, contact, history, others):
     number = [c.number for c in history]
     ax.semilogy(
         number,
@@ -135,9 +151,8 @@ def repeated_figure(contact, history, name, others):
         ax.semilogy([c.number for c in few], [max(c.relative_change, 1e-6) for c in few], "x:", label=f"memory: {memory}")
     ax.axhline(RUN_IN, color="black", lw=0.8, ls="--", label=f"run-in, ε$_r$ = {RUN_IN:g}")
     ax.semilogy(
-        number, [c.step.contact_area / first.step.contact_area for c in history], "s-", ms=4, label="contact area / first"
+        number, [c.step.contact_area / history[0].step.contact_area for c in history], "s-", ms=4, label="contact area / first"
     )
     ax.set(xlabel="cycle", ylim=(5e-7, 3))
     ax.set_title("run-in (0 is drawn at 1e-6)", fontsize=10)
     ax.legend(fontsize=8)
-    return fig

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from demlaws.grains import Case
 from demlaws.liggghts.export import table_words
 from demlaws.liggghts.run import HEAD, run
+from demlaws.plugins.grains import Case
 from studies.trade.liggghts_oedometer import CASE, data_of, grains, numbers, pairwise, plate
 from studies.trade.packings import QUICK, packing
 

@@ -4,8 +4,8 @@ import numpy as np
 
 from demlaws.advice.modulus import HALF, MEASURED, STEADY, Numbers, numbers_of
 from demlaws.advice.scene import Scene
+from demlaws.contact import GRANITE
 from demlaws.errors import DemlawsError
-from demlaws.materials import GRANITE
 from studies.softening import results, study
 
 

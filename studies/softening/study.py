@@ -17,12 +17,11 @@ from scipy.integrate import trapezoid
 
 from demlaws.advice.modulus import STUDY_STEP
 from demlaws.advice.soften import Softening
-from demlaws.contact import Surface
+from demlaws.contact import DENSITY, Surface
 from demlaws.errors import DemlawsError
-from demlaws.grains import Grain
 from demlaws.laws.names import POHRT_POPOV
 from demlaws.make import law as bind_law
-from demlaws.materials import DENSITY
+from demlaws.plugins.grains import Grain
 from studies.engines import under_yade
 from studies.trade import packings
 from studies.trade.candidates import GRANITE, RADII, SURFACE

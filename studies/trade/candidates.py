@@ -2,11 +2,10 @@
 
 from typing import NamedTuple
 
-from demlaws.contact import Surface
+from demlaws.contact import GRANITE, GRANITE_YIELD_PRESSURE, Surface
 from demlaws.errors import quiet
 from demlaws.laws.names import HERTZ, POHRT_POPOV, RMS, ROUGH_PLASTIC
 from demlaws.make import law as bind_law
-from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
 
 NAMES = {"yade": "YADE", "liggghts": "LIGGGHTS", "lammps": "LAMMPS"}
 ENGINES = tuple(NAMES)

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
-from demlaws.grains import Case
 from demlaws.lammps.export import Models, models, wall_lines
 from demlaws.lammps.run import HEAD, run
+from demlaws.plugins.grains import Case
 from studies.trade.liggghts_oedometer import EVERY, data_of, grains, held_state, numbers, timed
 
 START = """\

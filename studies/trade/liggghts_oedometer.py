@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.errors import quiet
-from demlaws.grains import Case, Grain
 from demlaws.liggghts.build import library_path
 from demlaws.liggghts.export import table_words
 from demlaws.liggghts.run import HEAD, run
+from demlaws.plugins.grains import Case, Grain
 from studies.trade import candidates
 
 DRAG = 3e3  # of the smaller grain's speed [1/s]: the same for every law; damping in contacts differs, and edinburgh bears none

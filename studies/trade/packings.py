@@ -16,9 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.errors import DemlawsError
-from demlaws.grains import Grain
 from demlaws.laws.names import HERTZ
 from demlaws.make import law as bind_law
+from demlaws.plugins.grains import Grain
 from demlaws.timestep import timestep
 from studies.engines import available, under_yade
 from studies.trade import lammps_oedometer, liggghts_oedometer

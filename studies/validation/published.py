@@ -8,7 +8,6 @@ import numpy as np
 
 from demlaws import driver, errors
 from demlaws.contact import Contact
-from demlaws.criterion import central_pressure
 from demlaws.granite import displacement_gained, find_test, options_for, stiffness_at
 from demlaws.laws.names import (
     BAHRAMI,
@@ -28,6 +27,7 @@ from demlaws.laws.names import (
 )
 from demlaws.make import law
 from demlaws.solvers.axisymmetric import solve
+from demlaws.solvers.criterion import central_pressure
 from studies.extremes.exact import EXACT
 from studies.jamari.published import PRINTED_RATIOS
 from studies.validation import oblique

@@ -16,8 +16,8 @@ from demlaws.advice.errors import error_of
 from demlaws.advice.kept import kept
 from demlaws.advice.scene import samples
 from demlaws.cli import main
+from demlaws.contact import GRANITE
 from demlaws.errors import NotPassive
-from demlaws.materials import GRANITE
 
 ROUGH = dl.Surface(1.7e-6, 2.22)
 SMOOTH = dl.Surface(0.02e-6, 2.1)
@@ -215,7 +215,7 @@ def test_the_template_names_every_key_and_reaches_yield(tmp_path, capsys):
     scene = dl.Scene.load(file)
     keys = {line.removeprefix("#- ").partition("=")[0].strip() for line in text.splitlines() if "=" in line}
     fields = {f.name for kind in (dl.Scene, dl.Material, dl.Surface) for f in dataclasses.fields(kind)}
-    assert fields - keys == {"materials", "surfaces", "reference_options", "edge_radius"}  # sections, refused
+    assert fields - keys == {"materials", "surfaces", "surface", "reference_options", "edge_radius"}  # sections, refused
     choices = dl.choose(scene, tables=False)
     assert choices.reference.name == "rough-plastic"
     elastic = next(c for c in choices if c.name == "pohrt-popov" and c.unloading == "hertz")

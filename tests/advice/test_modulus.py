@@ -11,7 +11,7 @@ import demlaws as dl
 from demlaws.advice import modulus
 from demlaws.advice.kept import kept
 from demlaws.advice.scene import Scene, stable_step
-from demlaws.materials import GRANITE
+from demlaws.contact import GRANITE
 from demlaws.timestep import STEP_SAFETY, from_contacts, shear_ratio
 from studies.softening import results, study
 from studies.softening.curves import fitted

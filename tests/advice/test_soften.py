@@ -10,9 +10,9 @@ from examples import GRANITE, make, overlaps, pairs, quiet, telling
 import demlaws as dl
 from demlaws.advice.soften import EXPONENTS, Softening
 from demlaws.core.unloading import GIVEN
-from demlaws.grains import Case, Grain
 from demlaws.laws.definition import Advice, Option
 from demlaws.laws.registry import registry
+from demlaws.plugins.grains import Case, Grain
 from demlaws.timestep import timestep
 
 SOFTENED = [name for name, definition in registry().items() if not definition.advice.rigid]

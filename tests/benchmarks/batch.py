@@ -16,10 +16,10 @@ import numba
 import numpy as np
 
 import demlaws as dl
-from demlaws.batch import in_threads
 from demlaws.core.loops import FINITE, UNBOUNDED, batch_loop, leaves, map_leaves
 from demlaws.laws.registry import registry
 from demlaws.make import example
+from demlaws.responses.batch import in_threads
 
 EXTREMES = ("virgin", "mixture")
 STATELESS, HYSTERETIC, TABULATED = 2.0, 3.0, 4.0

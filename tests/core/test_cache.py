@@ -14,7 +14,7 @@ from processes import PACKAGE, counted, finish, python, start
 import demlaws as dl
 from demlaws.core import cache
 from demlaws.core.loops import FINITE, UNBOUNDED, batch_loop
-from demlaws.engines import cache_folder
+from demlaws.plugins.engines import cache_folder
 
 EVERY_LAW = counted(f"""
     import pytest

@@ -24,6 +24,7 @@ NEEDS = {
 }
 PLAIN = [
     DOCS / "tutorials" / "first.md",
+    DOCS / "materials.md",
     *sorted(set((DOCS / "how-to").glob("*.md")) - {DOCS / "how-to" / "index.md"}),
 ]
 

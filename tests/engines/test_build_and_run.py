@@ -14,9 +14,10 @@ from inputs import GRANITE, HOME, ROUGH, part
 from spheres import ENGINES, both
 
 import demlaws as dl
-from demlaws import cli, engines
+from demlaws import cli
 from demlaws.errors import DemlawsError, EngineStopped
-from demlaws.grains import Grain
+from demlaws.plugins import engines
+from demlaws.plugins.grains import Case, Grain
 
 STEEL = dl.Material(200e9, 0.3)
 
@@ -339,14 +340,14 @@ def test_export_refuses_nonsense(engine, tmp_path):
 
 @both
 def test_a_whole_case_is_exported_and_its_record_names_the_law(engine, tmp_path):
-    case = dl.soften(dl.grains.Case("hertz", (Grain(0.004, GRANITE, ROUGH),), count=20), 8.0)
+    case = dl.soften(Case("hertz", (Grain(0.004, GRANITE, ROUGH),), count=20), 8.0)
     path = part(engine, "export").export(tmp_path, case)
     assert f"{GRANITE.young / 8:.10g}" in path.read_text()
     assert '"law": "hertz"' in (tmp_path / "case.json").read_text()
 
 
 def test_the_step_of_a_case_holds_for_every_shear_ratio():
-    case = dl.grains.Case("hertz", (Grain(0.004, GRANITE, ROUGH),))
+    case = Case("hertz", (Grain(0.004, GRANITE, ROUGH),))
     law = case.bound(case.grains[0].contact(case.grains[0]))
     assert case.time_step() < 0.5 * dl.timestep(law, case.grains[0].mass, case.load, shear_ratio=4.0 / 3.0)
 

@@ -1,21 +1,19 @@
 """Inputs of the engines with demlaws/table in place of their contact model."""
 
-import importlib.util
 import json
 import os
 import shutil
-from pathlib import Path
 
 import pytest
 from inputs import part
 
 import demlaws as dl
 from demlaws import cli
-from demlaws.convert import convert, convert_file
 from demlaws.errors import DemlawsError
 from demlaws.liggghts import run
+from demlaws.plugins.convert import convert, convert_file
+from studies.cases import tutorials as script
 
-TUTORIALS = Path(__file__).parents[2] / "liggghts_inputs" / "tutorials.py"
 LIGGGHTS = """\
 pair_style gran model hertz tangential history rolling_friction epsd2 torsionTorque off &
     absolute_damping on  # of the tutorial
@@ -277,20 +275,16 @@ def test_nothing_to_convert_is_an_error(tmp_path, capsys):
 
 @pytest.fixture
 def tutorials():
-    """The script, and LIGGGHTS's own tutorials."""
-    spec = importlib.util.spec_from_file_location("tutorials", TUTORIALS)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    """Folder of LIGGGHTS's own tutorials."""
     try:
-        return module, module.find(os.environ.get("DEMLAWS_LIGGGHTS_DOC"))
+        return script.find(os.environ.get("DEMLAWS_LIGGGHTS_DOC"))
     except DemlawsError:
-        pytest.skip(module.INSTALL)
+        pytest.skip(script.INSTALL)
 
 
 @pytest.mark.parametrize("engine", ["liggghts"])
 def test_three_ways_of_one_tutorial(engine, tutorials, tmp_path):
-    script, folder = tutorials
-    stock, hertz, rough = script.compare(folder / "packing", tmp_path, 1500)
+    stock, hertz, rough = script.compare(tutorials / "packing", tmp_path, 1500)
     assert [row["way"] for row in (stock, hertz, rough)] == list(script.WAYS)
     assert stock["steps"] == hertz["steps"] == rough["steps"] == 1 + 2 * 1500  # two runs, each up to the cap
     assert stock["grains"] == 338 and stock["worst"] == 0 and stock["beyond"] == hertz["beyond"] == 0
@@ -303,24 +297,23 @@ def test_three_ways_of_one_tutorial(engine, tutorials, tmp_path):
 @pytest.mark.parametrize("engine", ["liggghts"])
 def test_tutorials_of_the_package_run(engine, tutorials, tmp_path):
     """Each input of a folder of LIGGGHTS's tutorials is converted; where all is served, it runs a few steps."""
-    module, folder = tutorials
     ran, refused = [], []
-    for script in sorted(folder.glob("*/in.*")):
+    for path in sorted(tutorials.glob("*/in.*")):
         try:
-            converted = convert(script.read_text(), engine, "law.tbl")
+            converted = convert(path.read_text(), engine, "law.tbl")
         except DemlawsError:
             continue
         if not all(note.served for note in converted.notes):
-            refused.append(script.name)
+            refused.append(path.name)
             continue
-        if script.parent.name not in (*module.TUTORIALS, "cohesion", "contactModels"):
+        if path.parent.name not in (*script.TUTORIALS, "cohesion", "contactModels"):
             continue
-        there = tmp_path / script.parent.name
-        shutil.copytree(script.parent, there, dirs_exist_ok=True)
+        there = tmp_path / path.parent.name
+        shutil.copytree(path.parent, there, dirs_exist_ok=True)
         (there / "post").mkdir(exist_ok=True)
-        module.tables(script.read_text(), there)
-        text = module.changed(script.read_text(), "rough table", 400)
+        script.tables(path.read_text(), there)
+        text = script.changed(path.read_text(), "rough table", 400)
         (there / "in.case").write_text(text.replace("tangential history", "tangential demlaws"))
         assert run(there / "in.case")["Step"][-1] > 0
-        ran.append(script.name)
+        ran.append(path.name)
     assert len(ran) >= 8 and "in.hydrogel_multicontact" in refused

@@ -1,11 +1,12 @@
 """What the studies ask of YADE, LIGGGHTS and LAMMPS, in small: the trade's scene, the extremes, kept places."""
 
+import numpy as np
 import pytest
 from examples import shared
 
 from studies.extremes import extremes, report
 from studies.extremes.plugin_extremes import Plugin
-from studies.trade import candidates, packings
+from studies.trade import candidates, lammps_oedometer, liggghts_oedometer, packings
 from studies.validation import engines
 from studies.validation.jobs import kept_jobs
 from studies.validation.published import KEPT, kept_rows
@@ -33,6 +34,27 @@ def test_scene_of_the_trade(engine):
     assert rough.low < rough.loading < rough.unloading
     # the mean force of a packing under this stress (Rothenburg & Bathurst)
     assert rough.forces.mean() == pytest.approx(0.1 * packings.QUICK.largest_force, rel=0.4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("engine", ["lammps"])
+def test_stiffness_of_the_packing_on_two_ranks_and_in_liggghts(engine, tmp_path):
+    """Within the scatter of runs from shaken positions; at least 2 %, since one slip changes a slope by as much."""
+    setup, way = packings.QUICK, candidates.RICHEST._replace(rtol=1e-5)
+    radii, centres = packings.packing(setup)
+    given, words = setup.given(radii, centres), {**way._asdict(), "options": dict(way.options)}
+    runs = [(lammps_oedometer, {"ranks": 2}, 0), (liggghts_oedometer, {}, 0)]
+    runs += [(lammps_oedometer, {}, seed) for seed in (0, 1, 2, 3)]
+    outcomes = []
+    for number, (module, options, seed) in enumerate(runs):
+        shift = packings.SHAKEN * np.random.default_rng(seed).uniform(-1.0, 1.0, centres.shape) * radii.min() * (seed > 0)
+        places = {**given, "centres": (centres + shift).tolist()}
+        outcomes.append(packings.outcome(way, setup, module.oedometer(tmp_path / str(number), places, words, **options)))
+    for quantity in ("low", "loading", "unloading"):
+        others, chance = np.split([getattr(outcome, quantity) for outcome in outcomes], [2])
+        limit = max(0.02, 2 * np.ptp(chance) / chance.mean())
+        assert others == pytest.approx(np.full(2, chance.mean()), rel=limit), quantity
+    assert max(abs(outcome.height - outcomes[2].height) for outcome in outcomes[:2]) <= 1e-7
 
 
 @pytest.mark.slow

@@ -11,10 +11,10 @@ from examples import GRANITE, make, quiet
 
 import demlaws as dl
 from demlaws.curves.closed import ClosedForm
+from demlaws.curves.soundness import refuse_unless_collapses
 from demlaws.errors import NotPassive
 from demlaws.laws.definition import OF_CONTACT
 from demlaws.laws.registry import find, registry
-from demlaws.soundness import refuse_unless_collapses
 
 
 @pytest.mark.parametrize(("name", "option"), [(n, o) for n, d in registry().items() for o in d.options], ids="-".join)

@@ -15,8 +15,8 @@ from own_spring import POWER
 from processes import PACKAGE, counted, python
 
 import demlaws as dl
-from demlaws import soundness
 from demlaws.core.fastmath import sqrt
+from demlaws.curves import soundness
 from demlaws.laws import registry
 from demlaws.laws.definition import Advice, Fitting
 

@@ -80,7 +80,7 @@ def test_a_slow_sphere_crosses_the_edge_of_a_mesh(tmp_path, unloading, way):
     for name in ("mesh.inc", "plate.stl"):
         (tmp_path / name).write_text((walls / name).read_text())
     text = (walls / "in.walls").read_text().split("velocity        all set 0 0 -0.2")[0]
-    text = text.replace("${wall}", "mesh.inc").replace("${every}", "10").replace("single 0.000507", f"single {-2.03e-8 * way}")
+    text = text.replace("${wall}", "mesh").replace("${every}", "10").replace("single 0.000507", f"single {-2.03e-8 * way}")
     text += "velocity all set 0 0 -0.2\nrun 4000\nvelocity all set 0 0 0.2\nrun 1000\n"
     text += f"velocity all set {0.01 * way} 0 0\nrun 400\nvelocity all set {-0.01 * way} 0 0\nrun 200\n"
     # deeper than ever while both claim it, and out on the first triangle

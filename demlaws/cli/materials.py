@@ -1,0 +1,35 @@
+"""`demlaws materials`: typical values of materials, with ranges and sources."""
+
+import textwrap
+
+from demlaws.cli import example
+from demlaws.cli.output import record
+
+
+def register(add):
+    """Add this command."""
+    parser = add(
+        description="Lists typical values of materials (E, ν, hardness, density, Sq, Df, friction), or the ranges and sources "
+        "of one. In Python: dl.materials.glass.",
+        **example("  demlaws materials\n  demlaws materials glass"),
+    )
+    parser.add_argument("name", nargs="?", help="name of a material (default: all)")
+    parser.set_defaults(func=run)
+
+
+def run(arguments):
+    """Do what the command's arguments ask."""
+    from demlaws.materials import SYMBOLS, Typical, names, typical
+
+    chosen = [arguments.name] if arguments.name else names()
+    record(**{name: {quantity: value._asdict() for quantity, value in typical(name).items()} for name in chosen})
+    if not arguments.name:
+        print(Typical(chosen))
+        print("?: no value in public text. Sources and ranges: demlaws materials NAME")
+        return 0
+    for quantity, value in typical(arguments.name).items():
+        first, between = value.shown()
+        number = f"{first} {value.unit if value.value is not None else ''}".rstrip() + (f" ({between})" if between else "")
+        print(f"{SYMBOLS[quantity]:3} {quantity.replace('_', ' '):18} {number}")
+        print(textwrap.fill(value.source, 96, initial_indent="    ", subsequent_indent="    "))
+    return 0

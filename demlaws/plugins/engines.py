@@ -1,0 +1,492 @@
+"""What LIGGGHTS and LAMMPS share: the plugin compiled into a cache, runs in processes of their own, thermo tables, self-tests.
+
+Importing needs the standard library only: LAMMPS asks for the plugin at every start, and wheels are built without numpy.
+"""
+
+import contextlib
+import fcntl
+import functools
+import hashlib
+import os
+import platform
+import re
+import shutil
+import signal
+import subprocess
+import tempfile
+from pathlib import Path
+
+import demlaws
+from demlaws.errors import DemlawsError, EngineStopped
+
+SHARED = Path(__file__).parents[1] / "cpp"
+"""Headers that all plugins include."""
+
+_INCLUDE = re.compile(r'#include "([^"]+)"')
+
+
+def inlined(name, folders, kept=(), seen=None):
+    """Lines of the source file `name`, found in `folders`, with the headers found there, each once, in place of their includes.
+
+    kept: names of headers whose includes stay.
+    """
+    seen = {name} if seen is None else seen
+    for line in next(folder / name for folder in folders if (folder / name).is_file()).read_text().splitlines():
+        include = _INCLUDE.match(line)
+        inner = include and include.group(1)
+        if not inner or inner in kept or not any((folder / inner).is_file() for folder in folders):
+            yield line
+        elif inner not in seen:
+            seen.add(inner)
+            yield from inlined(inner, folders, kept, seen)
+
+
+def write_sources(folder, texts):
+    """Write {name: text} into `folder` and return the paths; a file that has its text stays untouched: no build repeats it."""
+    folder = Path(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, text in texts.items():
+            file = folder / name
+            if not file.is_file() or file.read_text() != text:
+                file.write_text(text)
+    except OSError as error:
+        raise DemlawsError(f"cannot write to {folder}: {error.strerror}") from error
+    return tuple(folder / name for name in texts)
+
+
+def cache_folder():
+    """Where plugins are kept: $DEMLAWS_CACHE, else $XDG_CACHE_HOME/demlaws, else ~/.cache/demlaws; always an absolute path."""
+    setting = os.environ.get("DEMLAWS_CACHE")
+    if setting:
+        return Path(setting).absolute()  # an engine is started in the input's folder
+    try:
+        return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache").absolute() / "demlaws"
+    except RuntimeError:  # neither HOME nor an entry of the user's, as in containers
+        raise DemlawsError("this user has no home folder for what is built once and kept: set DEMLAWS_CACHE or HOME") from None
+
+
+@functools.lru_cache(maxsize=256)
+def _output_of(command, stamps, environment):
+    try:
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    except (OSError, subprocess.CalledProcessError):
+        return ""
+
+
+def output_of(command):
+    """Output of a command, "" where it fails. It runs once, as long as the files that it names and the environment stay."""
+    files = [Path(shutil.which(word) or word) for word in map(str, command)]
+    stamps = tuple(file.stat().st_mtime_ns if file.is_file() else None for file in files)
+    return _output_of(tuple(command), stamps, frozenset(os.environ.items()))
+
+
+def compiler():
+    """Path of $CXX or g++, None where it is absent."""
+    return shutil.which(os.environ.get("CXX", "g++"))
+
+
+def processor():
+    """Instruction sets of the processor, as Linux lists them: a library made with -march=native needs the same."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return platform.processor()
+    return next((line for line in lines if line.startswith(("flags", "Features"))), platform.processor())
+
+
+def _digest(parts):
+    digest = hashlib.sha256()
+    for part in parts:
+        digest.update((part if isinstance(part, bytes) else part.encode()) + b"\0")
+    return digest.hexdigest()[:12]
+
+
+class Plugin:
+    """Shared object of an engine's plugin, compiled at first use into a folder of the cache.
+
+    The folder's name has two keys: one of what the plugin runs on (our sources, the engine, the processor), one of what
+    compiled it (compiler, headers, flags); so an outdated plugin is never loaded. Where there is no compiler, as on a compute
+    node, the newest plugin with the first key is taken.
+    """
+
+    engine: str
+    file: str  # of the shared object
+    sources: Path
+    source: str  # the file that is compiled
+    flags: tuple
+    packages: str  # how to install a compiler and headers
+
+    def includes(self):
+        """Further include options."""
+        return []
+
+    def links(self):
+        """Link options and libraries."""
+        return []
+
+    def headers(self):
+        """Header files of the engine."""
+        return []
+
+    def runs_with(self):
+        """Bytes of the engine's library that the plugin is made for."""
+        return b""
+
+    def compile_command(self, portable=False):
+        """The compiler's command without its output; DemlawsError where something is missing."""
+        program = compiler()
+        if not program:
+            raise DemlawsError(f"compiler {os.environ.get('CXX', 'g++')!r} not found: {self.packages}")
+        architecture = [] if portable else ["-march=native"]
+        includes = [f"-I{self.sources}", f"-I{SHARED}", *self.includes()]
+        return [program, *self.flags, *architecture, *includes, str(self.sources / self.source), *self.links()]
+
+    def source_digest(self):
+        """Digest of our sources and flags."""
+        files = sorted(file for file in (*self.sources.rglob("*"), *SHARED.glob("*.h")) if file.is_file())
+        return _digest([*self.flags, *(part for file in files for part in (file.name, file.read_bytes()))])
+
+    def _runs_on(self, portable):
+        machine = [platform.machine(), "portable" if portable else processor(), self.runs_with()]
+        return f"{self.engine}-{demlaws.__version__}-{_digest([self.source_digest(), *machine])}"
+
+    def library_path(self, portable=False):
+        """Where the plugin of this version, these sources, this compiler and these headers belongs, built or not."""
+        command = self.compile_command(portable)
+        parts = [*command, output_of([command[0], "--version"])]
+        if not portable:  # -march=native means another thing on another processor
+            parts.append(output_of([command[0], "-march=native", "-Q", "--help=target"]))
+        parts += [f"{file.name} {file.stat().st_size} {file.stat().st_mtime_ns}" for file in self.headers()]
+        return cache_folder() / f"{self._runs_on(portable)}-{_digest(parts)}" / self.file
+
+    def _compiled_elsewhere(self, portable):
+        paths = cache_folder().glob(f"{self._runs_on(portable)}-*/{self.file}")
+        return max((f for f in paths if os.access(f, os.R_OK)), key=lambda file: file.stat().st_mtime_ns, default=None)
+
+    def build(self, portable=False, force=False):
+        """Path of the plugin's shared object; compiled (seconds to a minute) unless the cache has it.
+
+        portable: without -march=native, for a cluster whose nodes differ (the step costs some 10 % more).
+        force: compile in any case. Where a compiler or the headers are missing, a plugin that was compiled elsewhere for the
+        same sources, engine and processor is taken from the cache. Raises DemlawsError that names the missing package, or
+        shows the compiler's message.
+        """
+        if any(mark in str(cache_folder()) for mark in " :"):
+            raise DemlawsError(
+                f"the cache {cache_folder()} has a space or a colon in its name, at which LD_PRELOAD and LAMMPS_PLUGIN_PATH "
+                "split: set DEMLAWS_CACHE to another folder"
+            )
+        self.runs_with()  # an engine that no plugin reaches is refused before a compiler is missed
+        try:
+            library, command = self.library_path(portable), self.compile_command(portable)
+        except DemlawsError as missing:
+            substitute = None if force else self._compiled_elsewhere(portable)
+            if substitute:
+                return substitute
+            raise DemlawsError(
+                f"{missing}; nor does the cache {cache_folder()} hold a plugin for this processor and engine: where there is a "
+                f"compiler, run `demlaws {self.engine} build --portable` with the same DEMLAWS_CACHE, and here use --portable"
+            ) from missing
+        if force or not library.is_file():
+            _compile(command, library, self.packages, force)
+        return library
+
+
+@contextlib.contextmanager
+def _locked(folder):
+    """Hold the lock of a folder. A file system without locks gives none: the rename in `_compile` is safe without it."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        with contextlib.suppress(OSError):
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def _compile(command, library, packages, force):
+    """Compile to a temporary file beside `library`, then rename: no other process sees half of it.
+
+    Of processes that start together one compiles; the others wait for its result, unless `force`.
+    """
+    with contextlib.ExitStack() as stack:
+        try:
+            library.parent.mkdir(parents=True, exist_ok=True)
+            stack.enter_context(_locked(library.parent))
+            descriptor, temporary = tempfile.mkstemp(prefix=".new.", suffix=".tmp", dir=library.parent)
+        except OSError as error:
+            raise DemlawsError(
+                f"cannot write to the cache {library.parent}: {error.strerror}; set DEMLAWS_CACHE to a folder you may write to"
+            ) from error
+        os.close(descriptor)
+        stack.callback(Path(temporary).unlink, missing_ok=True)
+        if library.is_file() and not force:
+            return
+        result = subprocess.run([*command, "-o", temporary], capture_output=True, text=True)
+        if result.returncode:
+            message = "\n".join((result.stderr or result.stdout).strip().splitlines()[:12])
+            raise DemlawsError(f"the plugin did not compile ({packages}):\n{message}")
+        os.chmod(temporary, 0o755)
+        os.replace(temporary, library)
+
+
+class Engine:
+    """A program that runs inputs with the plugin."""
+
+    name: str
+    begins: str  # how the line above a thermo table begins
+    pair_time: str  # pattern of the pair style's seconds in a log
+
+    @property
+    def log(self):
+        """Name of the log file."""
+        return f"log.{self.name.lower()}"
+
+    def start(self, ranks, plugin, portable):
+        """(program, environment, variables of the ranks that load the plugin, mpiexec of the program's own or None)."""
+        raise NotImplementedError
+
+    def column(self, word):
+        """Name of a thermo column."""
+        return word
+
+    def command(self, script, ranks=1, variables=None, log=None, plugin=True, portable=False, arguments=()):
+        """The command line and the environment of a run; portable: with the plugin that `build(portable=True)` returns.
+
+        arguments: further arguments of the engine's own, such as ("-echo", "screen"). For Open MPI's mpirun, root needs
+        --allow-run-as-root and --oversubscribe, more ranks than cores the latter.
+        """
+        if ranks < 1:
+            raise DemlawsError(f"ranks = {ranks}: at least 1")
+        program, environment, loading, mpiexec = self.start(ranks, plugin, portable)
+        line = [str(program), "-in", str(script), "-log", str(log or self.log)]
+        for name, value in (variables or {}).items():
+            line += ["-var", name, *(map(str, value) if isinstance(value, (list, tuple)) else [str(value)])]
+        line += map(str, arguments)
+        if ranks > 1 and mpiexec:  # MPICH hands the environment on
+            line = [str(mpiexec), "-n", str(ranks), *line]
+        elif ranks > 1:
+            if not shutil.which("mpirun"):
+                raise DemlawsError("mpirun not found: sudo apt install openmpi-bin")
+            root = os.geteuid() == 0
+            mpirun = ["mpirun", "-np", str(ranks), *(["--allow-run-as-root"] if root else [])]
+            mpirun += ["--oversubscribe"] if root or ranks > len(os.sched_getaffinity(0)) else []
+            for name, value in loading.items():  # for the ranks only, not for mpirun
+                mpirun += ["-x", f"{name}={value}"]
+            line, loading = mpirun + line, {}
+        return line, {**environment, **loading}
+
+    def run(
+        self,
+        script,
+        ranks=1,
+        variables=None,
+        folder=None,
+        log=None,
+        plugin=True,
+        echo=False,
+        timeout=None,
+        portable=False,
+        arguments=(),
+    ):
+        """Run `script` in `folder` (default: the script's own) and return the thermo tables of its output.
+
+        variables: {name: value} for the script's ${name}; echo: show the engine's output as it comes; portable: the plugin
+        without -march=native, for a cluster of unlike nodes; arguments: further arguments of the engine's command line.
+        Returns a dict column → array over all rows (see `read_log`); empty where the input has no run, or no thermo output.
+        Raises EngineStopped with the engine's own error.
+        """
+        script, log = Path(script), log or self.log
+        if folder is None:
+            folder, script = script.resolve().parent, Path(script.name)
+        if not (Path(folder) / script).is_file():
+            raise DemlawsError(f"input {Path(folder) / script} does not exist; `demlaws {self.name.lower()} export` writes one")
+        line, environment = self.command(script, ranks, variables, log, plugin, portable, arguments)
+        log_path = Path(folder) / log
+        before = _stamp(log_path)  # a log of an earlier run is not read
+        status, lines = _run(line, folder, environment, echo, timeout)
+        log_text = log_lines(log_path) if _stamp(log_path) != before else []
+        if not any(text.startswith(f"{self.name} (") for text in lines):  # -screen none
+            lines += log_text
+        if status:
+            raise EngineStopped(f"{self.name} stopped (exit {status}): {_reason(status, lines, script)}")
+        # the output of another rank may have run into a row; the log is complete unless the input names another one
+        printed, logged = (thermo(text, self.begins, self.column) for text in (lines, log_text))
+        rows = [len(next(iter(table.values()), ())) for table in (printed, logged)]
+        return logged if list(logged) == list(printed) and rows[1] > rows[0] else printed
+
+    def read_log(self, path):
+        """Thermo output of a log: dict column → array, the rows of all runs one after another.
+
+        Rows that a run repeats (its first step is the last one of the run before) are kept once; where the columns change,
+        only the rows after the last change are returned. In LAMMPS a column of a variable, compute or fix has its name
+        without v_, c_ or f_.
+        """
+        tables = thermo(log_lines(path), self.begins, self.column)
+        if not tables:
+            raise DemlawsError(f"{path} holds no thermo output")
+        return tables
+
+    def timings(self, path):
+        """(loop seconds, pair seconds) of the last run in a log."""
+        text = "\n".join(log_lines(path))
+        loop, pair = re.findall(r"Loop time of (\S+)", text), re.findall(self.pair_time, text, re.MULTILINE)
+        if not loop or not pair:
+            raise DemlawsError(f"{path} holds no timing of a run")
+        return float(loop[-1]), float(pair[-1])
+
+    def follow(self, law, text, radius=None, rtol=1e-5, folder=None, ranks=1, **variables):
+        """One contact on the path of an input: the log, with columns overlap, force, stored, lost, and the law's path.
+
+        law: one contact with ν = 0.25 of two spheres of `radius` (default: equal ones), or of one and a wall.
+        """
+        with tempfile.TemporaryDirectory() as scratch:
+            folder = Path(folder or scratch)
+            law.tabulate(rtol=rtol).save(folder / "law.tbl")
+            (folder / "in.contact").write_text(text)
+            radius = 2 * law.contact.radius if radius is None else radius
+            young = 2 * law.contact.modulus * (1 - 0.25**2)
+            values = {"young": repr(young), "radius": repr(radius), "table": "law.tbl", **variables}
+            log = self.run(folder / "in.contact", ranks, values)
+        return log, law.follow(log["overlap"])
+
+
+def _run(command, folder, environment, echo=False, timeout=None):
+    """(exit status, lines of output) of a command in `folder`; echo: shown as they come. What stops us stops it, too."""
+    lines = []
+    with subprocess.Popen(
+        command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
+    ) as process:
+        try:
+            if echo:
+                for text in process.stdout:
+                    print(text, end="", flush=True)
+                    lines.append(text)
+                process.wait()
+            else:
+                lines = process.communicate(timeout=timeout)[0].splitlines(keepends=True)
+        except BaseException:
+            process.kill()
+            raise
+    return process.returncode, lines
+
+
+def _stamp(path):
+    """What changes when a file is written: None for an absent file."""
+    try:
+        status = os.stat(path)
+    except OSError:
+        return None
+    return status.st_ino, status.st_size, status.st_mtime_ns
+
+
+def _reason(status, lines, script):
+    """Why an engine stopped: its own error, else its last lines without the stack that MPI prints after a crash."""
+    errors = [at for at, text in enumerate(lines) if text.startswith("ERROR")]
+    if errors:
+        return _message(lines[errors[-1] :])
+    number = -status if status < 0 else status - 128
+    crash = signal.strsignal(number) if 0 < number < signal.NSIG else None
+    text = [line.strip() for line in lines if line.strip() and not re.match(r"\[[^]]*:\d+\]|-{20}|mpirun |Primary job", line)]
+    last = " | ".join(text[-3:])
+    if not crash:
+        return last or f"it printed no message; run {script} with -echo both, which shows the last line that it read"
+    crash = f"{crash.lower()}; last output: {last or 'none'}"
+    return f"{crash}; run {script} with -echo both, which shows the last line that it read"
+
+
+def _message(lines):
+    """An engine's error, which may go on over several lines, without the input line that it shows after it."""
+    text = ""
+    for line in lines[:8]:
+        if line.startswith(("Last ", "For more", "Abort", "application called", "---")) or not line.strip():
+            break
+        text += line.strip() + " "
+    return text.strip()
+
+
+MOVES = ((-0.2, 6000), (0.2, 3000), (-0.2, 4500), (0.2, 9000), (-0.2, 4000))
+"""Speed [m/s] of the second body along x and steps of 10 ns: load, unload, reload, separate, load again."""
+
+
+def moves(step):
+    """Input lines of these moves with a time step [s]."""
+    return "".join(f"velocity        right set {speed} 0 0\nrun             {round(n * 1e-8 / step)}\n" for speed, n in MOVES)
+
+
+def self_test(report, log, path, name, limit):
+    """Report how far force and energies of `log` are from the law's `path`; DemlawsError where that is more than `limit`."""
+    import numpy as np
+
+    worst = float(np.max(np.abs(log["force"] - path.force)) / np.max(path.force))
+    errors = np.abs(log["stored"] - path.stored) + np.abs(log["lost"] - path.dissipated)
+    energy = float(np.max(errors) / np.max(path.work))
+    line = f"self-test {name}: |force - law| ≤ {worst:.1e} of {path.force.max():.1f} N, energies ≤ {energy:.1e} of the work"
+    if not max(worst, energy) <= limit:
+        raise DemlawsError(f"{line}; allowed {limit:g}")
+    report(line)
+
+
+def laws_to_check():
+    """(law, tolerance of its table, allowed error, name) of the self-tests: one contact of two granite spheres of 17.4 mm."""
+    from demlaws.contact import Contact
+    from demlaws.laws.names import USUAL
+    from demlaws.make import law
+
+    contact = Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22)
+    for unloading in ("elastic", "hertz"):
+        for rtol, limit in ((1e-5, 1e-5), (1e-9, 1e-8)):
+            yield law(USUAL, contact, unloading=unloading), rtol, limit, f"{unloading} unloading, table {rtol:g}"
+
+
+def log_lines(path):
+    """Lines of an engine's log."""
+    try:
+        return Path(path).read_text(errors="replace").splitlines()
+    except OSError as error:
+        raise DemlawsError(f"cannot read {path}: {error.strerror}") from error
+
+
+def _numbers(words):
+    try:
+        return [float(word) for word in words]
+    except ValueError:
+        return None
+
+
+def thermo(lines, begins, column=str):
+    """Columns of all thermo tables of LIGGGHTS or LAMMPS: dict name → array; empty without tables.
+
+    A table stands between a line that begins with `begins` and the line "Loop time" of a run; its first line names the
+    columns, which may be numbers themselves (LIGGGHTS heads c_1 by 1); column: from such a word to the name of the column.
+    Rows that a run repeats (its first step is the last one of the run before) are kept once; where the columns change, only the
+    rows after the last change are returned. Of `thermo_style multi` and `yaml` nothing is read.
+    """
+    import numpy as np
+
+    names, rows = [], []
+
+    def put(words, row):
+        nonlocal names, rows
+        titles = [column(word) for word in words]
+        if titles != names:
+            names, rows = titles, []
+        step = titles.index("Step") if "Step" in titles else None
+        if step is None or not rows or row[step] > rows[-1][step]:
+            rows.append(row)
+
+    header = None  # None outside a table, [] where its line comes next
+    for line in lines:
+        words = line.split()
+        if line.startswith(begins):
+            header = []
+        elif line.startswith("Loop time"):
+            header = None
+        elif header == []:
+            header = words if words[:1] != ["WARNING:"] else []
+        elif header:
+            row = _numbers(words) if len(words) == len(header) else None
+            if row:
+                put(header, row)
+    return dict(zip(names, np.array(rows).T, strict=True)) if rows else {}

@@ -1,0 +1,94 @@
+"""Response of one contact along a path of overlaps."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from demlaws.responses.results import PATH_COLUMNS, Tabular
+
+
+class Point(NamedTuple):
+    """One point of a `Path`, SI units."""
+
+    overlap: float
+    force: float
+    stiffness: float
+    maximum_overlap: float
+    plastic_overlap: float
+    stored: float
+    dissipated: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Path(Tabular, Sequence):
+    """Response of one contact along a path: arrays with one entry per overlap, SI units.
+
+    A sequence of points: `path[3].force`, `path[:100]`, `len(path)`, `pandas.DataFrame(path)`.
+
+    Attributes
+    ----------
+    overlap, maximum_overlap : ndarray
+        Overlap and its largest value since first contact [m].
+    plastic_overlap : ndarray
+        Overlap at which the force vanishes on unloading [m]; NaN if the unloading rule has no state of that name.
+    force : ndarray
+        Normal force [N].
+    stiffness : ndarray
+        Tangent stiffness [N/m].
+    stored, dissipated : ndarray
+        Recoverable and dissipated energy of the contact [J], from its last closing; a path that continues a given state
+        includes the energies before it.
+
+    Examples
+    --------
+    >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
+    >>> path = law.follow([0.0, 1e-6, 0.5e-6])
+    >>> print(path)
+    overlap (m)  force (N)  stiffness (N/m)  plastic_overlap (m)   work (J)
+              0          0                0                    0          0
+          1e-06     2.6985       4.0477e+06                    0 1.0794e-06
+          5e-07    0.95406       2.8622e+06                    0 1.9081e-07
+    >>> len(path), path[1].force.round(4), path[:2].overlap
+    (3, 2.6985, array([0.e+00, 1.e-06]))
+    """
+
+    overlap: np.ndarray
+    force: np.ndarray
+    stiffness: np.ndarray
+    maximum_overlap: np.ndarray
+    plastic_overlap: np.ndarray
+    stored: np.ndarray
+    dissipated: np.ndarray
+
+    def __len__(self):
+        return self.overlap.size
+
+    def __getitem__(self, index):
+        values = [getattr(self, field.name)[index] for field in fields(self)]
+        return Path(*values) if isinstance(index, slice) else Point(*values)
+
+    def __repr__(self):
+        largest = f"overlap to {self.overlap.max():.4g} m, force to {self.force.max():.4g} N" if len(self) else "empty"
+        return f"<demlaws path of {len(self)} points: {largest}>"
+
+    def columns(self) -> dict:
+        """Overlap, force, stiffness, plastic overlap and work, each an array."""
+        units = {"overlap": "m", "force": "N", "stiffness": "N/m", "plastic_overlap": "m", "work": "J"}
+        return {f"{name} ({unit})": getattr(self, name) for name, unit in units.items()}
+
+    def csv_rows(self) -> np.ndarray:
+        """One row per point, one column per entry of `PATH_COLUMNS`."""
+        return np.column_stack([getattr(self, name) for name in PATH_COLUMNS.values()])
+
+    @property
+    def work(self) -> np.ndarray:
+        """Work done on the contact [J], ∫P dδ, exact between the points, since the contact last closed."""
+        return self.stored + self.dissipated
+
+    def plot(self, ax: Any = None, **style: Any) -> Any:
+        """Draw force against overlap; returns matplotlib's axes. Keywords go to `Axes.plot`, see `Law.plot`."""
+        from demlaws import plots
+
+        return plots.plot(self, ax, **style)

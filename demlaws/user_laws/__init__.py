@@ -1,0 +1,1 @@
+"""User-defined laws: made from plain functions, and checked."""

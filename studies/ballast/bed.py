@@ -1,0 +1,177 @@
+"""LAMMPS inputs of a bed of granite under a plate: grains are deposited, pressed flat, and loaded in cycles.
+
+The bed is 0.3 m long and wide, periodic, about 0.3 m high, on a rough floor. The plate is as long as the bed and narrower (the
+width of a sleeper), rough, and moves vertically. Granite has its full modulus and density: the steps per cycle follow from the
+bed's own period over that of a contact, which neither a softer modulus nor heavier grains change.
+"""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+import demlaws as dl
+from demlaws.lammps.run import HEAD
+from studies.trade.liggghts_oedometer import data_text
+
+YOUNG, POISSON, DENSITY, FRICTION, RESTITUTION = 60.6e9, 0.25, 2650.0, 0.6, 0.7
+RADII, SHARES = (18e-3, 20e-3, 22e-3), (0.3, 0.4, 0.3)
+WIDTH, PLATE = 0.3, 0.24  # of the bed and of the plate [m]
+SHEAR = {
+    "default": ("", "demlaws 1.0"),
+    "1 level": (" levels 1", "demlaws 1.0"),
+    "slip": (" shear slip", "demlaws 1.0"),
+    "mindlin": ("", "mindlin NULL 1.0"),
+    "mindlin_rescale": ("", "mindlin_rescale NULL 1.0"),
+}
+"""Words after the table's numbers, and the tangential model up to its friction."""
+
+GROUND = """\
+{head}boundary        p p f
+newton          on
+{start}
+neighbor        4e-3 bin
+neigh_modify    delay 0{exclude}
+variable        model string "demlaws/table pair.tbl {young:g} {restitution} {poisson}{words} tangential {tangential} {friction:g} &
+                damping demlaws/tangent"
+pair_style      granular
+pair_coeff      * * ${{model}}
+timestep        {dt:.10g}
+fix             pull all gravity 9.81 vector 0 0 -1
+fix             floor all wall/gran granular ${{model}} zplane 0.0 NULL
+{move}
+compute         met all contact/atom
+compute         contacts all reduce sum c_met
+variable        upper atom z+radius
+compute         top all reduce max v_upper
+"""
+REST = """\
+{drag}
+variable        slow equal {rest:g}*mass(all)
+variable        energy equal ke/v_slow
+thermo_style    custom step c_contacts c_top ke
+thermo_modify   norm no format float %.12g
+thermo          2000
+fix             rest all halt 2000 v_energy < 1 error continue
+run             {steps}
+unfix           rest
+"""
+WRITE = "write_dump      all custom post/{name} id {mol} diameter x y z modify sort id format float %.17g\n"
+LOAD = """\
+reset_timestep  0
+variable        time equal step*dt
+variable        load equal {low:.10g}+0.5*({high:.10g}-{low:.10g})*(1-cos(2*PI*v_time/{period:.10g}))
+variable        change equal PI/{period:.10g}*({high:.10g}-{low:.10g})*sin(2*PI*v_time/{period:.10g})
+variable        plate equal {placed:.17g}-f_drive*v_time
+region          plate block -{half:g} {half:g} -1 1 {top:.17g} {lid:.17g} side out move NULL NULL v_plate units box
+fix             press all wall/gran/region granular ${{model}} region plate contacts
+compute         pushed all reduce sum f_press[4]
+variable        carried equal -c_pushed
+# the plate follows its load by the bed's stiffness, about {stiffness:g} sqrt(load), and by the force it lacks
+variable        wanted equal (1200*(v_load-v_carried)+v_change)/({stiffness:g}*sqrt(abs(v_load)+100))
+variable        speed equal (v_wanted>-0.05)*(v_wanted<0.05)*v_wanted+0.05*((v_wanted>=0.05)-(v_wanted<=-0.05))
+fix             drive all ave/time 1 1 1 v_speed ave running
+thermo_style    custom step v_load v_carried v_plate c_contacts ke
+thermo_modify   norm no format float %.12g
+thermo          {every}
+run             {steps}
+"""
+
+
+class Law(NamedTuple):
+    """Contact law, combined roughness [µm] and shear model."""
+
+    law: str = "hertz"
+    sigma: float = 0.0
+    shear: str = "default"
+
+    def save(self, path):
+        """Write its table; one serves all radii."""
+        modulus = YOUNG / (2 * (1 - POISSON**2))
+        contact = dl.Contact(radius=10e-3, modulus=modulus, roughness=1e-6 * self.sigma, fractal_dimension=2.22)
+        rule = {} if self.law == "hertz" else {"unloading": "hertz"}
+        dl.law(self.law, contact, **rule).tabulate(rtol=1e-5).save(path)
+
+
+def ground(law, start, dt, friction=FRICTION, clumps=False):
+    """Input up to the motion of the grains; `start`: the line that reads them."""
+    words, tangential = SHEAR[law.shear]
+    return GROUND.format(
+        head=HEAD,
+        start="fix             grain all property/atom mol ghost yes\n" * clumps
+        + start
+        + " fix grain NULL Molecules" * (clumps and "data" in start),
+        exclude=" exclude molecule/intra all" * clumps,
+        words=words,
+        tangential=tangential,
+        friction=friction,
+        young=YOUNG,
+        restitution=RESTITUTION,
+        poisson=POISSON,
+        dt=dt,
+        move="fix             move all " + ("rigid/small molecule gravity pull" if clumps else "nve/sphere"),
+    )
+
+
+def rest(steps, drag=0.0, slow=1e-10):
+    """Until the kinetic energy per mass is below `slow` [J/kg], at most `steps`; drag [kg/s]."""
+    return REST.format(rest=slow, steps=steps, drag=f"fix drag all viscous {drag:g}" if drag else "") + "unfix drag\n" * (
+        drag > 0
+    )
+
+
+def load(low, high, period, steps, dt, top, placed=0.0, width=PLATE, stiffness=9e5, rows=40):
+    """The pressure on the plate [Pa] swings from `low` to `high` and back in `period` [s]; `top`: of the plate's lower face [m]."""
+    area = width * WIDTH
+    return LOAD.format(
+        low=low * area,
+        high=high * area,
+        period=period,
+        steps=steps,
+        top=top,
+        lid=top + 0.1,
+        placed=placed,
+        half=0.5 * width,
+        stiffness=stiffness,
+        every=max(1, round(period / dt / rows)),
+    )
+
+
+CLUMP = 11.5e-3 * np.array([[1.0, 0.0, 0.0], [-0.5, 0.75**0.5, 0.0], [-0.5, -(0.75**0.5), 0.0]])
+"""Places of the three spheres of a clump [m]; each has CLUMP_SHARE of a grain's radius."""
+CLUMP_SHARE = 0.75
+
+
+def loose(count, seed, clumps=False):
+    """Molecule, diameter, density and place of every sphere of grains on a shaken lattice above the floor."""
+    random = np.random.default_rng(seed)
+    pitch = 2 * max(RADII) + (8e-3 if clumps else 0.5e-3)
+    across = int(WIDTH / pitch)
+    radius, place = random.choice(RADII, count, p=SHARES), np.arange(count)
+    centre = np.stack([place % across, place // across % across, place // across**2], 1) + 0.5
+    centre = centre * [WIDTH / across, WIDTH / across, pitch] - [0.5 * WIDTH, 0.5 * WIDTH, 0.0]
+    if clumps:
+        from scipy.spatial.transform import Rotation
+
+        turns = Rotation.random(count, random_state=seed).as_matrix()
+        places = centre[:, None] + np.einsum("nab,mb->nma", turns, CLUMP) * (radius / 20e-3)[:, None, None]
+        size, centre = np.repeat(CLUMP_SHARE * radius, 3), places.reshape(-1, 3)
+        return np.column_stack([np.repeat(place + 1, 3), 2 * size, np.full(len(size), DENSITY), centre])
+    centre += random.uniform(-1, 1, centre.shape) * (0.5 * pitch - radius)[:, None]
+    return np.column_stack([place + 1, 2 * radius, np.full(count, DENSITY), centre])
+
+
+def write_data(path, grains, clumps=False):
+    """A data file of spheres (rows as of `loose`)."""
+    side = (-0.5 * WIDTH, 0.5 * WIDTH)
+    text = data_text((side, side, (-0.01, grains[:, 5].max() + 0.15)), [(1, *row[1:]) for row in grains], types=1)
+    if clumps:
+        text += "\nMolecules\n\n" + "".join(f"{n} {int(row[0])}\n" for n, row in enumerate(grains, start=1))
+    Path(path).write_text(text)
+
+
+def read_dump(path):
+    """Rows as of `loose` of a dump."""
+    rows = np.loadtxt(path, skiprows=9)
+    molecule = rows[:, 1] if rows.shape[1] == 6 else rows[:, 0]
+    return np.column_stack([molecule, rows[:, -4], np.full(len(rows), DENSITY), rows[:, -3:]])

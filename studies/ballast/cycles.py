@@ -1,0 +1,189 @@
+"""Cycles of load on a bed, case by case; a row per kept cycle in `cycles.csv`. An interrupted case continues after its last part.
+
+A bed is deposited with little friction and pressed flat under 50 kPa, with smooth spheres and the default shear: all cases of one
+seed begin with the same places. With its own law and friction it comes to rest, is loaded to 20 kPa, slowly to 200 kPa and back
+(cycle 1), and in cycles. At the end follow cycles from 20 kPa to other pressures: the resilient modulus over stress.
+"""
+
+import json
+import shutil
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from demlaws.lammps import run
+from studies.assembly.study import append, read
+from studies.ballast import bed
+
+HERE = Path(__file__).parent
+RESULTS = HERE / "cycles.csv"
+STORE = Path("results") / "ballast"
+LOW, HIGH = 20e3, 200e3  # [Pa]
+STAGES = (35e3, 60e3, 100e3, 200e3)
+"""Largest pressures of the last cycles [Pa]; three cycles each."""
+PART = 50  # cycles between two states from which a case continues
+
+
+class Case(NamedTuple):
+    """A bed with a law."""
+
+    grains: str = "spheres"
+    law: str = "hertz"
+    sigma: float = 0.0  # combined roughness [µm]
+    shear: str = "default"
+    seed: int = 1
+    cycles: int = 200
+    period: float = 0.035  # [s]
+    dt: float = 1.4e-5  # [s]
+    count: int = 500
+
+    @property
+    def contact(self):
+        """`bed.Law`."""
+        return bed.Law(self.law, self.sigma, self.shear)
+
+    @property
+    def clumps(self):
+        """Whether its grains are clumps."""
+        return self.grains == "clumps"
+
+
+FIELDS = (
+    *Case._fields,
+    *(
+        "cycle",
+        "high_kPa",
+        "settlement_um",
+        "resilient_um",
+        "loss_J",
+        "work_J",
+        "least_kPa",
+        "peak_kPa",
+        "contacts",
+        "height_mm",
+    ),
+    *("steps", "seconds"),
+)
+
+
+def simulate(folder, name, text):
+    """Run an input in a folder; the thermo rows."""
+    (folder / "post").mkdir(parents=True, exist_ok=True)
+    (folder / f"in.{name}").write_text(text)
+    return run(folder / f"in.{name}", log=f"log.{name}")
+
+
+def prepared(case, store=STORE):
+    """The flat bed of a seed, made once: rows as of `bed.loose`."""
+    folder = Path(store) / f"{case.grains}-{case.count}-{case.seed}"
+    file, work = folder / "bed.txt", folder / "work"
+    if not file.is_file():
+        law, friction, dt = bed.Law(), 0.1, 1e-5
+        work.mkdir(parents=True, exist_ok=True)
+        law.save(work / "pair.tbl")
+        write = bed.WRITE.format(mol="mol" * case.clumps, name="bed.txt")
+        rows = bed.loose(case.count, case.seed, case.clumps)
+        for name, more in (
+            ("deposit", lambda top: bed.rest(200_000, slow=1e-7)),
+            ("press", lambda top: bed.load(50e3, 50e3, 1.0, 110_000, dt, top, width=bed.WIDTH)),
+            ("release", lambda top: bed.load(50e3, 0.0, 0.2, 10_000, dt, top, width=bed.WIDTH)),
+        ):
+            bed.write_data(work / "start.data", rows, case.clumps)
+            top = float((rows[:, 5] + 0.5 * rows[:, 1]).max())
+            simulate(work, name, bed.ground(law, "read_data start.data", dt, friction, case.clumps) + more(top) + write)
+            rows = bed.read_dump(work / "post" / "bed.txt")
+        shutil.copy(work / "post" / "bed.txt", file)
+    return bed.read_dump(file)
+
+
+def begin(case, folder, store):
+    """Rest and first load to LOW; the state to continue with."""
+    rows = prepared(case, store)
+    case.contact.save(folder / "pair.tbl")
+    bed.write_data(folder / "start.data", rows, case.clumps)
+    top = float((rows[:, 5] + 0.5 * rows[:, 1]).max()) + 1e-4
+    text = bed.ground(case.contact, "read_data start.data", case.dt, clumps=case.clumps)
+    text += bed.rest(round(0.15 / case.dt), drag=20.0)
+    text += bed.load(0.0, LOW, 0.4, round(0.2 / case.dt), case.dt, top) + "write_restart 0.restart\n"
+    log = simulate(folder, "begin", text)
+    return {"top": top, "placed": log["plate"][-1], "start": log["plate"][-1], "done": 0, "part": 0, "steps": 0, "rows": []}
+
+
+def of_cycles(log, steps, high, state, height):
+    """A row (dict) of each cycle of `steps` steps in a log that begins at LOW."""
+    area = bed.PLATE * bed.WIDTH
+    for first in range(0, int(log["Step"][-1]), steps):
+        one = (log["Step"] >= first) & (log["Step"] <= first + steps)
+        way, force = log["plate"][one], log["carried"][one]
+        middle = int(np.argmin(way))
+        taken = -0.5 * (force[1:] + force[:-1]) * np.diff(way)
+        yield {
+            "high_kPa": 1e-3 * high,
+            "settlement_um": 1e6 * float(state["start"] - way[-1]),
+            "resilient_um": 1e6 * float(way[-1] - way[middle]),
+            "loss_J": float(taken.sum()),
+            "work_J": float(taken[:middle].sum()),
+            "least_kPa": 1e-3 * float(force[-1]) / area,
+            "peak_kPa": 1e-3 * float(force.max()) / area,
+            "contacts": float(log["contacts"][one][-1]) / height[1],
+            "height_mm": 1e3 * height[0],
+        }
+
+
+def parts(case):
+    """(cycles, largest pressure, period) of each part of a case."""
+    yield 1, HIGH, 10.0 * case.period
+    left = case.cycles - 1
+    while left > 0:
+        yield min(left, PART), HIGH, case.period
+        left -= PART
+    for high in STAGES:
+        yield 3, high, case.period
+
+
+def kept(cycle, cycles):
+    """Whether the row of a cycle is kept: about 15 per decade, and the last."""
+    return cycle >= cycles or cycle in np.unique(np.round(10.0 ** (np.arange(60) / 15.0)))
+
+
+def run_case(case, store=STORE, progress=lambda text: None):
+    """Rows of a case; it continues after the last complete part."""
+    folder = Path(store) / "-".join(map(str, case))
+    (folder / "post").mkdir(parents=True, exist_ok=True)
+    file = folder / "state.json"
+    if not file.is_file():
+        file.write_text(json.dumps(begin(case, folder, store)))
+    state = json.loads(file.read_text())
+    for number, (cycles, high, period) in enumerate(parts(case)):
+        if number < state["part"]:
+            continue
+        began, steps = time.perf_counter(), round(period / case.dt)
+        text = bed.ground(case.contact, f"read_restart {number}.restart", case.dt, clumps=case.clumps)
+        text += bed.load(LOW, high, steps * case.dt, cycles * steps, case.dt, state["top"], state["placed"])
+        log = simulate(folder, "part", text + f"write_restart {number + 1}.restart\n")
+        height = state["top"] + log["plate"][0], case.count
+        for row in of_cycles(log, steps, high, state, height):
+            state["done"] += 1
+            if kept(state["done"], case.cycles):
+                row |= {"cycle": state["done"], "steps": steps, "seconds": (time.perf_counter() - began) / cycles}
+                state["rows"].append(case._asdict() | row)
+        state |= {"placed": log["plate"][-1], "part": number + 1}
+        file.write_text(json.dumps(state))
+        (folder / f"{number}.restart").unlink()
+        progress(f"{' '.join(map(str, case))}: cycle {state['done']}, {state['rows'][-1]['settlement_um']:.1f} µm")
+    return state["rows"]
+
+
+def finished(path=RESULTS):
+    """Cases that a file of results has."""
+    kinds = [type(value) for value in Case()]
+    return {tuple(kind(row[name]) for kind, name in zip(kinds, Case._fields, strict=True)) for row in read(path)}
+
+
+def run_cases(cases, path=RESULTS, store=STORE, progress=print):
+    """Run the cases that `path` lacks."""
+    for case in dict.fromkeys(cases):
+        if tuple(case) not in finished(path):
+            append(path, FIELDS, run_case(case, store, progress))

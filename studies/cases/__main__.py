@@ -1,0 +1,53 @@
+"""`python -m studies.cases`: tables and pictures of the cases that the documentation shows."""
+
+import sys
+import tempfile
+
+from demlaws.cli import Parser, example, execute
+from demlaws.cli.output import output
+from studies.cases import ENGINES, ballast, compression, impact, waves
+
+
+def parser():
+    """The command line."""
+    parser = Parser(
+        prog="python -m studies.cases",
+        description="Runs a case and prints its table: impact (in Python and each engine, 20 s), compression (LIGGGHTS, "
+        "2 minutes), ballast (4 minutes), waves (LAMMPS, a minute).",
+        **example("  python -m studies.cases ballast --engine lammps -np 2 --figure settlement.png"),
+    )
+    parser.add_argument("case", choices=("impact", "compression", "ballast", "waves"))
+    parser.add_argument("--engine", choices=ENGINES, default="liggghts", help="engine of ballast (default: liggghts)")
+    parser.add_argument("--quick", action="store_true", help="a small bed or packing, one pressure")
+    parser.add_argument("-np", type=int, default=1, help="number of MPI ranks of ballast and waves (default: 1)")
+    parser.add_argument("--figure", type=output, help="picture of the result (not of impact)")
+    parser.set_defaults(func=run)
+    return parser
+
+
+def run(arguments):
+    """Run the case, print its table, draw its picture."""
+    with tempfile.TemporaryDirectory() as folder:
+        if arguments.case == "ballast":
+            found = ballast.Cycles(arguments.engine, folder, arguments.np, arguments.quick)
+            lines, draw = found.table(), found.draw
+        elif arguments.case == "compression":
+            found = compression.curves(folder, arguments.quick)
+            lines, draw = compression.table(found), lambda path: compression.draw(found, path)
+        elif arguments.case == "waves":
+            found = waves.waves(folder, (100,) if arguments.quick else (10, 100), arguments.np)
+            lines, draw = waves.table(found), lambda path: waves.draw(found, path)
+        else:
+            lines, draw = impact.table(impact.compare(folder)), None
+        print("\n".join(lines))
+        if arguments.figure is not None and draw:
+            print(draw(arguments.figure))
+
+
+def main(arguments=None):
+    """Run with these arguments (default: the command line's); the exit status."""
+    return execute(parser, arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

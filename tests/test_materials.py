@@ -1,0 +1,80 @@
+"""Typical values: records with sources, contacts made of them, and quantities that nobody knows."""
+
+import pytest
+
+import demlaws as dl
+from demlaws.contact import GRANITE, Unknown
+from demlaws.materials import SYMBOLS, names, typical
+from demlaws.plugins.grains import Grain
+
+
+@pytest.mark.parametrize("name", names())
+def test_record(name):
+    values = typical(name)
+    assert set(values) == set(SYMBOLS)
+    for quantity, value in values.items():
+        assert value.source, quantity
+        if value.low is not None:
+            assert value.low <= value.high
+            assert value.value is None or value.low <= value.value <= value.high
+    material = getattr(dl.materials, name)
+    assert isinstance(material, dl.Material) and material.young == values["young"].value
+    assert isinstance(material.surface, Unknown) == (values["roughness"].value is None)
+
+
+def test_granite_is_that_of_the_tests():
+    granite = dl.materials.granite
+    assert (granite.young, granite.poisson, granite.density) == (GRANITE.young, GRANITE.poisson, GRANITE.density)
+    assert granite.hardness == pytest.approx(GRANITE.hardness, rel=1e-4)
+
+
+def test_contact_takes_the_usual_surfaces():
+    glass, granite = dl.materials.glass, dl.materials.granite
+    pair = dl.Contact.between(glass, granite, radius1="2mm", radius2="3mm")
+    joined = glass.surface.combined(granite.surface)
+    assert (pair.roughness, pair.fractal_dimension) == (joined.roughness, 2.22)
+    assert pair.hardness == glass.hardness < granite.hardness
+    measured = dl.Contact.between(glass, granite, radius1="2mm", roughness1="1um", roughness2=0, fractal_dimension=2.4)
+    assert (measured.roughness, measured.fractal_dimension) == (1e-6, 2.4)
+
+
+def test_grain_scene_and_softening_take_them_too():
+    granite = dl.materials.granite
+    assert Grain(4e-3, granite).surface == granite.surface
+    assert Grain(4e-3, dl.Material(1e9, 0.2)).surface == dl.Surface()
+    scene = dl.Scene(radii=4e-3, materials=granite, force=(1, 10))
+    assert scene.surfaces == (granite.surface,)
+    softer = dl.soften(granite, 8.0)
+    assert softer.young == granite.young / 8 and softer.surface.roughness == pytest.approx(4 * granite.surface.roughness)
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda rock: dl.Contact.between(rock, dl.materials.steel, radius1=1e-3),
+        lambda rock: dl.Contact.between(dl.materials.steel, rock, radius1=1e-3, roughness1=0),
+        lambda rock: Grain(4e-3, rock),
+        lambda rock: dl.Scene(radii=4e-3, materials=rock, force=(1, 10)),
+    ],
+)
+def test_unknown_roughness_is_never_smooth(use):
+    with pytest.raises(dl.DemlawsError, match="roughness of basalt is not known"):
+        use(dl.materials.basalt)
+
+
+def test_unknown_roughness_may_be_given():
+    pair = dl.Contact.between(dl.materials.basalt, dl.materials.basalt, radius1=1e-3, roughness1=0, roughness2=2e-6)
+    assert pair.roughness == 2e-6
+
+
+def test_a_surface_is_a_surface():
+    with pytest.raises(dl.DemlawsError, match="surface must be a"):
+        dl.Material(1e9, 0.2, surface=2e-6)
+
+
+def test_unknown_names():
+    with pytest.raises(AttributeError, match="limestone"):
+        dl.materials.marble  # noqa: B018
+    with pytest.raises(dl.DemlawsError, match="glass"):
+        typical("glas")
+    assert set(names()) <= set(dir(dl.materials))
