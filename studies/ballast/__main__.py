@@ -9,7 +9,7 @@ from demlaws.cli.output import output
 from studies.assembly.study import read
 from studies.ballast import beds, cycles, report
 
-QUICK = [cycles.Case(law=law, sigma=sigma, cycles=8, count=120) for law, sigma in (("hertz", 0.0), ("pohrt-popov", 2.4))]
+QUICK = [cycles.Case(law=law, sigma=sigma, cycles=5, count=80) for law, sigma in (("hertz", 0.0), ("pohrt-popov", 2.4))]
 
 
 def parser():
@@ -21,7 +21,7 @@ def parser():
     )
     parser.add_argument("--results", type=Path, default=cycles.RESULTS, help="file of results")
     parser.add_argument("--store", type=Path, default=cycles.STORE, help="folder of beds and of interrupted runs")
-    parser.add_argument("--quick", action="store_true", help="two cases of 120 spheres and 8 cycles, a minute")
+    parser.add_argument("--quick", action="store_true", help="two cases of 80 spheres and 5 cycles, a minute")
     parser.add_argument("--beds", action="store_true", help="beds deposited and loaded with each shear model")
     parser.add_argument("--report", action="store_true", help="tables only, from the runs in the file")
     parser.add_argument("--figure", type=output, help="picture of settlement, resilient modulus and loss")
@@ -43,10 +43,10 @@ def run(arguments):
     if not arguments.report:
         cycles.run_cases(QUICK if arguments.quick else cycles.wanted(), arguments.results, arguments.store, progress)
     rows = read(arguments.results)
-    settings = {"cycles": QUICK[0].cycles, "count": QUICK[0].count} if arguments.quick else {}
+    settings = {"least": QUICK[0].cycles, "count": QUICK[0].count} if arguments.quick else {}
     print(report.table(rows, **settings))
     if not arguments.quick:
-        print("\n" + report.sensitivity(rows))
+        print("\n" + report.effects(rows) + "\n\n" + report.sensitivity(rows))
     if arguments.figure is not None:
         print(plots.save(report.draw(rows), arguments.figure))
 

@@ -34,8 +34,8 @@ newton          on
 {start}
 neighbor        2e-3 bin
 neigh_modify    delay 0{exclude}
-variable        model string "demlaws/table pair.tbl {young:g} {restitution} {poisson}{words} tangential {tangential} {friction:g} &
-                damping demlaws/tangent"
+variable        model string "demlaws/table pair.tbl {young:g} {restitution} {poisson}{words} &
+                tangential {tangential} {friction:g} damping demlaws/tangent"
 pair_style      granular
 pair_coeff      * * ${{model}}
 timestep        {dt:.10g}
@@ -73,8 +73,8 @@ region          plate block -{half:g} {half:g} -1 1 {top:.17g} {lid:.17g} side o
 fix             press high wall/gran/region granular ${{model}} region plate contacts
 compute         pushed high reduce sum f_press[4]
 variable        carried equal -c_pushed
-# the plate follows its load by the bed's stiffness, about {stiffness:g} sqrt(load), and by the force it lacks. Variables are read
-# from text at every step: short formulas save a third of the time
+# the plate follows its load by the bed's stiffness, about {stiffness:g} sqrt(load), and by the force it lacks; variables are
+# read from text at every step: short formulas save a third of the time
 variable        speed equal ({follow:g}*(v_load-v_carried)+{change:.17g}*sin({turn:.17g}*step))/({stiffness:g}*sqrt(v_load+100))
 variable        slow equal {most}*atan(v_speed/{most})
 fix             drive all ave/time 1 1 1 v_{chosen} ave running
@@ -131,11 +131,13 @@ def ground(law, start, dt, friction=FRICTION, clumps=False, settled=True):
 
 def rest(steps, drag=0.0, slow=1e-10):
     """Until the kinetic energy per mass is below `slow` [J/kg], at most `steps`; drag [kg/s]."""
-    return REST.format(rest=slow, steps=steps, drag=f"fix drag all viscous {drag:g}" if drag else "") + "unfix drag\n" * (drag > 0)
+    return REST.format(rest=slow, steps=steps, drag=f"fix drag all viscous {drag:g}" if drag else "") + "unfix drag\n" * (
+        drag > 0
+    )
 
 
 def load(low, high, period, steps, dt, top, placed=0.0, width=PLATE, settled=True, stiffness=9e5, rows=40):
-    """The pressure on the plate [Pa] swings from `low` to `high` and back in `period` [s]; `top`: of the plate's lower face [m]."""
+    """Pressure on the plate [Pa] from `low` to `high` and back in `period` [s]; top: height of its lower face [m]."""
     area = width * WIDTH
     mean, swing = 0.5 * (high + low) * area, 0.5 * (high - low) * area
     return LOAD.format(

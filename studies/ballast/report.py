@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from demlaws.laws.names import HERTZ, POHRT_POPOV
 from studies.assembly.report import spread
-from studies.ballast.bed import PLATE, WIDTH
 from studies.ballast.cycles import SENSITIVITY, STAGES, Case
 
 KEY = ("grains", "law", "sigma", "shear")
@@ -24,14 +24,17 @@ class Kind(NamedTuple):
         return f"{self.grains}, {self.law}{rough}, {self.shear}"
 
 
-def series(rows, **settings):
-    """`Kind` → seed → rows in order of the cycle, of cases with these settings (default: those of `Case`)."""
-    wanted = {name: getattr(Case(), name) for name in ("cycles", "period", "dt", "count")} | settings
-    found = {}
-    for row in sorted(rows, key=lambda row: row["cycle"]):
-        if all(row[name] == value for name, value in wanted.items()):
-            found.setdefault(Kind(*(row[name] for name in KEY)), {}).setdefault(int(row["seed"]), []).append(row)
-    return found
+def series(rows, least=50, **settings):
+    """`Kind` → seed → rows in order of the cycle, of cases with these settings (default: those of `Case`)
+
+    and at least `least` cycles; of two cases of a seed the longer one.
+    """
+    wanted, found = {name: getattr(Case(), name) for name in ("period", "dt", "count")} | settings, {}
+    for row in sorted(rows, key=lambda row: (row["cycles"], row["cycle"])):
+        if row["cycles"] >= least and all(row[name] == value for name, value in wanted.items()):
+            beds = found.setdefault(Kind(*(row[name] for name in KEY)), {})
+            beds.setdefault(int(row["seed"]), {}).setdefault(row["cycles"], []).append(row)
+    return {kind: {seed: list(cases.values())[-1] for seed, cases in beds.items()} for kind, beds in found.items()}
 
 
 def main_cycles(rows):
@@ -61,7 +64,9 @@ def fit(rows):
 
     exponents = np.linspace(0.001, 1.0, 1000)
     best = min(exponents, key=lambda exponent: np.sum(power(exponent) ** 2))
-    rms = [float(np.sqrt(np.mean(off**2)) / settled[-1]) for off in (settled - constant - slope * np.log10(number), power(best))]
+    rms = [
+        float(np.sqrt(np.mean(off**2)) / settled[-1]) for off in (settled - constant - slope * np.log10(number), power(best))
+    ]
     return Fit(float(slope), rms[0], float(best), rms[1])
 
 
@@ -69,7 +74,8 @@ def moduli(rows):
     """Largest pressure [kPa] and resilient modulus [MPa] of the last cycle of each stage."""
     last = {row["high_kPa"]: row for row in rows if row["cycle"] > row["cycles"]}
     found = [
-        (row["peak_kPa"], (row["peak_kPa"] - row["least_kPa"]) * row["height_mm"] / row["resilient_um"]) for row in last.values()
+        (row["peak_kPa"], (row["peak_kPa"] - row["least_kPa"]) * row["height_mm"] / row["resilient_um"])
+        for row in last.values()
     ]
     return np.array(found).T
 
@@ -79,36 +85,38 @@ def modulus_exponent(rows):
     return float(np.polyfit(*np.log(moduli(rows)), 1)[0])
 
 
-def loss(rows, cycle=None):
-    """Loss per cycle over the work of loading, of a cycle (default: the mean of the kept ones of the second half)."""
-    chosen = [row for row in rows if row["cycle"] <= row["cycles"]]
-    chosen = [row for row in chosen if row["cycle"] == cycle] if cycle else [r for r in chosen if r["cycle"] > 0.5 * r["cycles"]]
-    return float(np.mean([row["loss_J"] / row["work_J"] for row in chosen]))
+def settlement(rows, cycle):
+    """Settlement [µm] after a cycle (between kept ones by interpolation in log N); NaN beyond the last."""
+    number, settled = main_cycles(rows)
+    return float(np.interp(np.log(cycle), np.log(number), settled)) if cycle <= number[-1] else np.nan
 
 
-def last_loss(rows):
-    """Loss per cycle and volume of bed under the plate [J/m³], mean of the kept cycles of the second half."""
-    chosen = [row for row in rows if 0.5 * row["cycles"] < row["cycle"] <= row["cycles"]]
-    return float(np.mean([row["loss_J"] / (PLATE * WIDTH * 1e-3 * row["height_mm"]) for row in chosen]))
+def loss(rows, first=25, last=50):
+    """Loss per cycle over the work of loading, mean of the kept cycles from `first` to `last`."""
+    return float(np.mean([row["loss_J"] / row["work_J"] for row in rows if first <= row["cycle"] <= min(last, row["cycles"])]))
 
 
 COLUMNS = {
-    "settled, cycle 1 (µm)": lambda rows: main_cycles(rows)[1][0],
-    "cycle 200 (µm)": lambda rows: main_cycles(rows)[1][-1],
-    "per decade (µm)": lambda rows: fit(rows).slope,
-    "a + b log N, off (%)": lambda rows: 100.0 * fit(rows).logarithmic,
-    "N^d: d": lambda rows: fit(rows).exponent,
-    "off (%)": lambda rows: 100.0 * fit(rows).power,
-    "M at 200 kPa (MPa)": lambda rows: moduli(rows)[1][-1],
-    "M ∝ p^n: n": modulus_exponent,
-    "loss over work, cycle 2": lambda rows: loss(rows, 2),
-    "later": loss,
+    "settled (µm), N = 1": lambda rows: settlement(rows, 1),
+    "50": lambda rows: settlement(rows, 50),
+    "100": lambda rows: settlement(rows, 100),
+    "200": lambda rows: settlement(rows, 200),
+    "b (µm)": lambda rows: fit(rows).slope,
+    "off (%)": lambda rows: 100.0 * fit(rows).logarithmic,
+    "d": lambda rows: fit(rows).exponent,
+    "off, % ": lambda rows: 100.0 * fit(rows).power,
+    "M (MPa)": lambda rows: moduli(rows)[1][-1],
+    "n": modulus_exponent,
+    "loss/work, N = 2": lambda rows: loss(rows, 2, 2),
+    "25 to 50": loss,
 }
 
 
 def cell(values):
     """Mean ± standard deviation, three digits."""
-    mean, deviation = spread(values)
+    mean, deviation = spread(value for value in values if not np.isnan(value))
+    if np.isnan(mean):
+        return "–"
     digits = max(0, 2 - int(np.floor(np.log10(abs(mean)))))
     return f"{mean:.{digits}f}" + ("" if np.isnan(deviation) else f" ± {deviation:.{digits}f}")
 
@@ -122,13 +130,53 @@ def table(rows, **settings):
     return "\n".join(lines)
 
 
+BASE = Kind("spheres", HERTZ, 0.0, "default")
+ROUGH = BASE._replace(law=POHRT_POPOV, sigma=2.4)
+EFFECTS = {
+    "law: pohrt-popov, σ = 2.4 µm, for hertz": (BASE, ROUGH),
+    "roughness: σ = 10 µm for 2.4 µm": (ROUGH, ROUGH._replace(sigma=10.0)),
+    "roughness: σ = 0.5 µm for 2.4 µm": (ROUGH, ROUGH._replace(sigma=0.5)),
+    "shear: mindlin for default, hertz": (BASE, BASE._replace(shear="mindlin")),
+    "shear: mindlin for default, pohrt-popov": (ROUGH, ROUGH._replace(shear="mindlin")),
+    "shear: slip for default, hertz": (BASE, BASE._replace(shear="slip")),
+    "shear: slip for default, pohrt-popov": (ROUGH, ROUGH._replace(shear="slip")),
+    "shape: clumps for spheres, hertz": (BASE, BASE._replace(grains="clumps")),
+    "shape: clumps for spheres, pohrt-popov": (ROUGH, ROUGH._replace(grains="clumps")),
+}
+MEASURES = {"settlement, 50 cycles": COLUMNS["50"], "M": COLUMNS["M (MPa)"], "n": modulus_exponent, "loss": loss}
+
+
+def scatter(found, function):
+    """Standard deviation between packings over their mean, all kinds with several; NaN without."""
+    kinds = [np.array([function(one) for one in beds.values()]) for beds in found.values() if len(beds) > 1]
+    freedom = sum(len(values) - 1 for values in kinds)
+    return float(np.sqrt(sum(np.sum((values / values.mean() - 1.0) ** 2) for values in kinds) / freedom)) if freedom else np.nan
+
+
+def effects(rows):
+    """Text: changes in percent by law, roughness, shear and shape, marked where they are clear of the scatter."""
+    found = series(rows)
+    off = {name: scatter(found, function) for name, function in MEASURES.items()}
+    lines = ["| change (%) | " + " | ".join(MEASURES) + " |", "|---" * (1 + len(MEASURES)) + "|"]
+    for what, (before, after) in EFFECTS.items():
+        if before in found and after in found:
+            cells = []
+            for name, function in MEASURES.items():
+                old, new = (np.mean([function(one) for one in found[kind].values()]) for kind in (before, after))
+                text = f"{100.0 * (new / old - 1.0):+.0f}"
+                cells.append(f"**{text}**" if abs(new / old - 1.0) > 2.0 * off[name] else text)
+            lines.append(f"| {what} | " + " | ".join(cells) + " |")
+    lines.append("| twice the scatter of packings | " + " | ".join(f"{200.0 * value:.0f}" for value in off.values()) + " |")
+    return "\n".join(lines)
+
+
 def sensitivity(rows):
     """Text: the first cycles of one bed with other settings."""
     lines = ["| settings | settled (µm) | resilient modulus (MPa) | loss over work |", "|---|---|---|---|"]
     for name, case in SENSITIVITY.items():
         chosen = [row for row in rows if all(row[key] == value for key, value in case._asdict().items())]
         if chosen:
-            found = main_cycles(chosen)[1][-1], moduli(chosen)[1][-1], loss(chosen)
+            found = main_cycles(chosen)[1][-1], moduli(chosen)[1][-1], loss(chosen, 10, 20)
             lines.append(f"| {name} | " + " | ".join(f"{value:.3g}" for value in found) + " |")
     return "\n".join(lines)
 

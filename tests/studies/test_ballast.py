@@ -1,4 +1,4 @@
-"""A bed of ballast under cyclic load: known fits, a short run in LAMMPS that continues after an interruption, the kept results."""
+"""A bed of ballast under cyclic load: known fits, a short run that continues after an interruption, kept results."""
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ def test_solid_share_of_spheres_in_a_layer():
     """A sphere inside, one that the layer's lower face halves, one above."""
     grains = np.array([[n, 0.04, 2650.0, 0.1 * n, 0.0, z] for n, z in enumerate((0.1, 0.03, 0.3))])
     volume = np.pi / 6 * 0.04**3
-    assert beds.solid(grains) == pytest.approx(1.5 * volume / (0.2 * 0.3**2))
+    assert beds.solid(grains) == pytest.approx(1.5 * volume / (0.11 * 0.3**2))
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +54,7 @@ def test_the_plate_carries_its_load_and_energy_is_lost(quick):
         assert row["least_kPa"] == pytest.approx(20.0, abs=4.0)
         if row["high_kPa"] == 200.0:
             assert row["work_J"] > row["loss_J"] > 0.0
-    for beds_of_kind in report.series(rows, cycles=8, count=120).values():
+    for beds_of_kind in report.series(rows, least=5, count=80).values():
         for one in beds_of_kind.values():
             assert 0.1 < report.modulus_exponent(one) < 0.6
 
@@ -66,7 +66,7 @@ def test_an_interrupted_case_continues_with_the_same_result(quick, monkeypatch):
     assert main(line) == 0 and file.read_text() == before  # nothing is missing, nothing is run
 
     def stop(text):
-        if "cycle 8" in text:
+        if "cycle 5," in text:
             raise KeyboardInterrupt
 
     case = QUICK[0]
