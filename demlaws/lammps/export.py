@@ -165,6 +165,7 @@ fix             move all nve/sphere
 compute         ids all property/local patom1 patom2 cutoff radius
 compute         contacts all pair/local fx fy fz{outputs} cutoff radius
 {energy}dump            grains all custom 5000 post/grains.*.txt id type x y z radius vx vy vz fx fy fz{taken}
+dump_modify     grains format float %.10g
 dump            contacts all local 5000 post/contacts.*.txt index c_ids[*] c_contacts[*]
 thermo_style    custom step atoms ke{energies} cpu
 thermo_modify   norm no

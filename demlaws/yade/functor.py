@@ -13,6 +13,7 @@ from demlaws.errors import BridgeWarning, DemlawsError, warn
 from demlaws.laws.names import HERTZ
 from demlaws.yade import native, selftest
 from demlaws.yade.binding import Binding
+from demlaws.yade.contacts import radius_fault
 from demlaws.yade.pairs import Pairs, Span
 
 NATIVE_ATTRIBUTES = frozenset(yade.Law2_ScGeom_MindlinPhys_Mindlin().dict()) | {"preventGranularRatcheting"}
@@ -128,7 +129,7 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         return self.binding.totals()
 
     def contacts(self, interactions=None):
-        """`ContactState` of all real contacts, or of the given interactions."""
+        """All real contacts, or the given ones: a table (`demlaws.responses.contacts`) that `save` writes for ParaView."""
         return self.binding.contacts(interactions)
 
     def normElastEnergy(self):
@@ -217,6 +218,9 @@ def _spans(radii, moduli, flats):
     sizes, flat, compliances = {}, set(), {}
     for body in O.bodies:
         label = "" if body.material is None else body.material.label
+        wrong = radius_fault(body)
+        if wrong is not None:
+            raise DemlawsError(wrong)
         if isinstance(body.shape, yade.Sphere):
             sizes.setdefault(label, set()).add(body.shape.radius)
         elif body.shape is not None and not isinstance(body.shape, yade.Clump):
