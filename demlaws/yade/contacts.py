@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 import yade
 
-from demlaws.responses.contacts import Contacts
 from demlaws.units import RANGES
 
 O = yade.O  # noqa: E741  YADE's name
@@ -73,6 +72,8 @@ SHEAR = {"shear_stored": "held", "shear_dissipated": "lost", "viscous": "viscous
 
 def state_of(pairs, contacts, rows, known):
     """`Contacts` that a law has seen; rows: their histories; known: which of SHEAR these contain."""
+    from demlaws.responses.contacts import Contacts
+
     active = rows["tag"] > 0
     contacts = [contact for contact, keep in zip(contacts, active, strict=True) if keep]
     rows = rows[active]
