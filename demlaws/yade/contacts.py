@@ -41,10 +41,10 @@ class Totals(_Energies):
 
 def real_contacts():
     """The current scene's contacts that a law of ours acts on."""
-    return [i for i in O.interactions if is_ours(i)]
+    return [i for i in O.interactions if is_our_contact(i)]
 
 
-def is_ours(contact):
+def is_our_contact(contact):
     """Whether a contact is real and of a class that a law of ours acts on."""
     return contact.isReal and type(contact.phys) in PHYSICS
 
