@@ -92,6 +92,20 @@ def test_names_of_laws_are_written_in_one_file():
             assert not constants & written, f"{where}: take the constant of demlaws.laws.names"
 
 
+FACTS = {
+    r"poisson\*\*2\)|1\.0 / \(1\.0 / |hypot\((\*sq|self\.roughness|roughness1)": "contact.py",  # E*, R, σ
+    r"[\"']/[\"'] in ": "files.py",  # whether a word names a file
+    r"\bSLIP_RULES\b": "",  # a rule's springs are in its record
+}
+"""Formulas and decisions → the only file of the package that has them."""
+
+
+@pytest.mark.parametrize(("pattern", "home"), FACTS.items())
+def test_facts_have_one_place(pattern, home):
+    paths = [path for path in PACKAGE.rglob("*.py") if re.search(pattern, path.read_text())]
+    assert [path.relative_to(PACKAGE).as_posix() for path in paths] == [home] * bool(home)
+
+
 LAYERS = (
     "errors lazy",
     "__init__ core files units",

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 import demlaws
+from demlaws.contact import young_against_itself
 from demlaws.core.levels import DEFAULT_LEVELS
 from demlaws.errors import DemlawsError, quiet
 from demlaws.files import write_atomically
@@ -82,7 +83,7 @@ class _Model(NamedTuple):
 
 def _stock_young(case, grain):
     fit = stock_fit(make_law(case.law, grain.contact(grain), **case.options), case.load)
-    return 2.0 * fit.modulus * (1.0 - grain.material.poisson**2)
+    return young_against_itself(fit.modulus, grain.material.poisson)
 
 
 def table_words(case, folder):
