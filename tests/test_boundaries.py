@@ -2,6 +2,7 @@
 
 import ast
 import graphlib
+import importlib
 import inspect
 import pkgutil
 import re
@@ -205,6 +206,14 @@ def test_imported_names_exist():
     places = ("demlaws", "studies", "yade_scripts", "docs/making", "tests/benchmarks", "tests/machines")
     files = [path for place in places for path in sorted((PROJECT / place).rglob("*.py"))]
     assert not {str(path.relative_to(PROJECT)): names for path in files if (names := missing(path))}
+
+
+PUBLIC = "contact driver errors lammps law liggghts make regime shear surface timestep units yade"
+
+
+@pytest.mark.parametrize("module", PUBLIC.split())
+def test_public_addresses_are_importable(module):
+    assert importlib.import_module(f"demlaws.{module}").__name__ == f"demlaws.{module}"
 
 
 def test_type_checkers_see_the_public_names():
