@@ -194,19 +194,6 @@ def find_quaternion(cls, name):
     return place
 
 
-def find_matrix(cls, name):
-    """Byte offset of a Matrix3: nine doubles, column by column."""
-
-    def make(value):
-        thing = cls()
-        thing.updateAttrs({name: yade.Matrix3(value, 2, 3, 4, 5, 6, 7, 8, 9)})
-        return thing
-
-    place = find_number(cls, name, make=make, read=lambda thing: getattr(thing, name)[0, 0])
-    _check_numbers(make(0.5), cls, name, place, lambda value: [value[row, column] for column in range(3) for row in range(3)])
-    return place
-
-
 def _check_numbers(thing, cls, name, place, components):
     """Raise unless the components of an attribute follow each other from `place` on."""
     expected = components(getattr(thing, name))
