@@ -54,7 +54,7 @@ class Response:
 
     contact: Contact
     curve: Any  # of first loading
-    unloads: Any  # `Unloading`
+    unloading_parts: Any  # `Unloading`
     unloading_law: Any
     params: Any
     rule_tag: Any  # of the unloading rule
