@@ -20,7 +20,7 @@ from examples import shared
 import demlaws as dl
 from demlaws import regime, shear, surface
 
-MAP = surface.self_affine(64, 1e-6, 0.8, 1e-6, 1)
+MAP = surface.self_affine(64, 1e-6, 0.8, roughness=1e-6, seed=1)
 GRANITE = dl.Material(60.6e9, 0.25, 6.266e9, 2650.0)
 PAIR = dl.Contact(4.35e-3, 32.32e9, 2.4e-6, 2.22, 6.266e9)
 # two laws alone, so that little is compiled

@@ -115,8 +115,8 @@ class Choice:
             folder,
             self.name,
             self.scene.grains(),
-            self.plan.unload_by,
-            dict(self.plan.options),
+            unloading=self.plan.unload_by,
+            options=dict(self.plan.options),
             load=self.max_force / 1.5,
             **options,
         )
@@ -407,7 +407,7 @@ def _left_out(judge, plan):
     return tuple(result)
 
 
-def choose(scene: Scene, tables: bool = True, progress: Callable = iter, processes: int = 1) -> Choices:
+def choose(scene: Scene, tables: bool = True, progress: Callable = iter, *, processes: int = 1) -> Choices:
     """Rank the candidate laws, rules and evaluations for a scene.
 
     Parameters

@@ -68,6 +68,7 @@ def fit(
     points: ArrayLike,
     contact: Contact,
     laws: str | Sequence[str] | None = None,
+    *,
     unloading: str | Sequence[str] | None = None,
     free: Sequence[str] | None = None,
     options: dict | None = None,

@@ -113,7 +113,9 @@ def _cropped(arguments, path):
     from demlaws import surface
     from demlaws.surfaces import plausibility
 
-    heights, scale = surface.read_unchecked(path, arguments.pixel, arguments.unit, arguments.missing, arguments.channel)
+    heights, scale = surface.read_unchecked(
+        path, arguments.pixel, arguments.unit, missing=arguments.missing, channel=arguments.channel
+    )
     if arguments.crop is not None:
         heights = _field(arguments, heights)
     if arguments.despike:
@@ -237,8 +239,8 @@ def _synthetic(arguments):
         arguments.size,
         arguments.pixel or 1e-6,
         arguments.hurst,
-        (arguments.roughness or [1e-6])[0],
-        arguments.seed,
+        roughness=(arguments.roughness or [1e-6])[0],
+        seed=arguments.seed,
         shortest=arguments.shortest,
         longest=arguments.longest,
         anisotropy=arguments.anisotropy,

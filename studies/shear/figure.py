@@ -27,9 +27,9 @@ def draw():
     for share, shade in ((0.4, 0.35), (0.7, 0.6), (0.95, 1.0)):
         sliding = FRICTION * dl.law("hertz", CONTACT).overlap(LOAD) / RATIO
         along = share * sliding * np.concatenate([np.linspace(a, b, 200) for a, b in itertools.pairwise(corners)])
-        path = sheared(law, np.full(along.size, overlap), along, RATIO, "slip", FRICTION, 200)
+        path = sheared(law, np.full(along.size, overlap), along, RATIO, "slip", friction=FRICTION, springs=200)
         left.plot(along * 1e9, path.shear_force, color=COLOURS["slip"], alpha=shade)
-    path = sheared(law, np.full(along.size, overlap), along, RATIO, "elastic", FRICTION)
+    path = sheared(law, np.full(along.size, overlap), along, RATIO, "elastic", friction=FRICTION)
     left.plot(along * 1e9, path.shear_force, color=COLOURS["elastic"], lw=1)
     left.axhline(FRICTION * LOAD, color="k", lw=0.8, ls=":")
     left.annotate("Coulomb's limit", (0.03, FRICTION * LOAD), xycoords=("axes fraction", "data"), va="bottom", fontsize=8)
