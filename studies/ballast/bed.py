@@ -98,7 +98,9 @@ def ground(law, start, dt, friction=FRICTION, clumps=False):
     words, tangential = SHEAR[law.shear]
     return GROUND.format(
         head=HEAD,
-        start="fix             grain all property/atom mol ghost yes\n" * clumps + start + " fix grain NULL Molecules" * (clumps and "data" in start),
+        start="fix             grain all property/atom mol ghost yes\n" * clumps
+        + start
+        + " fix grain NULL Molecules" * (clumps and "data" in start),
         exclude=" exclude molecule/intra all" * clumps,
         words=words,
         tangential=tangential,
@@ -113,7 +115,9 @@ def ground(law, start, dt, friction=FRICTION, clumps=False):
 
 def rest(steps, drag=0.0, slow=1e-10):
     """Until the kinetic energy per mass is below `slow` [J/kg], at most `steps`; drag [kg/s]."""
-    return REST.format(rest=slow, steps=steps, drag=f"fix drag all viscous {drag:g}" if drag else "") + "unfix drag\n" * (drag > 0)
+    return REST.format(rest=slow, steps=steps, drag=f"fix drag all viscous {drag:g}" if drag else "") + "unfix drag\n" * (
+        drag > 0
+    )
 
 
 def load(low, high, period, steps, dt, top, placed=0.0, width=PLATE, stiffness=9e5, rows=40):

@@ -52,7 +52,18 @@ class Case(NamedTuple):
 
 FIELDS = (
     *Case._fields,
-    *("cycle", "high_kPa", "settlement_um", "resilient_um", "loss_J", "work_J", "least_kPa", "peak_kPa", "contacts", "height_mm"),
+    *(
+        "cycle",
+        "high_kPa",
+        "settlement_um",
+        "resilient_um",
+        "loss_J",
+        "work_J",
+        "least_kPa",
+        "peak_kPa",
+        "contacts",
+        "height_mm",
+    ),
     *("steps", "seconds"),
 )
 

@@ -66,7 +66,6 @@ template <class ABI> struct Granular {
     };
     enum { COEFFICIENTS_0_2 = LEVELS }; // of restart files of 0.2.0, whose contacts have one level
     enum { MAXIMUM, PLASTIC, STORED, DISSIPATED, STIFFNESS, OUTPUTS }; // p13 to p17 of compute pair/local
-    enum { MOST_STATE = 3 };
     // LAMMPS writes a sub-model's numbers into restart files, and nothing else of it: after the coefficients comes the
     // name of the file, BYTES of it in each number, which are exact in a double.
     enum { BYTES = 6, NUMBERS = COEFFICIENTS + 64 };
@@ -352,9 +351,9 @@ template <class ABI> struct Granular {
     __attribute__((noinline, cold)) double watched() {
       Model *const m = this->gm;
       double *const state = m->history + this->history_index;
-      const double before[Table::MOST_STATE] = {state[0], state[1], state[2]};
+      const double before[MOST_STATE] = {state[0], state[1], state[2]};
       const double found = force();
-      double now[Table::MOST_STATE] = {state[0], state[1], state[2]};
+      double now[MOST_STATE] = {state[0], state[1], state[2]};
       if (!m->history_update) demlaws::step_rule<RULE>(this->law_.pair, m->Reff, m->delta, now, true);
       this->account(before, state, now);
       return found;
