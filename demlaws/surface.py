@@ -81,7 +81,7 @@ def read_unchecked(path, pixel=None, unit="m", missing=None, channel=None):
         raise DemlawsError(f"{path} is empty: was the measurement exported?")
     if not isinstance(unit, str) or unit not in UNITS:
         raise DemlawsError(f"unit = {unit!r}: the units of height are {', '.join(UNITS)}")
-    filler = None if missing is None else float(units.real(missing, "missing"))
+    filler = None if missing is None else float(units.as_float(missing, "missing"))
     suffix = path.suffix.lower()
     pixels = None if pixel is None else _pixel_pair(pixel)
     if suffix == ".npy":
@@ -153,12 +153,12 @@ def _read_text(path):
     if len(ends) == 1 and ends.pop() == "" and heights.shape[1] > 1:
         heights = heights[:, :-1]  # every line ends in a separator
     for name, entry, count in zip(("columns", "rows"), ("ncols", "nrows"), heights.shape[::-1], strict=True):
-        if entry in esri and units.real(esri[entry], f"{path}: {entry}") != count:
+        if entry in esri and units.as_float(esri[entry], f"{path}: {entry}") != count:
             raise DemlawsError(
                 f"{path}: its header states {esri[entry]} {name}, but there are {count}, one row per line: is it truncated?"
             )
     if "nodata_value" in esri:
-        heights[heights == float(units.real(esri["nodata_value"], f"{path}: NODATA_value"))] = np.nan
+        heights[heights == float(units.as_float(esri["nodata_value"], f"{path}: NODATA_value"))] = np.nan
     if "cellsize" in esri:
         header["pixel"] = _pixel_pair(esri["cellsize"])
     elif "dx" in esri and "dy" in esri:

@@ -296,7 +296,7 @@ def stiffest_now(
     for highest in histories:
         state = law.new_state(force.size)
         law.evaluate(highest, state)
-        unloaded = np.minimum(unloaded_loop(law.rule, law.params, force, state.arrays), highest * (1.0 - 2.0**-36))
+        unloaded = np.minimum(unloaded_loop(law.rule_tag, law.params, force, state.arrays), highest * (1.0 - 2.0**-36))
         largest = np.where(possible, np.maximum(largest, law.evaluate(unloaded, state)[1]), largest)
         if overlap is not None:  # the first history beyond the bound counts: the true one may lie just below it
             possible &= unloaded <= overlap

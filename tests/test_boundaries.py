@@ -102,7 +102,7 @@ LAYERS = (
     "regime curves",
     "plots",
     "responses",
-    "law",
+    "law materials",
     "make shear timestep",
     "driver plugins user_laws yade",
     "lammps liggghts granite",

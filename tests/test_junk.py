@@ -19,7 +19,6 @@ from examples import shared
 
 import demlaws as dl
 from demlaws import regime, shear, surface
-from demlaws.make import rebound
 
 MAP = surface.self_affine(64, 1e-6, 0.8, 1e-6, 1)
 GRANITE = dl.Material(60.6e9, 0.25, 6.266e9, 2650.0)
@@ -183,7 +182,7 @@ def functions():
             ):
                 yield f"{type(owner).__name__}.{name}", getattr(owner, name)
     yield "isolated pair", lambda law, mass, max_force, other_mass: dl.timestep(law, mass, max_force, other_mass=other_mass)
-    yield from (("rebound", rebound), ("surface.self_affine", surface.self_affine))
+    yield "surface.self_affine", surface.self_affine
 
 
 FUNCTIONS = dict(functions())

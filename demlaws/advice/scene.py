@@ -11,15 +11,16 @@ from pathlib import Path
 import numpy as np
 
 from demlaws.advice.errors import QUANTITIES, Sample
-from demlaws.contact import DENSITY, Contact, Material, Surface, surface_of
+from demlaws.contact import DENSITY, Contact, Material, Surface, effective_modulus, effective_radius, surface_of
+from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, NotPassive, refuses_unknown_keywords
-from demlaws.files import read_text
+from demlaws.files import names_a_file, read_text
 from demlaws.law import Law
 from demlaws.laws.registry import find
+from demlaws.make import known_unloading
 from demlaws.make import law as bind_law
-from demlaws.make import rule_and_curve
 from demlaws.timestep import shear_ratio, timestep
-from demlaws.units import number, real
+from demlaws.units import as_float, number
 
 ENGINES = ("python", "yade", "liggghts", "lammps")
 PROCESSES = ("oedometer", "shear", "pour")
@@ -141,7 +142,7 @@ class Scene:
             if getattr(self, label) is not None:
                 object.__setattr__(self, label, _range(getattr(self, label), label, unit))
         if self.loads is not None:
-            loads = np.ravel(real(np.ravel(self.loads), "loads", "N", array=True))
+            loads = np.ravel(as_float(np.ravel(self.loads), "loads", "N", array=True))
             if not np.all(np.isfinite(loads)) or not np.any(loads > 0.0):
                 raise DemlawsError(f"loads must be finite forces in N, none masked, some above 0, got {self.loads!r:.60}")
             object.__setattr__(self, "loads", loads[loads > 0.0])
@@ -165,10 +166,10 @@ class Scene:
         """Replace `unloading` by a rule's name, or by the law or table of a path."""
         if not isinstance(self.unloading, str | os.PathLike | Law):
             raise DemlawsError(f"unloading = {self.unloading!r:.60}: give a rule's name, a law, a table, or a table's path")
-        rule, curve = rule_and_curve(self.unloading)
+        object.__setattr__(self, "unloading", known_unloading(self.unloading))
         if not self.unloads:
+            rule = GIVEN if isinstance(self.unloading, Law) else self.unloading
             raise DemlawsError(f"unloading = {rule!r}: contacts unload where cyclic = true, or quantity = 'restitution'")
-        object.__setattr__(self, "unloading", rule if curve is None else curve)
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> "Scene":
@@ -190,7 +191,7 @@ class Scene:
             pairs.append(
                 Contact(
                     radius,
-                    1.0 / (1.0 / m1.plane_modulus + 1.0 / m2.plane_modulus),
+                    effective_modulus(m1, m2),
                     surface.roughness,
                     surface.fractal_dimension,
                     min(hardness) if hardness else None,
@@ -204,7 +205,7 @@ class Scene:
 
     def pair_radii(self) -> list[float]:
         """Every effective radius [m] that grains of `classes` can have."""
-        pairs = [a * b / (a + b) for a, b in itertools.combinations_with_replacement(self.classes, 2)]
+        pairs = [effective_radius(*both) for both in itertools.combinations_with_replacement(self.classes, 2)]
         return sorted({*pairs, *(self.classes if self.walls else ())})
 
     def kinds(self) -> list[tuple[int, int]]:
@@ -294,7 +295,7 @@ def _from_toml(path):
         elif reference is not None:
             values["reference"] = reference
         unloading = text.get("unloading")
-        if isinstance(unloading, str) and ("/" in unloading or "." in unloading):  # a table's file, beside the scene's
+        if names_a_file(unloading):  # beside the scene's
             text["unloading"] = str(path.parent.absolute() / unloading)
         return Scene(**values, **text)
     except (DemlawsError, TypeError) as error:  # TypeError: a Material without its modulus
@@ -324,7 +325,7 @@ def stable_step(scene, bind):
     ratios = [shear_ratio(scene.materials[i], scene.materials[j]) for i, j in scene.kinds()]
     steps = []
     for small, large in sizes:
-        for contact, ratio in zip(scene.contacts(1.0 / (1.0 / small + 1.0 / large)), ratios, strict=True):
+        for contact, ratio in zip(scene.contacts(effective_radius(small, large)), ratios, strict=True):
             force, mass = float(scene.force_range(contact)[1]), float(scene.mass(0.5 * small))
             step = timestep(bind(contact), mass, force, coordination=scene.coordination, shear_ratio=ratio)
             steps.append(step)

@@ -24,6 +24,7 @@ COMMANDS = {
     "choose": ("choose", "find the cheapest law within the tolerance of a scene"),
     "soften": ("soften", "rescale a law for softer grains and longer time steps"),
     "timestep": ("timestep", "compute the largest stable time step of a saved state"),
+    "contacts": ("contacts", "list the contacts of dumps, save them as lines for ParaView"),
     "yade": ("yade", "run YADE scripts with these laws, check the bridge"),
     "liggghts": ("engine", "use the laws in LIGGGHTS: build, check, export, convert, run"),
     "lammps": ("engine", "use the laws in LAMMPS: build, check, export, convert, run"),

@@ -46,10 +46,8 @@ def add_contact_arguments(parser, test=True):
 
 def contact_from(arguments, **measured):
     """The contact that the arguments describe, with the measured fields in place of arguments."""
-    import numpy as np
-
     from demlaws import granite
-    from demlaws.contact import Contact, Material
+    from demlaws.contact import Contact, Material, combined_roughness, effective_modulus
 
     def pair(name, replaced_by):
         values = getattr(arguments, name)
@@ -72,13 +70,12 @@ def contact_from(arguments, **measured):
     if (radii := pair("radius", "effective_radius")) is not None:
         fields["radius"] = Contact.between(*flat, radius1=radii[0], radius2=radii[1]).radius
     if (sq := pair("roughness", "combined_roughness")) is not None:
-        fields["roughness"] = float(np.hypot(*sq))
+        fields["roughness"] = float(combined_roughness(*sq))
     if (arguments.young is None) != (arguments.poisson is None):
         raise DemlawsError("--young and --poisson belong together: give both, or --modulus")
     if (young := pair("young", "modulus")) is not None:
         poisson = pair("poisson", "modulus")
-        moduli = [Material(*body).plane_modulus for body in zip(young, poisson, strict=True)]
-        fields["modulus"] = 1.0 / (1.0 / moduli[0] + 1.0 / moduli[1])
+        fields["modulus"] = effective_modulus(*(Material(*body) for body in zip(young, poisson, strict=True)))
     fields.update(measured)
     fields = {name: value for name, value in fields.items() if value is not None}
     if getattr(arguments, "test", None) is not None:

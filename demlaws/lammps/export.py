@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 import demlaws
+from demlaws.contact import effective_modulus
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
 from demlaws.laws.names import USUAL
@@ -22,7 +23,7 @@ class Models(NamedTuple):
 
 def joined(one, other):
     """Young's modulus [Pa] and Poisson's ratio of the material that, against itself, has E* and G* of the two."""
-    modulus = 1.0 / ((1.0 - one.poisson**2) / one.young + (1.0 - other.poisson**2) / other.young)
+    modulus = effective_modulus(one, other)
     shear = 1.0 / sum(2.0 * (2.0 - m.poisson) * (1.0 + m.poisson) / m.young for m in (one, other))
     ratio = modulus / shear
     poisson = (ratio - 4.0) / (ratio - 2.0)
@@ -164,6 +165,7 @@ fix             move all nve/sphere
 compute         ids all property/local patom1 patom2 cutoff radius
 compute         contacts all pair/local fx fy fz{outputs} cutoff radius
 {energy}dump            grains all custom 5000 post/grains.*.txt id type x y z radius vx vy vz fx fy fz{taken}
+dump_modify     grains format float %.10g
 dump            contacts all local 5000 post/contacts.*.txt index c_ids[*] c_contacts[*]
 thermo_style    custom step atoms ke{energies} cpu
 thermo_modify   norm no

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 import demlaws
+from demlaws.core.levels import DEFAULT_LEVELS
 from demlaws.errors import DemlawsError, quiet
 from demlaws.files import write_atomically
 from demlaws.laws.names import USUAL
@@ -97,6 +98,20 @@ def table_words(case, folder):
     return pairs + case.shear_words, None
 
 
+FIRST_OF_HISTORY = 13
+"""First column of the history in `pair/gran/local pos id force_normal delta history`; the overlap comes last."""
+
+
+def _columns(case):
+    """Columns of the dump of contacts: places, ids, normal force, largest and plastic overlap if the law has them, overlap."""
+    names = list(range(1, FIRST_OF_HISTORY))
+    if case.stock:  # shear displacement
+        return [*names, FIRST_OF_HISTORY + 3]
+    state = case.bound(case.grains[0].contact(case.grains[0])).state_size
+    first = FIRST_OF_HISTORY + 4 * (DEFAULT_LEVELS if case.levels is None else case.levels)
+    return [*names, *range(first, first + min(state, 2)), first + state + 1]  # one before the last: the law's mark
+
+
 _LOOSE = 0.2  # volume fraction at which grains are let go
 _GRAVITY = 9.81  # [m/s²]
 
@@ -149,7 +164,7 @@ def _render(case, model):
         "mixture": f"{n} " + " ".join(f"t{i + 1} {1.0 / n:.8f}" for i in range(n)),
         "count": case.count,
         "load": case.load,
-        "columns": " ".join(f"c_contacts[{i}]" for i in range(1, 13)),
+        "columns": " ".join(f"c_contacts[{i}]" for i in _columns(case)),
     }
     return _CASE.format(**values)
 

@@ -6,30 +6,13 @@ from typing import NamedTuple
 import numpy as np
 import yade
 
+from demlaws.responses.contacts import Contacts
+from demlaws.units import RANGES
+
 O = yade.O  # noqa: E741  YADE's name
 PHYSICS = tuple(getattr(yade, name) for name in ("MindlinPhys", "MindlinCapillaryPhys") if hasattr(yade, name))
-
-
-class ContactState(NamedTuple):
-    """Contacts of a scene: arrays with one entry per contact, SI units. A state that the unloading rule does not have is NaN.
-
-    branch: 0 where a contact is at its largest overlap so far (first loading), 1 below it (unloading or reloading).
-    """
-
-    body1: np.ndarray
-    body2: np.ndarray
-    overlap: np.ndarray
-    force: np.ndarray
-    stiffness: np.ndarray
-    radius: np.ndarray
-    modulus: np.ndarray
-    roughness: np.ndarray
-    maximum_overlap: np.ndarray
-    plastic_overlap: np.ndarray
-    radius_ratio: np.ndarray
-    stored: np.ndarray
-    dissipated: np.ndarray
-    branch: np.ndarray
+LOOKS = (2, 3, 12, 102, 1002)
+"""Calls of the guard with a check of every contact and body, which takes time."""
 
 
 class _Energies(NamedTuple):
@@ -67,6 +50,14 @@ def is_ours(contact):
     return contact.isReal and type(contact.phys) in PHYSICS
 
 
+def radius_fault(body):
+    """Message about a sphere whose radius is not a positive number, or None."""
+    radius = body.shape.radius if isinstance(body.shape, yade.Sphere) else 1.0
+    if 0.0 < radius < math.inf:
+        return None
+    return f"body {body.id} is a sphere with radius = {radius:g} m: {RANGES['radius'].remedy}"
+
+
 def with_overlaps(rows, contacts):
     """Rows of `layout.CONTACT` with the present overlaps, which a loaded scene does not know before its first step."""
     for row, contact in zip(rows, contacts, strict=True):
@@ -76,8 +67,12 @@ def with_overlaps(rows, contacts):
     return rows
 
 
-def state_of(pairs, contacts, rows):
-    """`ContactState` of contacts that a law has seen; rows: their histories."""
+SHEAR = {"shear_stored": "held", "shear_dissipated": "lost", "viscous": "viscous"}
+"""Energy of `Contacts` → field of a contact's history."""
+
+
+def state_of(pairs, contacts, rows, known):
+    """`Contacts` that a law has seen; rows: their histories; known: which of SHEAR these contain."""
     active = rows["tag"] > 0
     contacts = [contact for contact, keep in zip(contacts, active, strict=True) if keep]
     rows = rows[active]
@@ -90,17 +85,40 @@ def state_of(pairs, contacts, rows):
     if not fields:
         columns["plastic_overlap"] = np.zeros(len(rows))
     overlap = before["overlap"].copy()
-    return ContactState(
-        np.array([c.id1 for c in contacts], int),
-        np.array([c.id2 for c in contacts], int),
-        overlap,
-        answer["force"].copy(),
-        answer["tangent"].copy(),
-        before["radius"].copy(),
-        before["modulus"].copy(),
-        np.array(pairs.roughnesses)[before["tag"].astype(int) - 1] if len(rows) else np.zeros(0),
+    highest = np.fmax(overlap, columns["maximum_overlap"])
+    centres = [_ends(contact) for contact in contacts]
+    shears = [contact.phys.shearForce.norm() for contact in contacts]
+    return Contacts(
+        body1=np.array([c.id1 for c in contacts], int),
+        body2=np.array([c.id2 for c in contacts], int),
+        overlap=overlap,
+        force=answer["force"].copy(),
+        stiffness=answer["tangent"].copy(),
+        radius=before["radius"].copy(),
+        modulus=before["modulus"].copy(),
+        roughness=np.array(pairs.roughnesses)[before["tag"].astype(int) - 1] if len(rows) else np.zeros(0),
         **columns,
         stored=energies["stored"].copy(),
         dissipated=energies["dissipated"].copy(),
         branch=(overlap < columns["maximum_overlap"]).astype(int),
+        yielded=pairs.yielded(before, highest, energies),
+        sliding=np.array([bool(c.phys.isSliding) for c in contacts], bool),
+        shear_force=np.array(shears, float),
+        **{name: before[SHEAR[name]].copy() for name in known},
+        centre1=np.array([ends[0] for ends in centres], float).reshape(-1, 3),
+        centre2=np.array([ends[1] for ends in centres], float).reshape(-1, 3),
     )
+
+
+def _ends(contact):
+    """Centres of both bodies, the second one's image where it lies across a periodic face; on a wall the contact's point."""
+    ends = []
+    for number, image in ((contact.id1, (0, 0, 0)), (contact.id2, contact.cellDist)):
+        body = O.bodies[number]
+        if body is None or not isinstance(body.shape, yade.Sphere):
+            ends.append(tuple(contact.geom.contactPoint))
+        elif O.periodic:
+            ends.append(tuple(body.state.pos + O.cell.hSize * type(body.state.pos)(*image)))
+        else:
+            ends.append(tuple(body.state.pos))
+    return ends

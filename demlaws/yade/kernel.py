@@ -11,7 +11,7 @@ import numpy as np
 from numba import types
 
 from demlaws.core.cache import source_digest
-from demlaws.core.dispatch import scale, step, stored_and_dissipated
+from demlaws.core.dispatch import scale, step, stored_and_dissipated, virgin
 from demlaws.core.fastmath import hertz_coefficient
 from demlaws.core.loops import clamped_roughness
 from demlaws.core.numba_compat import callback, kernel, loop
@@ -566,3 +566,14 @@ def energies_loop(kind, rule, pairs, contacts, out):
         stored, dissipated = energies(kind, rule, pair, c.radius, c.modulus, c.overlap, state_of(rule, c))
         out[i].stored = stored
         out[i].dissipated = dissipated
+
+
+@loop
+def yielded_loop(kind, pairs, contacts, highest, out):
+    """Whether the bulk of contacts has yielded at their highest overlaps [m]: a²/R is then not δ_H(P) (`core.dispatch`)."""
+    for i in range(contacts.size):
+        c = contacts[i]
+        pair = pairs[np.int64(c.tag) - 1]
+        if pair.smooth == 0 and c.modulus > 0.0:
+            _, _, equivalent, area = virgin(params_of(kind, pair, c.radius, c.modulus), highest[i])
+            out[i] = area > equivalent * (1.0 + 1e-9)

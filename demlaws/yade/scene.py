@@ -8,11 +8,10 @@ loading and puts the law there. Without a guard YADE ends with an error; the nat
 
 import json
 import uuid
-import warnings
 
 import yade
 
-from demlaws.errors import DemlawsError, EngineStopped, TimeStepWarning
+from demlaws.errors import DemlawsError, EngineStopped, TimeStepWarning, warn
 from demlaws.yade import native
 from demlaws.yade.functor import Law2_ScGeom_MindlinPhys_Demlaws
 from demlaws.yade.omega import O, get_engines, set_engines
@@ -316,7 +315,7 @@ def completed(engines, laws, before):
 
 def _warn(line):
     if line is not None:
-        warnings.warn(line, TimeStepWarning, stacklevel=5)
+        warn(line, TimeStepWarning)
 
 
 # --- saving and loading

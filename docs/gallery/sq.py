@@ -2,9 +2,9 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
-from demlaws.heightmap import self_affine
 
 import demlaws as dl
+from demlaws.surfaces.heightmap import self_affine
 
 RADIUS, LOAD = 8.7e-3, 100.0  # m, N
 granite = dl.materials.granite

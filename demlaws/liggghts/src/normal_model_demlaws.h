@@ -11,7 +11,7 @@ namespace demlaws {
 
 // Most values that a contact keeps, and what they are called in LIGGGHTS.
 static const char *const HISTORY_NAMES[MOST_STATE] = {"demlaws_maximumOverlap", "demlaws_plasticOverlap",
-                                                    "demlaws_radiusRatio"};
+                                                      "demlaws_radiusRatio"};
 
 struct TypePair : Law {
   double damping;            // -2 sqrt(5/6) beta
