@@ -24,7 +24,7 @@ class Kind(NamedTuple):
         return f"{self.grains}, {self.law}{rough}, {self.shear}"
 
 
-def series(rows, least=50, **settings):
+def series(rows, least=30, **settings):
     """`Kind` → seed → rows in order of the cycle, of cases with these settings (default: those of `Case`)
 
     and at least `least` cycles; of two cases of a seed the longer one.
@@ -91,14 +91,14 @@ def settlement(rows, cycle):
     return float(np.interp(np.log(cycle), np.log(number), settled)) if cycle <= number[-1] else np.nan
 
 
-def loss(rows, first=25, last=50):
+def loss(rows, first=15, last=30):
     """Loss per cycle over the work of loading, mean of the kept cycles from `first` to `last`."""
     return float(np.mean([row["loss_J"] / row["work_J"] for row in rows if first <= row["cycle"] <= min(last, row["cycles"])]))
 
 
 COLUMNS = {
     "settled (µm), N = 1": lambda rows: settlement(rows, 1),
-    "50": lambda rows: settlement(rows, 50),
+    "30": lambda rows: settlement(rows, 30),
     "100": lambda rows: settlement(rows, 100),
     "200": lambda rows: settlement(rows, 200),
     "b (µm)": lambda rows: fit(rows).slope,
@@ -108,7 +108,7 @@ COLUMNS = {
     "M (MPa)": lambda rows: moduli(rows)[1][-1],
     "n": modulus_exponent,
     "loss/work, N = 2": lambda rows: loss(rows, 2, 2),
-    "25 to 50": loss,
+    "15 to 30": loss,
 }
 
 
@@ -143,7 +143,13 @@ EFFECTS = {
     "shape: clumps for spheres, hertz": (BASE, BASE._replace(grains="clumps")),
     "shape: clumps for spheres, pohrt-popov": (ROUGH, ROUGH._replace(grains="clumps")),
 }
-MEASURES = {"settlement, 50 cycles": COLUMNS["50"], "M": COLUMNS["M (MPa)"], "n": modulus_exponent, "loss": loss}
+MEASURES = {
+    "settlement, N = 1": lambda rows: settlement(rows, 1),
+    "N = 1 to 30": lambda rows: settlement(rows, 30) - settlement(rows, 1),
+    "M": COLUMNS["M (MPa)"],
+    "n": modulus_exponent,
+    "loss": loss,
+}
 
 
 def scatter(found, function):
@@ -170,13 +176,19 @@ def effects(rows):
     return "\n".join(lines)
 
 
+def secant(rows, cycle):
+    """Resilient modulus [MPa] of a cycle between 20 and 200 kPa."""
+    (row,) = (row for row in rows if row["cycle"] == cycle)
+    return (row["peak_kPa"] - row["least_kPa"]) * row["height_mm"] / row["resilient_um"]
+
+
 def sensitivity(rows):
-    """Text: the first cycles of one bed with other settings."""
-    lines = ["| settings | settled (µm) | resilient modulus (MPa) | loss over work |", "|---|---|---|---|"]
+    """Text: the first 18 cycles of one bed with other settings."""
+    lines = ["| settings | settled (µm), N = 1 | N = 18 | M, N = 18 (MPa) | loss/work, N = 9 to 18 |", "|---|---|---|---|---|"]
     for name, case in SENSITIVITY.items():
         chosen = [row for row in rows if all(row[key] == value for key, value in case._asdict().items())]
         if chosen:
-            found = main_cycles(chosen)[1][-1], moduli(chosen)[1][-1], loss(chosen, 10, 20)
+            found = settlement(chosen, 1), settlement(chosen, 18), secant(chosen, 18), loss(chosen, 9, 18)
             lines.append(f"| {name} | " + " | ".join(f"{value:.3g}" for value in found) + " |")
     return "\n".join(lines)
 
@@ -194,10 +206,10 @@ def draw(rows):
         for n, one in enumerate(beds.values()):
             more = {"ls": styles[kind.shear], "color": colours[kind[:3]], "lw": 1.6 if n == 0 else 0.6}
             label = {"label": str(kind)} if n == 0 else {}
-            axes[0].plot(*main_cycles(one), **more)
+            axes[0].plot(*main_cycles(one), **more, **label)
             axes[1].plot(*moduli(one), marker="o" if n == 0 else ".", ms=3, **more)
             losses = [(r["cycle"], r["loss_J"] / r["work_J"]) for r in one if 1 < r["cycle"] <= r["cycles"]]
-            axes[2].plot(*np.array(losses).T, **more, **label)
+            axes[2].plot(*np.array(losses).T, **more)
     pressure = 1e-3 * np.array(STAGES)[[0, -1]]
     for exponent, style in ((1 / 3, "-"), (0.5, "--")):
         axes[1].plot(pressure, 60 * (pressure / pressure[0]) ** exponent, color="0.6", lw=1, ls=style)
@@ -205,5 +217,5 @@ def draw(rows):
     axes[0].set(xscale="log", xlabel="cycle", ylabel="settlement (µm)")
     axes[1].set(xscale="log", yscale="log", xlabel="largest pressure (kPa)", ylabel="resilient modulus (MPa)")
     axes[2].set(xscale="log", xlabel="cycle", ylabel="loss over work of a cycle", ylim=(0, None))
-    fig.legend(loc="outside lower center", ncols=3, fontsize=8)
+    axes[0].legend(fontsize=7)
     return fig
