@@ -102,7 +102,8 @@ def packing_limit(
     largest_coordination : float, optional
         Z_max, the largest number of contacts of one grain. Needed outside the scope of the estimate, which is grains that are
         the heavier the larger they are (the step is up to 1.2 of the limit if a few large grains weigh no more than the
-        small ones) and whose contacts are spread over all grains (1.1 if grains with 12 contacts touch others with one).
+        small ones) and whose contacts are spread over all grains (1.1 if grains with 12 contacts touch others with one). The
+        step of `timestep` is 0.8 of the estimate, so that it is below the limit in these packings, too.
 
     Returns
     -------

@@ -87,7 +87,7 @@ GOOD = {
 }
 RADII = {"radii": 1e-3, "materials": GRANITE, "surfaces": dl.Surface(1e-6), "pressure": None, "cyclic": True}
 RADII |= {"quantity": "force", "tolerance": 0.05, "engine": "python", "walls": False, "yield_pressure": None, "reference": None}
-RADII |= {"reference_options": {}, "porosity": 0.4, "coordination": 6.0, "classes": (), "force": (1.0, 2.0), "loads": None}
+RADII |= {"reference_options": {}, "porosity": 0.4, "coordination": 6.0, "classes": (), "force": (1.0, 2.0), "forces": None}
 RADII |= {"process": "oedometer", "rate": 1.0}
 
 

@@ -109,6 +109,7 @@ def test_few_grains_with_many_contacts(ratio):
     )
     exact, contacts = limits_of_hubs(8, ratio)
     assert packing_limit(1.0, 1.0, contacts.mean(), shear_ratio=ratio, largest_coordination=contacts.max()) < exact
+    assert STEP_SAFETY * packing_limit(1.0, 1.0, contacts.mean(), shear_ratio=ratio) < exact  # out of the estimate's scope
 
 
 def test_light_large_grains_need_their_number_of_contacts():
@@ -132,6 +133,7 @@ def test_light_large_grains_need_their_number_of_contacts():
         exact = from_contacts(pairs, normals, stiffness, shear_stiffness=ratio * stiffness, masses=np.ones(160)).exact
         estimate = functools.partial(packing_limit, stiffness.max(), 1.0, contacts[contacts > 0].mean(), shear_ratio=ratio)
         assert estimate(largest_coordination=contacts.max()) < exact < 1.3 * estimate()
+        assert STEP_SAFETY * estimate() < exact
 
 
 # --- the present stiffness of contacts with a history

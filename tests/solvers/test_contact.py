@@ -241,7 +241,7 @@ def test_bulk_yield_and_edge_are_warned_about():
     "call",
     [
         lambda heights, pair: RoughContact(heights, pair).load(-1),
-        lambda heights, pair: RoughContact(heights, pair).load(1.0, tolerance=2.0),
+        lambda heights, pair: RoughContact(heights, pair).load(1.0, rtol=2.0),
         lambda heights, pair: RoughContact(heights, pair, plastic_factor=0.1),
         lambda heights, pair: RoughContact(heights, pair, memory="all"),
         lambda heights, pair: RoughContact(heights, pair.with_values(radius=np.array([1e-3, 2e-3]))),
