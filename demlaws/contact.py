@@ -54,6 +54,11 @@ def effective_modulus(material1: Any, material2: Any) -> float:
     return 1.0 / (compliance(material1) + compliance(material2))
 
 
+def young_against_itself(modulus: float, poisson: float) -> float:
+    """Young's modulus [Pa] of the material that against itself has this E* [Pa]."""
+    return 2.0 * modulus * (1.0 - poisson**2)
+
+
 def effective_radius(radius1: Any, radius2: Any) -> Any:
     """R [m] of two spheres, 1/R = 1/R1 + 1/R2; inf is a flat."""
     return 1.0 / (1.0 / radius1 + 1.0 / radius2)

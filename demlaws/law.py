@@ -417,6 +417,7 @@ class Table(Law):
         force: Callable,
         contact: Contact,
         largest_overlap: float | None = None,
+        *,
         stiffness: Callable | None = None,
         unloading: Any = "elastic",
         kinks: Any = (),
@@ -461,7 +462,16 @@ class Table(Law):
         from demlaws.curves.given import from_function
 
         parts = from_function(
-            force, contact, largest_overlap, stiffness, unloading, kinks, scales_with, rtol, name, description
+            force,
+            contact,
+            largest_overlap,
+            stiffness=stiffness,
+            unloading=unloading,
+            kinks=kinks,
+            scales_with=scales_with,
+            rtol=rtol,
+            name=name,
+            description=description,
         )
         return cls._from_parts(*parts)
 
@@ -471,6 +481,7 @@ class Table(Law):
         points: Any,
         contact: Contact,
         unloading: Any = "elastic",
+        *,
         uncertainty: ArrayLike | None = None,
         plastic_overlap: float | None = None,
         scales_with: str | None = None,
@@ -514,7 +525,17 @@ class Table(Law):
         """
         from demlaws.curves.given import along_points, from_points
 
-        parts = from_points(points, contact, unloading, uncertainty, plastic_overlap, scales_with, rtol, name, description)
+        parts = from_points(
+            points,
+            contact,
+            unloading,
+            uncertainty=uncertainty,
+            plastic_overlap=plastic_overlap,
+            scales_with=scales_with,
+            rtol=rtol,
+            name=name,
+            description=description,
+        )
         with along_points(parts[2]):
             return cls._from_parts(*parts)
 

@@ -93,7 +93,7 @@ class Regime(NamedTuple):
         )
 
 
-def assess(contact: Contact, load: Any, mu: float | None = None, yield_pressure: float | str | None = None) -> Regime:
+def assess(contact: Contact, load: Any, mu: float | None = None, *, yield_pressure: float | str | None = None) -> Regime:
     """The criterion of Jamari & Schipper at one load: whether asperities or the bulk deform.
 
     Parameters
@@ -191,7 +191,7 @@ class Advice(NamedTuple):
     reason: str
 
 
-def advise(contact: Contact, load: Any, yield_pressure: Any = None, mu: float | None = None) -> list[Advice]:
+def advise(contact: Contact, load: Any, yield_pressure: Any = None, *, mu: float | None = None) -> list[Advice]:
     """Which laws apply to a contact from first touch up to a load.
 
     Parameters

@@ -41,6 +41,7 @@ def sheared(
     displacement: ArrayLike,
     ratio: float,
     shear: str = DEFAULT,
+    *,
     friction: float | None = None,
     springs: int = 32,
     levels: int | None = None,

@@ -27,6 +27,7 @@ def read(
     path: str | os.PathLike,
     pixel: Any = None,
     unit: str = "m",
+    *,
     missing: float | None = None,
     channel: str | None = None,
 ) -> HeightMap:
@@ -67,12 +68,12 @@ def read(
     >>> same.shape, round(same.sq * 1e6, 6)
     ((64, 64), 2.0)
     """
-    heights, scale = read_unchecked(path, pixel, unit, missing, channel)
+    heights, scale = read_unchecked(path, pixel, unit, missing=missing, channel=channel)
     plausibility.advise(heights, scale)
     return heights
 
 
-def read_unchecked(path, pixel=None, unit="m", missing=None, channel=None):
+def read_unchecked(path, pixel=None, unit="m", *, missing=None, channel=None):
     """As `read`, without the check of plausibility; the map, and metres per unit of height in the file."""
     path = as_path(path)
     if not path.is_file():

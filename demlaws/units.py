@@ -68,6 +68,10 @@ UNITS = {
 _QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:inf|nan))\s*(\S*)\s*")
 
 
+HANDY = {"m": ("µm", 1e6), "Pa": ("GPa", 1e-9), "m/N": ("µm/N", 1e6), "N/m": ("N/µm", 1e-6)}
+"""SI unit → the unit in which people read such a quantity of a contact, and its number per SI unit."""
+
+
 def quantity(text, name, unit=""):
     """A number in the SI unit `unit` from text such as "3mm", "2.4 µm", "60GPa" or "6e10". Raises DemlawsError."""
     match = _QUANTITY.fullmatch(text)

@@ -54,7 +54,7 @@ class Response:
 
     contact: Contact
     curve: Any  # of first loading
-    unloads: Any  # `Unloading`
+    unloading_parts: Any  # `Unloading`
     unloading_law: Any
     params: Any
     rule_tag: Any  # of the unloading rule
@@ -221,6 +221,7 @@ class Response:
         overlap: ArrayLike,
         state: "State | None" = None,
         out: tuple[np.ndarray, np.ndarray] | None = None,
+        *,
         parallel: bool = False,
     ) -> tuple[np.ndarray, np.ndarray]:
         """Force and tangent stiffness of a batch of contacts; `state` is updated in place.
@@ -394,7 +395,7 @@ class Response:
         return Path(values, force, stiffness, maximum, plastic, stored, dissipated)
 
     def shear_stiffness(
-        self, overlap: ArrayLike, ratio: float, shear: str = DEFAULT, state: "State | None" = None
+        self, overlap: ArrayLike, ratio: float, shear: str = DEFAULT, *, state: "State | None" = None
     ) -> float | np.ndarray:
         """Tangential stiffness K_t [N/m] of one contact along a sequence of overlaps [m]; `state` is updated.
 

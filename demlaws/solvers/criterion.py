@@ -126,7 +126,7 @@ def lowest_transition_load(contact):
     return float(np.min(transition_load(contact)))
 
 
-def transition_roughness(contact, load, ratio=YIELD_RATIO, mu=None):
+def transition_roughness(contact, load, ratio=YIELD_RATIO, *, mu=None):
     """Combined roughness σ [m] at which p(0)/H_m equals `ratio` under `load` [N]; 0 where no roughness is needed.
 
     mu: see `central_pressure`; of one contact and one load, to 1e-5."""

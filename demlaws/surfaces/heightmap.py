@@ -418,7 +418,7 @@ def _between(coarse, fine_index, axis):
     return np.take(coarse, low, axis) * (1 - share) + np.take(coarse, high, axis) * share
 
 
-def self_affine(shape, pixel, hurst, roughness, seed, *, shortest=0.0, longest=math.inf, anisotropy=1.0, periodic=False):
+def self_affine(shape, pixel, hurst, *, roughness, seed, shortest=0.0, longest=math.inf, anisotropy=1.0, periodic=False):
     """A Gaussian self-affine map with the spectrum C(q) ∝ q^(-2-2H).
 
     Parameters

@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 import yade
 
-from demlaws.responses.contacts import Contacts
 from demlaws.units import RANGES
 
 O = yade.O  # noqa: E741  YADE's name
@@ -42,10 +41,10 @@ class Totals(_Energies):
 
 def real_contacts():
     """The current scene's contacts that a law of ours acts on."""
-    return [i for i in O.interactions if is_ours(i)]
+    return [i for i in O.interactions if is_our_contact(i)]
 
 
-def is_ours(contact):
+def is_our_contact(contact):
     """Whether a contact is real and of a class that a law of ours acts on."""
     return contact.isReal and type(contact.phys) in PHYSICS
 
@@ -73,6 +72,8 @@ SHEAR = {"shear_stored": "held", "shear_dissipated": "lost", "viscous": "viscous
 
 def state_of(pairs, contacts, rows, known):
     """`Contacts` that a law has seen; rows: their histories; known: which of SHEAR these contain."""
+    from demlaws.responses.contacts import Contacts
+
     active = rows["tag"] > 0
     contacts = [contact for contact, keep in zip(contacts, active, strict=True) if keep]
     rows = rows[active]

@@ -323,7 +323,7 @@ def test_columns_of_contacts(omega):
 
 @pytest.mark.parametrize("kind", ["pair", "wall"])
 def test_balance_of_energy(omega, kind):
-    """It closes in proportion to the step without YADE's scaled shear; with it a share of δ/(r1 + r2) of the loss is missing."""
+    """It closes in proportion to the step without YADE's scaled shear; with it δ/(r1 + r2) of the loss is missing."""
     from studies.shear import yade_balance
 
     coarse, fine = (yade_balance.impact(kind, False, share)[0] for share in (0.1, 0.025))
