@@ -13,9 +13,11 @@
 #                stopped; EXPERIMENT='--grains 1000 --seeds 3' for less)
 # make docs      build the site into build/site: warnings are errors (some seconds to a minute)
 # make dist      build wheel and sdist into dist/ and check both in clean environments outside the checkout
+# make release   what a maintainer uploads, into build/release: wheel, sdist, site, notebooks, notes, checksums
 # make mutations change one number or condition of the package at a time and check that the tests notice (some ten minutes)
 # make readme-check  recompute the numbers that README and docs state (a minute)
 # make size      lines and kB of the package, what a YADE script loads, circles: figures with their goals
+# make facts     write the C++ header of rules, keys and limits from the records in Python
 # make lint      format and lint of Python and C++, types and docstrings of the public names
 
 # Debian's own interpreter: YADE's modules are built for it.
@@ -29,7 +31,7 @@ APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
 # liggghts-doc: LIGGGHTS's own tutorials, which a test converts and runs
 ENGINES := yade liggghts liggghts-doc libliggghts-dev libopenmpi-dev openmpi-bin g++
 
-.PHONY: granite test test-all lammps-source bench stability trade validation experiment docs docs-measure dist readme-check mutations lint plugins plugin-liggghts plugin-lammps engines clean bench-scale bench-shear
+.PHONY: facts granite test test-all lammps-source bench stability trade validation experiment docs docs-measure dist readme-check mutations lint plugins plugin-liggghts plugin-lammps engines clean bench-scale bench-shear release
 
 granite: $(VENV)/.plots
 	$(BIN)/demlaws granite --out granite
@@ -107,6 +109,13 @@ docs-measure: $(VENV)/.plots
 dist: $(VENV)/.test
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check build
 	$(BIN)/python tests/machines/dist.py
+
+facts: $(VENV)/.test
+	PYTHONPATH=tests $(BIN)/python tests/cpp/facts.py
+
+# RELEASE= options of the script, as --out FOLDER
+release: dist docs
+	$(BIN)/python tests/machines/release.py $(RELEASE)
 
 size: $(VENV)/.test
 	PYTHONPATH=tests $(BIN)/python tests/size.py

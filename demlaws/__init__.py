@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from demlaws.user_laws.check import check_law as check_law
     from demlaws.user_laws.define import define as define
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"
 
 _HOMES = {
     "Contact": "demlaws.contact",

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.errors import DemlawsError, did_you_mean, refuses_unknown_keywords, warn
-from demlaws.units import RANGES, judge, number, outside, positive, real, refuse, refuse_plain_radius
+from demlaws.units import RANGES, as_float, judge, number, outside, positive, refuse, refuse_plain_radius
 
 PER_CONTACT = ("radius", "modulus", "roughness")
 """Fields of a `Contact` that may have one entry per contact."""
@@ -26,7 +26,7 @@ def _check(owner: Any, *names: str, scalar: bool = True) -> None:
         value = getattr(owner, name)
         if value is None and name in _OPTIONAL:
             continue
-        array = real(value, name, RANGES[name].unit, array=not scalar)
+        array = as_float(value, name, RANGES[name].unit, array=not scalar)
         bad = np.flatnonzero(outside(name, array))
         if bad.size:
             where = f" (entry {bad[0]})" if array.ndim else ""
@@ -52,6 +52,11 @@ def compliance(material: Any) -> float:
 def effective_modulus(material1: Any, material2: Any) -> float:
     """E* [Pa], 1/E* = (1-ν1²)/E1 + (1-ν2²)/E2."""
     return 1.0 / (compliance(material1) + compliance(material2))
+
+
+def young_against_itself(modulus: float, poisson: float) -> float:
+    """Young's modulus [Pa] of the material that against itself has this E* [Pa]."""
+    return 2.0 * modulus * (1.0 - poisson**2)
 
 
 def effective_radius(radius1: Any, radius2: Any) -> Any:
@@ -321,7 +326,7 @@ class Contact:
         if fractal_dimension is None:
             fractal_dimension = surfaces[0].combined(surfaces[1]).fractal_dimension
         lengths = {"radius1": radius1, "radius2": radius2, "roughness1": roughness1, "roughness2": roughness2}
-        values = {name: real(value, name, "m", array=True) for name, value in lengths.items()}
+        values = {name: as_float(value, name, "m", array=True) for name, value in lengths.items()}
         for name, value in values.items():
             if name.startswith("radius") and not np.all(value > 0):
                 raise DemlawsError(f"{name} = {value} m: a radius must be positive (inf for a flat)")

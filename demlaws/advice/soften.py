@@ -162,7 +162,7 @@ class Softening:
         contact, along = self.of(law.contact), law.unloading_law
         if isinstance(law, Table) and law.curve.shape.length_over_roughness:
             # rows in multiples of σ, which is stretched as overlaps are: they stay as they are
-            unloading = law.unloads
+            unloading = law.unloading_parts
             if unloading.curve is not None:
                 unloading = unloading._replace(curve=self._curve(unloading.curve), contact=self.of(unloading.contact))
             return Table(contact, self._curve(law.curve), unloading)

@@ -20,8 +20,8 @@ def add_law_arguments(parser, law_required=True):
     add_contact_arguments(parser)
 
 
-def add_contact_arguments(parser, test=True):
-    """Arguments that describe one contact of two bodies. test: also by the name of a granite test."""
+def add_contact_arguments(parser, test=True, modulus=True):
+    """Arguments that describe one contact of two bodies. test: also by the name of a granite test; modulus: also by E*."""
     contact = parser.add_argument_group(
         "contact (SI units, or with a unit: 4.35mm, 2.4um, 60GPa)",
         "Where an option accepts one or two values, one value applies to both bodies, two to the first and the second body.",
@@ -35,7 +35,10 @@ def add_contact_arguments(parser, test=True):
     )
     contact.add_argument("--young", type=pressure, **pair, help="Young's modulus of each body in Pa")
     contact.add_argument("--poisson", type=plain, **pair, help="Poisson's ratio of each body, with --young")
-    contact.add_argument("--modulus", type=pressure, help="effective modulus E* in Pa, in place of --young and --poisson")
+    if modulus:
+        contact.add_argument("--modulus", type=pressure, help="effective modulus E* in Pa, in place of --young and --poisson")
+    else:
+        parser.set_defaults(modulus=None)
     contact.add_argument("--roughness", type=length, **pair, help="rms roughness Sq of each surface in m (default 0)")
     contact.add_argument(
         "--combined-roughness", type=length, help="σ = √(Sq1² + Sq2²) in m, in place of --roughness (default 0)"

@@ -93,13 +93,13 @@ def run(arguments):
     shot = read(arguments)
     if not len(shot.pairs):
         raise DemlawsError(f"{arguments.contacts or arguments.snapshot}: no contact in it carries a force")
-    springs = np.transpose(shot.springs)
-    limits = from_contacts(shot.pairs, shot.normals, *springs, shot.masses, shot.blocked)
+    normal, shear = np.transpose(shot.springs)
+    limits = from_contacts(shot.pairs, shot.normals, normal, shear_stiffness=shear, masses=shot.masses, blocked=shot.blocked)
     free = np.isfinite(shot.masses)
     mean = np.sum(free[shot.pairs]) / np.sum(free)
     name = "safe limit" if shot.history == "stiffest" else "exact limit"
-    motion = "with shear and rotation" if springs[1].any() else "without friction"
-    if springs[1].any() and np.all(np.asarray(shot.blocked)[free, 3:]):
+    motion = "with shear and rotation" if shear.any() else "without friction"
+    if shear.any() and np.all(np.asarray(shot.blocked)[free, 3:]):
         motion = "with shear, without rotation"
     which = "between grains; walls are not in the dump" if shot.step is None else "as they are"
     histories = {
@@ -194,6 +194,19 @@ def _resolution(words, columns):
     return [10.0 ** (math.floor(math.log10(size)) + 1 - digits) if size > 0.0 else 0.0 for size in largest]
 
 
+def frames(arguments):
+    """Columns of the grains, periodic lengths of the box [m] and columns of the contacts, of the two dumps' last frames;
+    last digits of the places."""
+    step, lengths, atoms, resolution = _frame(arguments.snapshot, "ATOMS")
+    of_contacts, _, entries, _ = _frame(arguments.contacts, "ENTRIES")
+    if step != of_contacts:
+        raise DemlawsError(f"{arguments.snapshot} is of step {step}, {arguments.contacts} of step {of_contacts}")
+    missing = [name for name in ("id", *_PLACES) if name not in atoms]
+    if missing:
+        raise DemlawsError(f"{arguments.snapshot} lacks the columns {', '.join(missing)}")
+    return atoms, lengths, entries, resolution
+
+
 def _from_dumps(arguments):
     """`Snapshot` of dumps."""
     import numpy as np
@@ -202,17 +215,11 @@ def _from_dumps(arguments):
         raise DemlawsError(
             "a dump of grains needs CONTACTS, the dump of their contacts, and --law with the contact's quantities"
         )
-    step, lengths, atoms, resolution = _frame(arguments.snapshot, "ATOMS")
-    of_contacts, _, entries, _ = _frame(arguments.contacts, "ENTRIES")
-    if step != of_contacts:
-        raise DemlawsError(f"{arguments.snapshot} is of step {step}, {arguments.contacts} of step {of_contacts}")
-    missing = [name for name in ("id", *_PLACES) if name not in atoms]
-    if missing:
-        raise DemlawsError(f"{arguments.snapshot} lacks the columns {', '.join(missing)}")
+    atoms, lengths, entries, resolution = frames(arguments)
     radius = atoms["radius"]
     volume = 4.0 / 3.0 * np.pi * radius**3
     mass = atoms["mass"] if "mass" in atoms else volume * atoms.get("density", arguments.density)
-    pairs, normals, force, largest = _contacts(arguments, atoms, lengths, entries)
+    pairs, normals, force, largest = contacts_of_dump(arguments, atoms, lengths, entries)
     touching = force > 0.0
     pairs, normals, force, largest = (None if array is None else array[touching] for array in (pairs, normals, force, largest))
     overlap = radius[pairs].sum(axis=1) - np.linalg.norm(normals, axis=1)
@@ -230,7 +237,7 @@ def _from_dumps(arguments):
     return Snapshot(pairs, normals, springs, mass, blocked, rayleigh, None, history, note)
 
 
-def _contacts(arguments, atoms, lengths, entries):
+def contacts_of_dump(arguments, atoms, lengths, entries):
     """Bodies, vectors between the centres [m], normal forces [N] and largest overlaps [m] (or None) of the contacts."""
     import numpy as np
 
@@ -276,7 +283,7 @@ def _ratio_and_rayleigh(arguments, kinds):
     if arguments.poisson is not None and arguments.young is not None:
         young, poisson = arguments.young[0], arguments.poisson[0]
         ratio = 2.0 * (1.0 - poisson) / (2.0 - poisson)
-        rayleigh = min(rayleigh_step(r, density, young, poisson) for r, density in kinds)
+        rayleigh = min(rayleigh_step(r, density, young, poisson=poisson) for r, density in kinds)
     if arguments.shear_ratio is not None:
         ratio = number(arguments.shear_ratio, "--shear-ratio", "", 0.0, LARGEST_SHEAR_RATIO)
     if arguments.friction is not None and number(arguments.friction, "--friction", "", 0.0, allow_low=True) == 0.0:

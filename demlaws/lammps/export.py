@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 import demlaws
-from demlaws.contact import effective_modulus
+from demlaws.contact import effective_modulus, young_against_itself
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
 from demlaws.laws.names import USUAL
@@ -27,7 +27,7 @@ def joined(one, other):
     shear = 1.0 / sum(2.0 * (2.0 - m.poisson) * (1.0 + m.poisson) / m.young for m in (one, other))
     ratio = modulus / shear
     poisson = (ratio - 4.0) / (ratio - 2.0)
-    return 2.0 * (1.0 - poisson**2) * modulus, poisson
+    return young_against_itself(modulus, poisson), poisson
 
 
 def stock_models(grains, restitution=0.5, friction=0.5):
@@ -94,7 +94,7 @@ def loose(grains, count, seed=15485863):
     return types, radii, centres, (across * pitch, centres[:, 2].max() + 3.0 * pitch)
 
 
-def export(folder, law=USUAL, grains=(), unloading=None, options=None, **more):
+def export(folder, law=USUAL, grains=(), *, unloading=None, options=None, **more):
     """Write a ready case into `folder` and return its in.case: grains of all types settle in a box under gravity.
 
     law: a name, or a whole `Case`; more: further fields of `demlaws.plugins.grains.Case`: rtol, stock, load, restitution,
@@ -165,6 +165,7 @@ fix             move all nve/sphere
 compute         ids all property/local patom1 patom2 cutoff radius
 compute         contacts all pair/local fx fy fz{outputs} cutoff radius
 {energy}dump            grains all custom 5000 post/grains.*.txt id type x y z radius vx vy vz fx fy fz{taken}
+dump_modify     grains format float %.10g
 dump            contacts all local 5000 post/contacts.*.txt index c_ids[*] c_contacts[*]
 thermo_style    custom step atoms ke{energies} cpu
 thermo_modify   norm no

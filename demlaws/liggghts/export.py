@@ -6,6 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 import demlaws
+from demlaws.contact import young_against_itself
+from demlaws.core.levels import DEFAULT_LEVELS
 from demlaws.errors import DemlawsError, quiet
 from demlaws.files import write_atomically
 from demlaws.laws.names import USUAL
@@ -46,7 +48,7 @@ def stock_fit(law, load, loads=None):
     return StockFit(load, modulus, loads, forces / loads - 1.0)
 
 
-def export(folder, law=USUAL, grains=(), unloading=None, options=None, **more):
+def export(folder, law=USUAL, grains=(), *, unloading=None, options=None, **more):
     """Write a ready case into `folder` and return its in.case: grains of all types settle in a box under gravity.
 
     law: a name, or a whole `Case`; more: further fields of `Case`: rtol, stock, load, restitution, friction, count,
@@ -81,7 +83,7 @@ class _Model(NamedTuple):
 
 def _stock_young(case, grain):
     fit = stock_fit(make_law(case.law, grain.contact(grain), **case.options), case.load)
-    return 2.0 * fit.modulus * (1.0 - grain.material.poisson**2)
+    return young_against_itself(fit.modulus, grain.material.poisson)
 
 
 def table_words(case, folder):
@@ -95,6 +97,20 @@ def table_words(case, folder):
     files = [*((*pair, file) for pair, file in tables.pairs.items()), *((i, wall, file) for i, file in tables.walls.items())]
     pairs = " ".join(f"pairtable {i} {j} {file}" for i, j, file in [*files, (wall, wall, tables.walls[1])])
     return pairs + case.shear_words, None
+
+
+FIRST_OF_HISTORY = 13
+"""First column of the history in `pair/gran/local pos id force_normal delta history`; the overlap comes last."""
+
+
+def _columns(case):
+    """Columns of the dump of contacts: places, ids, normal force, largest and plastic overlap if the law has them, overlap."""
+    names = list(range(1, FIRST_OF_HISTORY))
+    if case.stock:  # shear displacement
+        return [*names, FIRST_OF_HISTORY + 3]
+    state = case.bound(case.grains[0].contact(case.grains[0])).state_size
+    first = FIRST_OF_HISTORY + 4 * (DEFAULT_LEVELS if case.levels is None else case.levels)
+    return [*names, *range(first, first + min(state, 2)), first + state + 1]  # one before the last: the law's mark
 
 
 _LOOSE = 0.2  # volume fraction at which grains are let go
@@ -149,7 +165,7 @@ def _render(case, model):
         "mixture": f"{n} " + " ".join(f"t{i + 1} {1.0 / n:.8f}" for i in range(n)),
         "count": case.count,
         "load": case.load,
-        "columns": " ".join(f"c_contacts[{i}]" for i in range(1, 13)),
+        "columns": " ".join(f"c_contacts[{i}]" for i in _columns(case)),
     }
     return _CASE.format(**values)
 

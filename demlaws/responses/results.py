@@ -38,6 +38,10 @@ class Tabular:
         """First line of the text."""
         return ""
 
+    def shown(self) -> dict[str, Sequence]:
+        """The columns that `str` and notebooks show; default: all."""
+        return self.columns()
+
     def to_dataframe(self) -> Any:
         """The columns as a `pandas.DataFrame`. Raises DemlawsError if pandas is not installed."""
         try:
@@ -48,7 +52,7 @@ class Tabular:
 
     def _table(self):
         """Titles and text of the rows that are shown; None stands for omitted rows."""
-        columns = self.columns()
+        columns = self.shown()
         count = len(next(iter(columns.values())))
         places = range(count)
         if count > self.most_rows:

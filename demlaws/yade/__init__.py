@@ -13,7 +13,6 @@ from demlaws.errors import BridgeWarning, CoefficientWarning, DemlawsError, Shap
 
 _HOMES = {
     "Law2_ScGeom_MindlinPhys_Demlaws": "functor",
-    "ContactState": "contacts",
     "Curvature": "radii",
     "Totals": "contacts",
     "attached": "scene",

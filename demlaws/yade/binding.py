@@ -14,7 +14,7 @@ import yade.utils
 from demlaws.errors import CoefficientWarning, DemlawsError, EngineStopped, LargeOverlap, ShapeWarning, warn
 from demlaws.units import LARGE_RADIUS, LARGE_ROUGHNESS, LARGEST_ROUGHNESS, SMALL_OVERLAP, judge
 from demlaws.yade import layout, native
-from demlaws.yade.contacts import LOOKS, Totals, is_ours, radius_fault, real_contacts, state_of, with_overlaps
+from demlaws.yade.contacts import LOOKS, SHEAR, Totals, is_our_contact, radius_fault, real_contacts, state_of, with_overlaps
 from demlaws.yade.pairs import Pairs
 from demlaws.yade.radii import body_radius_text
 
@@ -191,12 +191,13 @@ class Binding:
         return Totals(stored, dissipated, max(open_count - len(rows), 0), **more)
 
     def contacts(self, interactions=None):
-        """`ContactState` of all real contacts of the scene (or of the given ones); also while the simulation runs."""
+        """`Contacts`: all real contacts of the scene (or of the given ones); also while the simulation runs."""
 
         def read():
             selection = [interactions] if isinstance(interactions, yade.Interaction) else interactions
-            contacts = real_contacts() if selection is None else [one for one in selection if is_ours(one)]
-            return state_of(self.pairs, contacts, self.rows(contacts))
+            contacts = real_contacts() if selection is None else [one for one in selection if is_our_contact(one)]
+            known = [] if self.attachment is None else list(SHEAR)[: 3 if self.attachment.layout.knows_velocities else 2]
+            return state_of(self.pairs, contacts, self.rows(contacts), known)
 
         return self.between_engines(read)
 

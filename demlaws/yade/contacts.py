@@ -1,77 +1,17 @@
 """The contacts of the current scene as arrays, and their energies."""
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 import yade
 
-from demlaws.admissible import RANGES
-from demlaws.results import Tabular
+from demlaws.units import RANGES
 
 O = yade.O  # noqa: E741  YADE's name
 PHYSICS = tuple(getattr(yade, name) for name in ("MindlinPhys", "MindlinCapillaryPhys") if hasattr(yade, name))
 LOOKS = (2, 3, 12, 102, 1002)
 """Calls of the guard with a check of every contact and body, which takes time."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class ContactState(Tabular):
-    """Contacts of a scene: arrays with one entry per contact, SI units. A state that the unloading rule does not have is NaN.
-
-    `len(state)` is the number of contacts; `print`, `to_dataframe()` give a row for each. `COLUMNS` describes the arrays.
-    """
-
-    body1: np.ndarray
-    body2: np.ndarray
-    overlap: np.ndarray
-    force: np.ndarray
-    stiffness: np.ndarray
-    radius: np.ndarray
-    modulus: np.ndarray
-    roughness: np.ndarray
-    maximum_overlap: np.ndarray
-    plastic_overlap: np.ndarray
-    radius_ratio: np.ndarray
-    stored: np.ndarray
-    dissipated: np.ndarray
-    branch: np.ndarray
-    yielded: np.ndarray
-
-    def __len__(self):
-        return self.overlap.size
-
-    def __repr__(self):
-        return f"<{len(self)} contacts: {', '.join(COLUMNS)}>"
-
-    def columns(self):
-        """Title with unit → values of each array."""
-        return {f"{name} ({unit})" if unit else name: getattr(self, name) for name, (unit, _) in COLUMNS.items()}
-
-
-COLUMNS = {
-    "body1": ("", "number of the first body"),
-    "body2": ("", "number of the second body"),
-    "overlap": ("m", "present overlap δ"),
-    "force": ("N", "normal force P of the law, without damping"),
-    "stiffness": ("N/m", "tangent dP/dδ, of unloading where the contact unloads"),
-    "radius": ("m", "effective radius R with which the law computes"),
-    "modulus": ("Pa", "contact modulus E*"),
-    "roughness": ("m", "combined roughness σ"),
-    "maximum_overlap": ("m", "largest overlap since the bodies touched; NaN with unloading `elastic`"),
-    "plastic_overlap": ("m", "overlap at which the force vanishes on unloading"),
-    "radius_ratio": ("", "R_p/R of the curve of unloading (rules `thornton`, `etsion`, `jackson`); NaN with others"),
-    "stored": ("J", "energy that unloading returns"),
-    "dissipated": ("J", "energy that plastic deformation has taken since the bodies touched"),
-    "branch": ("", "0: at the largest overlap so far (first loading); 1: below it (unloading or reloading)"),
-    "yielded": (
-        "",
-        "whether the bulk has yielded since the bodies touched; of a law without a yield point, whether the contact has "
-        "dissipated energy",
-    ),
-}
-"""Name of an array of `ContactState` → unit, meaning."""
 
 
 class _Energies(NamedTuple):
@@ -101,10 +41,10 @@ class Totals(_Energies):
 
 def real_contacts():
     """The current scene's contacts that a law of ours acts on."""
-    return [i for i in O.interactions if is_ours(i)]
+    return [i for i in O.interactions if is_our_contact(i)]
 
 
-def is_ours(contact):
+def is_our_contact(contact):
     """Whether a contact is real and of a class that a law of ours acts on."""
     return contact.isReal and type(contact.phys) in PHYSICS
 
@@ -126,8 +66,14 @@ def with_overlaps(rows, contacts):
     return rows
 
 
-def state_of(pairs, contacts, rows):
-    """`ContactState` of contacts that a law has seen; rows: their histories."""
+SHEAR = {"shear_stored": "held", "shear_dissipated": "lost", "viscous": "viscous"}
+"""Energy of `Contacts` → field of a contact's history."""
+
+
+def state_of(pairs, contacts, rows, known):
+    """`Contacts` that a law has seen; rows: their histories; known: which of SHEAR these contain."""
+    from demlaws.responses.contacts import Contacts
+
     active = rows["tag"] > 0
     contacts = [contact for contact, keep in zip(contacts, active, strict=True) if keep]
     rows = rows[active]
@@ -141,18 +87,39 @@ def state_of(pairs, contacts, rows):
         columns["plastic_overlap"] = np.zeros(len(rows))
     overlap = before["overlap"].copy()
     highest = np.fmax(overlap, columns["maximum_overlap"])
-    return ContactState(
-        np.array([c.id1 for c in contacts], int),
-        np.array([c.id2 for c in contacts], int),
-        overlap,
-        answer["force"].copy(),
-        answer["tangent"].copy(),
-        before["radius"].copy(),
-        before["modulus"].copy(),
-        np.array(pairs.roughnesses)[before["tag"].astype(int) - 1] if len(rows) else np.zeros(0),
+    centres = [_ends(contact) for contact in contacts]
+    shears = [contact.phys.shearForce.norm() for contact in contacts]
+    return Contacts(
+        body1=np.array([c.id1 for c in contacts], int),
+        body2=np.array([c.id2 for c in contacts], int),
+        overlap=overlap,
+        force=answer["force"].copy(),
+        stiffness=answer["tangent"].copy(),
+        radius=before["radius"].copy(),
+        modulus=before["modulus"].copy(),
+        roughness=np.array(pairs.roughnesses)[before["tag"].astype(int) - 1] if len(rows) else np.zeros(0),
         **columns,
         stored=energies["stored"].copy(),
         dissipated=energies["dissipated"].copy(),
         branch=(overlap < columns["maximum_overlap"]).astype(int),
         yielded=pairs.yielded(before, highest, energies),
+        sliding=np.array([bool(c.phys.isSliding) for c in contacts], bool),
+        shear_force=np.array(shears, float),
+        **{name: before[SHEAR[name]].copy() for name in known},
+        centre1=np.array([ends[0] for ends in centres], float).reshape(-1, 3),
+        centre2=np.array([ends[1] for ends in centres], float).reshape(-1, 3),
     )
+
+
+def _ends(contact):
+    """Centres of both bodies, the second one's image where it lies across a periodic face; on a wall the contact's point."""
+    ends = []
+    for number, image in ((contact.id1, (0, 0, 0)), (contact.id2, contact.cellDist)):
+        body = O.bodies[number]
+        if body is None or not isinstance(body.shape, yade.Sphere):
+            ends.append(tuple(contact.geom.contactPoint))
+        elif O.periodic:
+            ends.append(tuple(body.state.pos + O.cell.hSize * type(body.state.pos)(*image)))
+        else:
+            ends.append(tuple(body.state.pos))
+    return ends

@@ -129,7 +129,7 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         return self.binding.totals()
 
     def contacts(self, interactions=None):
-        """`ContactState` of all real contacts, or of the given interactions."""
+        """All real contacts, or the given ones: a table (`demlaws.responses.contacts`) that `save` writes for ParaView."""
         return self.binding.contacts(interactions)
 
     def normElastEnergy(self):
@@ -146,7 +146,7 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         """Energy of shear [J] dissipated by friction and by the opening of contacts, as in `totals()`."""
         return self.totals().shear_dissipated
 
-    def restitution(self, first, second, speed, en=None):
+    def restitution(self, first, second, speed, *, en=None):
         """Rebound over impact speed of two bodies (`O.bodies[n]`) that collide head-on at `speed` [m/s], under this law and the
         damping of `Ip2_FrictMat_FrictMat_MindlinPhys(en=en)`; below `en` if the law dissipates. Masses are those of the bodies:
         that of a fixed one is infinite, that of a clump's member its own."""

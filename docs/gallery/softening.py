@@ -1,25 +1,26 @@
 """Error of a packing whose modulus is divided by a factor: roughness scaled with it (`dl.soften`) or left alone."""
 
-import re
+import csv
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 
 FACTORS = (3, 10, 100, 1000)
-TEXT = (Path(__file__).parents[1] / "trade.md").read_text().replace("−", "-")
+with open(Path(__file__).parents[1] / "trade-softening.csv", encoding="utf-8") as file:
+    ROWS = {row["packing"]: row for row in csv.DictReader(file)}
 
 
 def errors(kind, engine):
-    """Error (%) of the first stiffness at E/1, E/3 ... in docs/trade.md, of YADE (0) or LIGGGHTS (1)."""
-    rows = [re.search(rf"^\| E/{factor}, σ {kind} \|(.*)", TEXT, re.MULTILINE).group(1) for factor in FACTORS]
-    return [0.0, *(float(row.split("|")[engine].split("/")[0]) for row in rows)]
+    """Error (%) of the first stiffness at E/1, E/3 ... in docs/trade-softening.csv, of an engine."""
+    cells = [ROWS[f"E/{factor}, σ {kind}"][engine].replace("−", "-") for factor in FACTORS]
+    return [0.0, *(float(cell.split("/")[0]) for cell in cells)]
 
 
 fig, ax = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
 for kind, colour, text in (("alone", "tab:red", "E alone"), ("scaled", "tab:blue", "E and σ (dl.soften)")):
-    ax.semilogx((1, *FACTORS), errors(kind, 0), "o-", color=colour)
-    ax.semilogx((1, *FACTORS), errors(kind, 1), "s--", color=colour)
-    ax.annotate(text, (10, errors(kind, 0)[2]), (8, -14), textcoords="offset points", color=colour)
+    ax.semilogx((1, *FACTORS), errors(kind, "YADE"), "o-", color=colour)
+    ax.semilogx((1, *FACTORS), errors(kind, "LIGGGHTS"), "s--", color=colour)
+    ax.annotate(text, (10, errors(kind, "YADE")[2]), (8, -14), textcoords="offset points", color=colour)
 ax.plot([], [], "ko-", label="YADE")
 ax.plot([], [], "ks--", label="LIGGGHTS")
 ax.axhline(0, color="0.5", lw=0.8)

@@ -57,7 +57,12 @@ def report(folder, out, printed):
     text = (out / "validation.md").read_text().split("\n", 2)[2]
     for picture in out.glob("*.png"):
         (folder / picture.name).write_bytes(picture.read_bytes())
-    return text
+    from making.apart import report_apart
+
+    page, rows, sources = report_apart(text)
+    (folder / "report.csv").write_text(rows)
+    (folder / "report-sources.csv").write_text(sources)
+    return page
 
 
 def narrowed(block):
@@ -69,14 +74,23 @@ def narrowed(block):
     return "\n".join("".join(line[k : k + 1] for k in kept) for line in lines)
 
 
-def as_printed(text):
-    """A page with this text and the tables that the command printed."""
+def as_printed(text, name, wanted):
+    """A page with this text and the wanted rows of the tables that the command printed; all of it in a text file beside."""
 
     def page(folder, out, printed):
+        from making.apart import printed_apart
+
         tables = "\n\n".join(narrowed(block) for block in printed.rstrip().split("\n\n"))
-        return f"{text}\n\n```{{code-block}} text\n:class: digits\n\n{tables}\n```\n"
+        (folder / f"{name}.txt").write_text(tables + "\n")
+        shown, link = printed_apart(tables, wanted, name)
+        return f"{text}\n\n{link}\n\n```{{code-block}} text\n:class: digits\n\n{shown}\n```\n"
 
     return page
+
+
+def closed_elastic(line):
+    """Whether a row of a printed table is that of a law's closed form without history."""
+    return " elastic " in line and "closed form" in line
 
 
 STABILITY = """Random load paths at extreme sizes, materials and overlaps test every law with every rule. If a check fails, the
@@ -114,13 +128,13 @@ PAGES = {
         "Every law at extreme inputs",
         [*STUDY, "studies.extremes", "--paths", "1e5"],
         ["--paths", "2e4", "--cycles", "1e4"],
-        as_printed(STABILITY),
+        as_printed(STABILITY, "stability", closed_elastic),
     ),
     "trade-now": (
         "Cost and error of every law",
         [*STUDY, "studies.trade"],
         ["--contacts", "2e4", "--rounds", "3"],
-        as_printed(TRADE),
+        as_printed(TRADE, "trade-now", closed_elastic),
     ),
 }
 """Name of the page → title, command, what `--quick` adds to it, function that makes the text of its output."""

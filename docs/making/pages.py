@@ -20,8 +20,15 @@ ELSEWHERE = {
     "CONTRIBUTING.md": "made/contributing.md",
     "CHANGELOG.md": "made/changelog.md",
     "README.md": "index.md",
+    "CITATION.cff": "made/citation.md",
 }
 """Pages of the repository outside docs/ → where the site shows them."""
+
+LAWS = {
+    f"demlaws/laws/{path.stem}.py": f"made/theory/{path.stem.replace('_', '-')}.md"
+    for path in (ROOT / "demlaws" / "laws").glob("*.py")
+}
+"""A link to the file of a law leads to the page that is made of it; in the repository, to the file."""
 
 SECTIONS = {
     "tutorials": ["install", "made/gallery"],
@@ -37,7 +44,7 @@ SECTIONS = {
         "made/lammps-cases",
         "machines",
     ],
-    "reference": ["symbols", "bibliography", "table-format", "made/changelog"],
+    "reference": ["symbols", "materials", "bibliography", "table-format", "made/citation", "made/changelog"],
     "validation": ["limits", "trade", "cost", "made/costs"],
     "inside": ["made/contributing"],
 }
@@ -72,6 +79,10 @@ def relinked(text, source, target):
         inside = real.relative_to(ROOT).as_posix() if real.is_relative_to(ROOT) else ""
         if inside in ELSEWHERE or (real / "README.md").relative_to(ROOT).as_posix() in ELSEWHERE if inside else False:
             shown = ELSEWHERE.get(inside) or ELSEWHERE[f"{inside}/README.md"]
+        elif inside.startswith("docs/pictures/") and (MADE / "gallery" / real.name).exists():
+            shown = f"made/gallery/{real.name}"  # drawn just now
+        elif inside in LAWS and (DOCS / LAWS[inside]).exists():
+            shown = LAWS[inside]
         elif inside.startswith("docs/"):
             shown = inside[len("docs/") :]
         elif real.exists():
@@ -145,6 +156,29 @@ def script(text):
     return "\n".join(lines) + "\n"
 
 
+def citation():
+    """The page of CITATION.cff: the entry for a bibliography, and where to get the software."""
+    import demlaws
+
+    fields = dict(re.findall(r'^([\w-]+): "?(.*?)"?$', (ROOT / "CITATION.cff").read_text(), re.MULTILINE))
+    return f"""# Cite and download
+
+{fields["message"]} The references are in the [bibliography](../bibliography.md).
+
+```bibtex
+@software{{demlaws,
+  title   = {{{{{fields["title"]}}}}},
+  author  = {{{{demlaws authors}}}},
+  version = {{{demlaws.__version__}}},
+  license = {{{fields["license"]}}}
+}}
+```
+
+A release has the wheel, the sources, this site, the tutorials as notebooks, and SHA256SUMS. [Installation](../install.md) names
+the address of the repository.
+"""
+
+
 def write():
     """Write the folder docs/made."""
     from making import reference, theory
@@ -158,10 +192,11 @@ def write():
         (MADE / "notebooks" / f"{tutorial}.ipynb").write_text(notebook(text))
         (MADE / "notebooks" / f"{tutorial}.sh").write_text(script(text))
     for source, target in ELSEWHERE.items():
-        if target.startswith("made/"):
+        if target.startswith("made/") and source.endswith(".md"):
             (DOCS / target).write_text(relinked((ROOT / source).read_text(), source, target))
     laws, rules = theory.write(MADE / "theory")
     commands = reference.command_pages(MADE / "commands")
+    (MADE / "citation.md").write_text(citation())
     (MADE / "costs.md").write_text(theory.cost_page())
     (MADE / "errors.md").write_text(reference.error_page())
     return {

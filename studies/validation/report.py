@@ -84,7 +84,7 @@ def page(groups):
         "",
         "![Deviation over tolerance of every row](deviations.png)",
         "",
-        "Each mark is a row of the tables below: its distance from the expected value over the tolerance, 1 at the limit. "
+        "Each mark is a row of report.csv: its distance from the expected value over the tolerance, 1 at the limit. "
         "Tolerances are relative. A range in place of a value is a known limit of a model, not an agreement.",
     ]
     for kind in KINDS:

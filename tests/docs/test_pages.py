@@ -8,6 +8,7 @@ from pathlib import Path
 
 import listings
 import pytest
+from pictures import difference
 
 import demlaws as dl
 
@@ -47,6 +48,9 @@ def follow(page, folder):
         warnings.simplefilter("ignore", dl.ValidityWarning)
         wrong = listings.run(page, folder, environment)
     assert wrong == [], "\n".join(f"$ {command}\n{printed}" for command, printed in wrong)
+    for drawn in folder.rglob("*.png"):
+        kept = DOCS / "pictures" / drawn.name
+        assert not kept.exists() or difference(drawn, kept) < 0.005, f"{kept} is not what {page.name} draws"
 
 
 @pytest.mark.parametrize("page", PLAIN, ids=lambda page: page.stem)

@@ -300,7 +300,7 @@ def slip_along(law, overlaps, displacements, friction, springs):
     largest = float(np.max(law.shear_stiffness(overlaps, 1.0, "elastic")))
     still = np.zeros(len(overlaps))
     state = law.new_state(1).arrays
-    slip_loop(law.rule, law.params, overlaps, displacements, still, GRANITE_RATIO, friction, largest, state, *rows, results)
+    slip_loop(law.rule_tag, law.params, overlaps, displacements, still, GRANITE_RATIO, friction, largest, state, *rows, results)
     return results[2]
 
 

@@ -523,3 +523,57 @@ def test_a_doctored_layout_fails_closed(bridge, monkeypatch, doctored):
     monkeypatch.setattr(*changes.get(doctored) or (bridge, doctored, getattr(bridge, doctored) + "x"))
     with pytest.raises(bridge.BridgeUnavailable):
         bridge.find_layout()
+
+
+# --- contacts as a table
+
+
+def test_contacts_are_a_table(omega):
+    """len, columns and energies of contacts; lines end at the bodies' centres, or on the wall."""
+    law = functor(bridge="native", surfaces={"granite": dl.materials.granite})
+    ids = omega.bodies.append(fixed_pair(material()))
+    omega.bodies.append(yade.utils.wall((0, 0, -0.01 + 0.5 * OVERLAP), 2, material=material()))
+    set_engines(law, 1e-9)
+    advance(3)
+    contacts, totals = law.contacts(), law.totals()
+    assert len(contacts) == len(contacts.force) == 2 and len(contacts[contacts.body1 == ids[0]]) >= 1
+    assert contacts.yielded.all() and not contacts.sliding.any()
+    assert contacts.stored.sum() == pytest.approx(totals.stored) and contacts.dissipated.sum() == pytest.approx(
+        totals.dissipated
+    )
+    assert contacts.shear_stored.sum() == totals.shear_stored and contacts.viscous.sum() == totals.viscous
+    assert contacts.roughness[contacts.body2 == ids[1]] == pytest.approx(2**0.5 * dl.materials.granite.surface.roughness)
+    for one in range(2):
+        for number, centre in ((contacts.body1[one], contacts.centre1[one]), (contacts.body2[one], contacts.centre2[one])):
+            body = omega.bodies[int(number)]
+            if isinstance(body.shape, yade.Sphere):
+                assert centre == pytest.approx(tuple(body.state.pos), abs=1e-12)
+            else:
+                assert centre[2] == pytest.approx(-0.01 + 0.5 * OVERLAP, abs=OVERLAP)
+
+
+def test_sliding_contacts_are_marked(omega):
+    law = acting(functor(bridge="native"))
+    omega.bodies[1].state.vel = (1.0, 0, 0)
+    omega.dt = 1e-8
+    advance(300)
+    contacts = law.contacts()
+    assert contacts.sliding.all() and contacts.shear_dissipated.sum() > 0
+    friction = omega.bodies[0].material.frictionAngle
+    assert contacts.shear_force[0] == pytest.approx(np.tan(friction) * contacts.force[0], rel=1e-6)
+
+
+def test_lines_across_a_periodic_face(omega):
+    omega.periodic = True
+    omega.cell.setBox(0.05, 0.05, 0.05)
+    stone = material()
+    omega.bodies.append([sphere((0.025, 0.025, z), 0.01, material=stone) for z in (0.005, 0.035 + 0.5 * OVERLAP)])
+    for body in omega.bodies:
+        body.dynamic = False
+    set_engines(law := functor(bridge="native"), 1e-9)
+    omega.engines[1].allowBiggerThanPeriod = True
+    advance(3)
+    contacts = law.contacts()
+    assert len(contacts) == 1
+    distance = np.linalg.norm(contacts.centre1 - contacts.centre2, axis=1)
+    assert distance == pytest.approx(0.02 - contacts.overlap, rel=1e-9)

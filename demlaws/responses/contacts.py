@@ -1,0 +1,165 @@
+"""Contacts of a scene or of a dump as a table, and as lines between centres for ParaView."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from demlaws.errors import DemlawsError
+from demlaws.responses.results import Tabular
+
+COLUMNS = {
+    "body1": ("", "number of the first body"),
+    "body2": ("", "number of the second body"),
+    "overlap": ("m", "present overlap δ"),
+    "force": ("N", "normal force P of the law, without damping"),
+    "stiffness": ("N/m", "tangent dP/dδ, of unloading where the contact unloads"),
+    "radius": ("m", "effective radius R with which the law computes"),
+    "modulus": ("Pa", "contact modulus E*"),
+    "roughness": ("m", "combined roughness σ"),
+    "maximum_overlap": ("m", "largest overlap since the bodies touched; NaN with unloading `elastic`"),
+    "plastic_overlap": ("m", "overlap at which the force vanishes on unloading"),
+    "radius_ratio": ("", "R_p/R of the curve of unloading (rules `thornton`, `etsion`, `jackson`); NaN with others"),
+    "stored": ("J", "energy that unloading returns"),
+    "dissipated": ("J", "energy that plastic deformation has taken since the bodies touched"),
+    "branch": ("", "0: at the largest overlap so far (first loading); 1: below it (unloading or reloading)"),
+    "yielded": (
+        "",
+        "whether the bulk has yielded since the bodies touched; of a law without a yield point, whether the contact has "
+        "dissipated energy",
+    ),
+    "sliding": ("", "whether the shear force is at Coulomb's limit"),
+    "shear_force": ("N", "shear force"),
+    "shear_stored": ("J", "energy that the springs of shear return"),
+    "shear_dissipated": ("J", "energy that friction and opening springs have taken since the bodies touched"),
+    "viscous": ("J", "energy that viscous damping has taken since the bodies touched"),
+}
+"""Name of a column → unit, meaning."""
+MAIN = ("body1", "body2", "overlap", "force", "shear_force", "maximum_overlap", "plastic_overlap", "yielded", "sliding")
+SHORT = {"maximum_overlap": "largest (m)", "plastic_overlap": "plastic (m)", "shear_force": "shear (N)"}
+"""What `str` shows, and shorter titles there."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Contacts(Tabular):
+    """Contacts: arrays with one entry per contact, SI units; `COLUMNS` describes them. What is not known is NaN, or None.
+
+    `len` is the number of contacts; `contacts[3]`, a slice, numbers or a mask give some of them. `print`, `to_dataframe()` give
+    a row for each, `save` lines for ParaView. centre1, centre2: (n, 3), of the bodies; the point of contact on a wall.
+    """
+
+    body1: np.ndarray
+    body2: np.ndarray
+    overlap: np.ndarray
+    force: np.ndarray
+    stiffness: np.ndarray | None = None
+    radius: np.ndarray | None = None
+    modulus: np.ndarray | None = None
+    roughness: np.ndarray | None = None
+    maximum_overlap: np.ndarray | None = None
+    plastic_overlap: np.ndarray | None = None
+    radius_ratio: np.ndarray | None = None
+    stored: np.ndarray | None = None
+    dissipated: np.ndarray | None = None
+    branch: np.ndarray | None = None
+    yielded: np.ndarray | None = None
+    sliding: np.ndarray | None = None
+    shear_force: np.ndarray | None = None
+    shear_stored: np.ndarray | None = None
+    shear_dissipated: np.ndarray | None = None
+    viscous: np.ndarray | None = None
+    centre1: np.ndarray | None = None
+    centre2: np.ndarray | None = None
+
+    def __len__(self) -> int:
+        return len(self.body1)
+
+    def __getitem__(self, which: Any) -> "Contacts":
+        chosen = np.atleast_1d(np.arange(len(self))[which])
+        columns: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(self)}
+        return replace(self, **{name: values[chosen] for name, values in columns.items() if values is not None})
+
+    def columns(self) -> dict[str, Sequence]:
+        """Columns of which something is known, with their units."""
+        return {f"{name} ({unit})" if unit else name: values for name, unit, values in self._known()}
+
+    def _known(self) -> Iterator[tuple[str, str, Any]]:
+        """Name, unit and values of the columns of which something is known."""
+        for name, (unit, _) in COLUMNS.items():
+            values = getattr(self, name)
+            if values is not None and not (values.size and values.dtype.kind == "f" and np.all(np.isnan(values))):
+                yield name, unit, values
+
+    def shown(self) -> dict[str, Sequence]:
+        """What fits on a line."""
+        known = {name: (f"{name} ({unit})" if unit else name, values) for name, unit, values in self._known()}
+        return {SHORT.get(name, known[name][0]): known[name][1] for name in MAIN if name in known}
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} contacts: {', '.join(name for name, *_ in self._known())}>"
+
+    def title(self) -> str:
+        """Number of contacts."""
+        return f"{len(self)} contacts"
+
+    def save(self, path: str | Path) -> Path:
+        """Lines between the centres with the columns as cell data, for ParaView: .vtp, .vtu or .vtk.
+
+        Needs pyvista (all of them) or meshio (.vtu and .vtk).
+
+        Parameters
+        ----------
+        path : str or Path
+            File to write, ending with .vtp, .vtu or .vtk.
+
+        Returns
+        -------
+        Path
+
+        Raises
+        ------
+        DemlawsError
+            If the places of the bodies are not known, the ending is another one, or neither library is installed.
+        """
+        path = Path(path)
+        if self.centre1 is None or self.centre2 is None:
+            raise DemlawsError("these contacts have no places of their bodies: nothing to draw")
+        data = {name: v.astype(np.uint8) if v.dtype == bool else v for name, _, v in self._known()}
+        _writer(path.suffix)(path, np.concatenate([self.centre1, self.centre2]), _lines(len(self)), data)
+        return path
+
+
+def _lines(count: int) -> np.ndarray:
+    """Numbers of the two points of each line."""
+    return np.stack([np.arange(count), np.arange(count) + count], axis=1)
+
+
+def _writer(suffix: str) -> Any:
+    """The function that writes points, lines and cell data into a file of this kind."""
+    if suffix not in (".vtp", ".vtu", ".vtk"):
+        raise DemlawsError(f"contacts are saved as .vtp, .vtu or .vtk, got {suffix!r}")
+    try:
+        import pyvista
+    except ImportError:
+        if suffix == ".vtp":
+            raise DemlawsError(
+                "a .vtp file needs pyvista: pip install 'demlaws[vtk]'; .vtu and .vtk need it or meshio"
+            ) from None
+    else:
+        return lambda *arguments: _by_pyvista(pyvista, *arguments)
+    try:
+        import meshio
+    except ImportError:
+        raise DemlawsError(f"a {suffix} file needs pyvista or meshio: pip install meshio") from None
+    return lambda path, points, lines, data: meshio.Mesh(
+        points, [("line", lines)], cell_data={name: [values] for name, values in data.items()}
+    ).write(path)
+
+
+def _by_pyvista(pyvista: Any, path: Path, points: np.ndarray, lines: np.ndarray, data: dict) -> None:
+    cells = np.insert(lines, 0, 2, axis=1).ravel()
+    mesh = pyvista.PolyData(points, lines=cells) if len(lines) else pyvista.PolyData()
+    mesh.cell_data.update(data if len(lines) else {})
+    (mesh if path.suffix != ".vtu" else mesh.cast_to_unstructured_grid()).save(path)

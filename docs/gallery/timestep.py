@@ -1,0 +1,22 @@
+"""Recommended step of 10 mm granite grains over the largest force: flattened asperities unload, and step, as Hertz says."""
+
+import warnings
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import demlaws as dl
+
+warnings.simplefilter("ignore", dl.ValidityWarning)
+mass = 2680 * 4 / 3 * np.pi * 5e-3**3
+pair = dl.Contact(radius=2.5e-3, modulus=32.32e9, roughness=2.4e-6, fractal_dimension=2.22)
+force = np.geomspace(0.01, 1000, 40)
+fig, ax = plt.subplots(figsize=(6.0, 4.0), layout="constrained")
+for name, rule, style in (("pohrt-popov", "elastic", "C0-"), ("pohrt-popov", "hertz", "C3-"), ("hertz", "elastic", "k--")):
+    law = dl.law(name, pair.with_values(roughness=0) if name == "hertz" else pair, unloading=rule)
+    steps = [dl.timestep(law, mass=mass, max_force=load) * 1e6 for load in force]
+    ax.loglog(force, steps, style, label=name if name == "hertz" else f"{name}, {rule} unloading")
+ax.set(xlabel="largest force of a contact (N)", ylabel="recommended step (µs)")
+ax.grid(alpha=0.3, which="both")
+ax.legend()
+fig.savefig("timestep.png", dpi=130)

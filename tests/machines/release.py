@@ -1,0 +1,103 @@
+#!/usr/bin/env python3
+"""What a maintainer with accounts uploads, in an empty folder: `make release`, after `make dist` and `make docs`.
+
+    python tests/machines/release.py --out release    # from dist/ and build/site
+
+Wheel, sdist, site, tutorials as notebooks and scripts, release notes, CITATION.cff with version and date, SHA256SUMS. The
+version is that of demlaws/__init__.py; the notes are its section of CHANGELOG.md, or, with a warning, [Unreleased]. Nothing is
+uploaded. Standard library only.
+"""
+
+import argparse
+import datetime
+import hashlib
+import re
+import shutil
+import sys
+import zipfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+class ReleaseError(Exception):
+    """What is missing, and the command that makes it."""
+
+
+def version():
+    """The version, from its one place."""
+    return re.search(r'^__version__ = "(.+)"$', (ROOT / "demlaws" / "__init__.py").read_text(), re.MULTILINE)[1]
+
+
+def notes(number, changelog, today):
+    """(release notes, whether CHANGELOG has a section for this version)."""
+    sections = dict(re.findall(r"^## \[([^\]]+)\][^\n]*\n(.*?)(?=^## \[|\Z)", changelog, re.MULTILINE | re.DOTALL))
+    text = sections.get(number) or sections.get("Unreleased", "")
+    if not text.strip():
+        raise ReleaseError(f"CHANGELOG.md has neither a section [{number}] nor lines under [Unreleased]")
+    return f"# demlaws {number}, {today}\n\n{text.strip()}\n", number in sections
+
+
+def archive(path, files):
+    """A zip file of files, {name: path}, in a folder of the archive's name."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as target:
+        for name, file in sorted(files.items()):
+            target.write(file, f"{path.stem}/{name}")
+
+
+def assemble(out, number, today):
+    """Write everything into `out`; returns the paths and warnings."""
+    built = {kind: list((ROOT / "dist").glob(f"demlaws-{number}{kind}")) for kind in ("-*.whl", ".tar.gz")}
+    for kind, found in built.items():
+        if len(found) != 1:
+            raise ReleaseError(f"dist/ has {len(found)} files demlaws-{number}{kind}: make dist")
+    site, notebooks = ROOT / "build" / "site", ROOT / "docs" / "made" / "notebooks"
+    index = site / "index.html"
+    if not index.is_file() or f"demlaws {number}" not in index.read_text():
+        raise ReleaseError(f"build/site is missing or of another version than {number}: make docs")
+    text, own = notes(number, (ROOT / "CHANGELOG.md").read_text(), today)
+    warnings = [] if own else [f"CHANGELOG.md has no section [{number}]: the notes are those of [Unreleased]"]
+    if out.exists() and any(out.iterdir()):
+        raise ReleaseError(f"{out} is not empty")
+    out.mkdir(parents=True, exist_ok=True)
+    for found in built.values():
+        shutil.copy(found[0], out)
+    archive(out / f"demlaws-{number}-site.zip", {p.relative_to(site).as_posix(): p for p in site.rglob("*") if p.is_file()})
+    tutorials = [*notebooks.glob("*.ipynb"), *notebooks.glob("*.sh"), *(ROOT / "docs" / "tutorials").glob("*.csv")]
+    archive(out / f"demlaws-{number}-notebooks.zip", {path.name: path for path in tutorials})
+    (out / "RELEASE_NOTES.md").write_text(text)
+    citation = (
+        (ROOT / "CITATION.cff").read_text().replace("license:", f"version: {number}\ndate-released: {today}\nlicense:", 1)
+    )
+    (out / "CITATION.cff").write_text(citation)
+    paths = sorted(path for path in out.iterdir() if path.is_file())
+    sums = "".join(f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in paths)
+    (out / "SHA256SUMS").write_text(sums)
+    return [*paths, out / "SHA256SUMS"], warnings
+
+
+def main(arguments=None):
+    """Assemble the release; exit status 1 if something is missing."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=Path, default=ROOT / "build" / "release", help="empty folder (default: build/release)")
+    out, number = parser.parse_args(arguments).out, version()
+    try:
+        paths, warnings = assemble(out, number, datetime.date.today().isoformat())
+    except ReleaseError as error:
+        print(f"release: {error}", file=sys.stderr)
+        return 1
+    for path in paths:
+        print(f"{path.stat().st_size / 1024:9.1f} kB  {path}")
+    for line in warnings:
+        print(f"release: {line}")
+    print(
+        f"\ncheck:   cd {out} && sha256sum -c SHA256SUMS\n"
+        f"upload:  twine upload {out}/demlaws-{number}*.whl {out}/demlaws-{number}.tar.gz\n"
+        f"         git tag v{number} && git push ADDRESS v{number}; attach the other files to its release page\n"
+        "         ADDRESS is that of docs/install.md, the only page that names it"
+    )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

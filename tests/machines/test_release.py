@@ -1,0 +1,84 @@
+"""`tests/machines/release.py`: what is uploaded, from made-up results of `make dist` and `make docs`."""
+
+import importlib.util
+import re
+import subprocess
+import zipfile
+from pathlib import Path
+
+import pytest
+
+SPEC = importlib.util.spec_from_file_location("release", Path(__file__).with_name("release.py"))
+release = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(release)
+NUMBER = release.version()
+
+
+@pytest.fixture
+def project(tmp_path, monkeypatch):
+    """A project after `make dist` and `make docs`."""
+    root = tmp_path / "project"
+    for name, text in {
+        f"dist/demlaws-{NUMBER}-py3-none-any.whl": "wheel",
+        f"dist/demlaws-{NUMBER}.tar.gz": "sdist",
+        "build/site/index.html": f"<title>demlaws {NUMBER}</title>",
+        "build/site/made/laws.html": "laws",
+        "docs/made/notebooks/first.ipynb": "{}",
+        "docs/made/notebooks/first.sh": "set -e",
+        "docs/tutorials/contact.csv": "1,2",
+        "CHANGELOG.md": "# Changes\n\n## [Unreleased]\n\n- later\n\n"
+        f"## [{NUMBER}] - 2026-11-24\n\n- now\n\n## [0.1.0]\n\n- before\n",
+        "CITATION.cff": (release.ROOT / "CITATION.cff").read_text(),
+    }.items():
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text(text)
+    monkeypatch.setattr(release, "ROOT", root)
+    monkeypatch.setattr(release, "version", lambda: NUMBER)
+    return root
+
+
+def test_all_that_is_uploaded(project, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert release.main(["--out", str(out)]) == 0
+    assert "[Unreleased]" not in capsys.readouterr().out
+    notes = (out / "RELEASE_NOTES.md").read_text()
+    assert "- now" in notes and "- later" not in notes and "- before" not in notes
+    assert re.search(
+        rf"^version: {re.escape(NUMBER)}\ndate-released: \d{{4}}-", (out / "CITATION.cff").read_text(), re.MULTILINE
+    )
+    assert {name.rpartition("/")[2] for name in zipfile.ZipFile(out / f"demlaws-{NUMBER}-notebooks.zip").namelist()} == {
+        "first.ipynb",
+        "first.sh",
+        "contact.csv",
+    }
+    assert f"demlaws-{NUMBER}-site/made/laws.html" in zipfile.ZipFile(out / f"demlaws-{NUMBER}-site.zip").namelist()
+    sums = subprocess.run(["sha256sum", "-c", "SHA256SUMS"], cwd=out, capture_output=True, text=True)
+    assert sums.returncode == 0 and sums.stdout.count("OK") == 6
+
+
+@pytest.mark.parametrize(
+    ("spoil", "remedy"),
+    [
+        (lambda root: (root / f"dist/demlaws-{NUMBER}.tar.gz").unlink(), "make dist"),
+        (lambda root: (root / "build/site/index.html").write_text("demlaws 0.1.0"), "make docs"),
+        (lambda root: (root / "CHANGELOG.md").write_text("# Changes\n"), "CHANGELOG"),
+    ],
+)
+def test_what_is_missing_is_named(project, tmp_path, capsys, spoil, remedy):
+    spoil(project)
+    assert release.main(["--out", str(tmp_path / "out")]) == 1
+    assert remedy in capsys.readouterr().err and not (tmp_path / "out").exists()
+
+
+def test_a_folder_with_files_is_left_alone(project, tmp_path, capsys):
+    (tmp_path / "old.whl").write_text("")
+    assert release.main(["--out", str(tmp_path)]) == 1
+    assert "not empty" in capsys.readouterr().err
+
+
+def test_version_and_address_are_in_one_place():
+    """Other files must not repeat the version; one page names the address of the repository."""
+    assert "version:" not in (release.ROOT / "CITATION.cff").read_text().partition("cff-version:")[2]
+    pages = [path for path in (release.ROOT / "docs").rglob("*.md") if "made" not in path.parts]
+    pages += [release.ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CITATION.cff")]
+    assert [path.name for path in pages if "ADDRESS" in path.read_text()] == ["install.md"]

@@ -1,0 +1,76 @@
+"""Contacts as a table, and as lines between centres."""
+
+import dataclasses
+import sys
+
+import numpy as np
+import pytest
+
+import demlaws as dl
+from demlaws.responses.contacts import COLUMNS, MAIN, Contacts
+
+ONE, TWO = np.array([[0.0, 0, 0], [0, 0, 1], [0, 1, 0]]), np.array([[0.0, 0, 1], [0, 0, 2], [0, 1, 1]])
+
+
+def three(**more):
+    values = {"stored": np.array([1.0, 1.0, 1.0]), "dissipated": np.array([0.0, 1e-14, 0.5])}
+    values |= {"maximum_overlap": np.array([2e-6, 2e-6, 3e-6]), "plastic_overlap": np.array([0.0, 0.0, 1e-6])}
+    values |= {"yielded": np.array([False, False, True])}
+    return Contacts(
+        np.array([0, 1, 2]), np.array([1, 2, 3]), np.array([2e-6, 1e-6, 3e-6]), np.array([5.0, 4.0, 9.0]), **(values | more)
+    )
+
+
+def test_length_indexing_and_columns():
+    contacts = three(sliding=np.array([True, False, False]), radius_ratio=np.full(3, np.nan))
+    assert len(contacts) == 3 and len(contacts[contacts.force > 4.5]) == 2
+    assert contacts[-1].body2.tolist() == [3] and contacts[[2, 0]].force.tolist() == [9.0, 5.0]
+    assert contacts[:1].stiffness is None
+    assert contacts[1:].yielded.tolist() == [False, True]
+    columns = contacts.columns()
+    assert "radius_ratio" not in columns and "stiffness (N/m)" not in columns  # nothing is known of them
+    assert columns["plastic_overlap (m)"][2] == 1e-6 and list(columns["sliding"]) == [True, False, False]
+    assert max(map(len, str(contacts).splitlines())) <= 100
+    with pytest.raises(IndexError):
+        contacts[3]
+
+
+def test_every_column_is_described():
+    assert [*COLUMNS, "centre1", "centre2"] == [field.name for field in dataclasses.fields(Contacts)]
+    assert set(MAIN) <= set(COLUMNS)
+
+
+def test_dataframe():
+    pytest.importorskip("pandas")
+    frame = three().to_dataframe()
+    assert len(frame) == 3 and frame["force (N)"].sum() == 18.0 and frame["yielded"].sum() == 1
+
+
+@pytest.mark.parametrize(("suffix", "library"), [(".vtu", "meshio"), (".vtk", "meshio"), (".vtp", "pyvista")])
+def test_lines_for_paraview(tmp_path, suffix, library, monkeypatch):
+    reader = pytest.importorskip(library)
+    if library == "meshio":
+        monkeypatch.setitem(sys.modules, "pyvista", None)
+    path = three(centre1=ONE, centre2=TWO).save(tmp_path / f"contacts{suffix}")
+    mesh = reader.read(path)
+    points = np.asarray(mesh.points)
+    if library == "meshio":
+        lines, data = mesh.cells_dict["line"], {name: values[0] for name, values in mesh.cell_data.items()}
+    else:
+        lines, data = mesh.lines.reshape(-1, 3)[:, 1:], mesh.cell_data
+    assert points[lines[:, 0]] == pytest.approx(ONE) and points[lines[:, 1]] == pytest.approx(TWO)
+    assert np.ravel(data["plastic_overlap"]).tolist() == [0.0, 0.0, 1e-6] and np.ravel(data["yielded"]).tolist() == [0, 0, 1]
+
+
+@pytest.mark.parametrize(("suffix", "remedy"), [(".vtp", "demlaws\\[vtk\\]"), (".vtu", "meshio"), (".csv", "csv")])
+def test_remedy_without_a_library(tmp_path, suffix, remedy, monkeypatch):
+    for name in ("pyvista", "meshio"):
+        monkeypatch.setitem(sys.modules, name, None)
+    with pytest.raises(dl.DemlawsError, match=remedy):
+        three(centre1=ONE, centre2=TWO).save(tmp_path / f"x{suffix}")
+    assert not list(tmp_path.iterdir())
+
+
+def test_without_places():
+    with pytest.raises(dl.DemlawsError, match="places"):
+        three().save("x.vtu")
