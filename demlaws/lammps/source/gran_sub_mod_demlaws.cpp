@@ -9,6 +9,7 @@
 
 #include "compute_demlaws_energy.h"
 #include "fix_demlaws.h"
+#include "fix_neigh_history.h"
 #include "fix_wall_gran.h"
 #include "force.h"
 #include "input.h"
@@ -187,6 +188,12 @@ void FixDemlaws::init() {
     if (ours && !equal) error->all(FLERR, MIXED_SIZES);
   }
   if (keeps) range.look_across(lmp, error);
+  // its lists mark no contacts: FixNeighHistory would drop all histories whenever lists are built
+  Pair *const surfaces = force->pair_match("surf/granular", 0);
+  for (Fix *const fix : modify->get_fix_by_style("^NEIGH_HISTORY")) {
+    FixNeighHistory *const kept = dynamic_cast<FixNeighHistory *>(fix);
+    if (surfaces && kept && kept->pair == surfaces) kept->use_bit_flag = 0;
+  }
   for (Fix *const fix : modify->get_fix_by_style("^wall/gran")) {
     FixWallGran *const wall = dynamic_cast<FixWallGran *>(fix);
     if (wall) range.look_at_wall(lmp, error, wall->model->normal_model->name);

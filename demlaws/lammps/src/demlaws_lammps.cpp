@@ -250,6 +250,14 @@ void demlaws_pair_make(void *pair, void *lmp) {
   Range::of(lmp) = Range();
 }
 void demlaws_pair_coeff(void *pair, int count, char **arg) {
+  const void *const *surfaces;
+  Stock::get().look_for("_ZTVN9LAMMPS_NS16PairSurfGranularE", surfaces);
+  if (surfaces && *(const void *const *)pair == surfaces + 2)
+    for (int n = 0; n < count; n++)
+      if (!strcmp(arg[n], "demlaws/table"))
+        raise(error_of(pair), true,
+              "demlaws/table: pair_style surf/granular of LAMMPS drops the histories of contacts whenever it builds "
+              "lists: take fix surface/global, or a LAMMPS with the models in it (`demlaws lammps source`)");
   PairNow now(pair);
   Stock::get().pair_coeff(pair, count, arg);
 }

@@ -305,6 +305,45 @@ def test_the_table_of_hertz_over_a_ridge_is_stock_hertz(tmp_path, use, way):
         assert np.abs(table[column] - stock[column]).max() <= 1e-7 * np.abs(stock[column]).max(), column
 
 
+@pytest.mark.parametrize("way", surfaces())
+def test_a_sphere_on_triangles_that_are_particles(tmp_path, use, monkeypatch, way):
+    """pair_style surf/granular, whose histories LAMMPS of 4 Jul 2026 drops whenever lists are built: refused by the plugin."""
+    use(way)
+    dl.law("pohrt-popov", ROUGH.with_values(radius=5e-3), "hertz").tabulate(rtol=1e-7).save(tmp_path / "law.tbl")
+    model = "demlaws/table law.tbl 60.6e9 0.9 0.25 tangential demlaws 1.0 0.3 damping demlaws/tangent"
+    stl(tmp_path / "ground.stl", np.linspace(-0.02, 0.02, 5), lambda x: 0.0)
+    case = (tmp_path, "fix floor all wall/gran MODEL zplane 0 NULL", model, "-0.011 -0.0123 0.00501", "0.8 1.0 -0.01")
+    plane = rolling(*case)
+    wall = f"fix floor all wall/gran granular {model} zplane 0 NULL"
+    changes = [
+        ("atom_style      sphere", "atom_style      tri"),
+        (f"pair_style granular\npair_coeff * * {model}\n{wall}", "pair_style hybrid granular surf/granular"),
+        (
+            "fix weight",
+            f"pair_coeff 1 1 granular {model}\npair_coeff 1 2 surf/granular {model}\npair_coeff 2 2 none\nfix weight",
+        ),
+        (" density 2650", "\nset group all density 2650\ngroup ball type 1\nfix g all surface/local input stl 2 1 ground.stl"),
+        ("compute e all demlaws/energy\n", ""),
+        ("c_e[1] c_e[2] ", ""),
+        *((f"{word} all", f"{word} ball") for word in ("weight", "move", "velocity", "compute p", "compute s")),
+    ]
+
+    def on_particles(folder, text, run=refused if way == PLUGIN else simulate):
+        for old, new in changes:
+            assert old in text
+            text = text.replace(old, new)
+        return run(folder, text)
+
+    monkeypatch.setitem(rolling.__globals__, "simulate", on_particles)
+    ground = rolling(*case)
+    assert np.abs(plane["s[7]"]).max() > 10
+    if way == PLUGIN:
+        assert "drops the histories" in ground
+        return
+    for column in set(plane) - {"e[1]", "e[2]"}:
+        assert np.abs(ground[column] - plane[column]).max() <= 1e-7 * np.abs(plane[column]).max(), column
+
+
 # --- LAMMPS's own tests of granular models (unittest/granular), with the table of Hertz in the place of hertz/material
 
 
