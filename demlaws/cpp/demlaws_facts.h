@@ -36,8 +36,9 @@ constexpr int MOST_BITS = 12, MOST_KINKS = 32; // of a curve
 constexpr long MOST_ROWS = 2000000;
 constexpr double LARGEST_ROW_OVERLAP = 1e+60, LARGEST_ROW_FORCE = 1e+200;
 constexpr double LEAST_MODULUS = 1000.0; // of E* [Pa]
-constexpr double LARGE_ROUGHNESS = 0.1, LARGEST_ROUGHNESS = 0.5; // over R: warned of, refused
-constexpr double SMALL_OVERLAP = 0.1, LARGEST_OVERLAP = 1.0; // over R, likewise
+// Over R: a warning beyond the first, an error beyond the second.
+constexpr double LARGE_ROUGHNESS = 0.1, LARGEST_ROUGHNESS = 0.5;
+constexpr double SMALL_OVERLAP = 0.1, LARGEST_OVERLAP = 1.0;
 
 } // namespace demlaws
 #endif

@@ -61,8 +61,9 @@ constexpr int MOST_BITS = {grid.MOST_BITS}, MOST_KINKS = {grid.MOST_KINKS}; // o
 constexpr long MOST_ROWS = {file.MOST_ROWS};
 constexpr double LARGEST_ROW_OVERLAP = {file.LARGEST_OVERLAP}, LARGEST_ROW_FORCE = {file.LARGEST_FORCE};
 constexpr double LEAST_MODULUS = {modulus}; // of E* [Pa]
-constexpr double LARGE_ROUGHNESS = {units.LARGE_ROUGHNESS}, LARGEST_ROUGHNESS = {units.LARGEST_ROUGHNESS}; // over R: warned of, refused
-constexpr double SMALL_OVERLAP = {units.SMALL_OVERLAP}, LARGEST_OVERLAP = {units.LARGEST_OVERLAP}; // over R, likewise
+// Over R: a warning beyond the first, an error beyond the second.
+constexpr double LARGE_ROUGHNESS = {units.LARGE_ROUGHNESS}, LARGEST_ROUGHNESS = {units.LARGEST_ROUGHNESS};
+constexpr double SMALL_OVERLAP = {units.SMALL_OVERLAP}, LARGEST_OVERLAP = {units.LARGEST_OVERLAP};
 
 }} // namespace demlaws
 #endif

@@ -18,7 +18,7 @@ import subprocess
 from pathlib import Path
 from typing import NamedTuple
 
-LISTING = re.compile(r"(?:^<!-- (?P<mark>[^\n]*?) -->\n)?^```(?P<kind>\w*)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
+LISTING = re.compile(r"(?:^<!-- (?P<mark>[^\n]*?) -->\n)?^```(?P<kind>[^\n]*)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
 NUMBER = re.compile(r"[-+−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
@@ -32,7 +32,9 @@ class Listing(NamedTuple):
 
 def listings(path):
     """All listings of a page, in order."""
-    return [Listing(m["mark"] or "", m["kind"], m["text"]) for m in LISTING.finditer(Path(path).read_text())]
+    return [
+        Listing(m["mark"] or "", m["kind"], m["text"]) for m in LISTING.finditer(Path(path).read_text()) if m["kind"][:1] != "{"
+    ]
 
 
 def commands(text):

@@ -1,4 +1,4 @@
-"""LIGGGHTS with the models built in (DEMLAWS_LIGGGHTS_SOURCE names it; docs/machines.md) beside the stock one with the plugin."""
+"""LIGGGHTS with the models built in (DEMLAWS_LIGGGHTS_SOURCE names it; docs/machines.md) beside stock with the plugin."""
 
 import os
 
