@@ -223,9 +223,15 @@ def _compile(command, library, packages, force):
         stack.callback(Path(temporary).unlink, missing_ok=True)
         if library.is_file() and not force:
             return
-        result = subprocess.run([*command, "-o", temporary], capture_output=True, text=True)
+        line = [*command, "-o", temporary]
+        result = subprocess.run(line, capture_output=True, text=True, env={**os.environ, "LC_ALL": "C"})
         if result.returncode:
             message = "\n".join((result.stderr or result.stdout).strip().splitlines()[:12])
+            if "No space left on device" in message:
+                raise DemlawsError(
+                    f"the plugin was not compiled: no space left in {library.parent} or {tempfile.gettempdir()}; free some, or "
+                    "set DEMLAWS_CACHE and TMPDIR to folders with space"
+                )
             raise DemlawsError(f"the plugin did not compile ({packages}):\n{message}")
         os.chmod(temporary, 0o755)
         os.replace(temporary, library)

@@ -218,6 +218,7 @@ def test_the_template_names_every_key_and_reaches_yield(tmp_path, capsys):
     assert fields - keys == {"materials", "surfaces", "surface", "reference_options", "edge_radius"}  # sections, refused
     choices = dl.choose(scene, tables=False)
     assert choices.reference.name == "rough-plastic"
+    assert any("yield_pressure=1.66 GPa" in choice.describe() for choice in choices)
     elastic = next(c for c in choices if c.name == "pohrt-popov" and c.unloading == "hertz")
     assert not elastic.meets and dict(elastic.left_out)["bulk yield"] > 0.2
     assert not any("bulk yields" in why for why in choices.ruled_out.values())

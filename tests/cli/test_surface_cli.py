@@ -68,8 +68,17 @@ def test_synthetic_map_has_the_roughness_asked_for(capsys, tmp_path):
 def test_from_a_map_to_a_table(capsys, tmp_path, map_file):
     table, worn, figure = (tmp_path / n for n in ("map.tbl", "worn.npy", "contact.png"))
     arguments = ["surface", "contact", map_file, *ALUMINIUM, "--load", "0.05", "--table", str(table)]
-    assert cli.main([*arguments, "--out", str(worn), "--figure", str(figure)]) == 0
-    text = capsys.readouterr().out
+    assert cli.main([*arguments, "--out", str(worn), "--figure", str(figure), "--load-rtol", "0.02"]) == 0
+    text, warned = capsys.readouterr()
+    assert "give --plastic-factor and --plastic-ratio" in warned  # warnings name options, as errors do
     assert "micro-contacts" in text and "hertz unloading" in text
     assert dl.Table.load(table).force(1e-7) > 0
     assert np.load(worn).shape == (128, 128) and figure.stat().st_size > 10000
+
+
+def test_options_that_are_refused_are_not_offered(capsys):
+    """The map's Poisson's ratio is needed by itself: E* does not do."""
+    with pytest.raises(SystemExit):
+        cli.main(["surface", "--help"])
+    text = capsys.readouterr().out
+    assert "--young" in text and "--modulus" not in text and "--load-rtol" in text

@@ -122,6 +122,19 @@ def test_the_message_names_what_is_missing(engine, plugin, tmp_path, monkeypatch
 
 
 @both
+def test_a_full_disk_is_no_missing_compiler(plugin, tmp_path, monkeypatch):
+    """It was reported with "apt install g++"."""
+    script = tmp_path / "full"
+    full = "echo 'fatal error: error writing to /tmp/x.s: No space left on device' >&2; exit 1"
+    script.write_text(f'#!/bin/sh\ncase " $* " in *" -shared "*) {full};; esac\nexec g++ "$@"\n')
+    script.chmod(0o755)
+    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path))
+    monkeypatch.setenv("CXX", str(script))
+    with pytest.raises(DemlawsError, match="no space left .* DEMLAWS_CACHE and TMPDIR"):
+        plugin.build()
+
+
+@both
 def test_relative_paths_of_cache_and_binary_are_valid_in_the_inputs_folder(engine, plugin, run, tmp_path, monkeypatch):
     binary = part(engine, "run").executable()
     (tmp_path / "case").mkdir()
