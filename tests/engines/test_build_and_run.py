@@ -130,7 +130,7 @@ def test_a_full_disk_is_no_missing_compiler(plugin, tmp_path, monkeypatch):
     script.chmod(0o755)
     monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path))
     monkeypatch.setenv("CXX", str(script))
-    with pytest.raises(DemlawsError, match="no space left .* DEMLAWS_CACHE and TMPDIR"):
+    with pytest.raises(DemlawsError, match=r"no space left .* DEMLAWS_CACHE and TMPDIR"):
         plugin.build()
 
 
