@@ -17,6 +17,7 @@
 # make mutations change one number or condition of the package at a time and check that the tests notice (some ten minutes)
 # make readme-check  recompute the numbers that README and docs state (a minute)
 # make size      lines and kB of the package, what a YADE script loads, circles: figures with their goals
+# make facts     write the C++ header of rules, keys and limits from the records in Python
 # make lint      format and lint of Python and C++, types and docstrings of the public names
 
 # Debian's own interpreter: YADE's modules are built for it.
@@ -30,7 +31,7 @@ APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
 # liggghts-doc: LIGGGHTS's own tutorials, which a test converts and runs
 ENGINES := yade liggghts liggghts-doc libliggghts-dev libopenmpi-dev openmpi-bin g++
 
-.PHONY: granite test test-all lammps-source bench stability trade validation experiment docs docs-measure dist release readme-check mutations lint plugins plugin-liggghts plugin-lammps engines clean bench-scale bench-shear
+.PHONY: facts granite test test-all lammps-source bench stability trade validation experiment docs docs-measure dist release readme-check mutations lint plugins plugin-liggghts plugin-lammps engines clean bench-scale bench-shear
 
 granite: $(VENV)/.plots
 	$(BIN)/demlaws granite --out granite
@@ -112,6 +113,9 @@ dist: $(VENV)/.test
 # RELEASE= options of the script, as --out FOLDER
 release: dist docs
 	$(BIN)/python tests/machines/release.py $(RELEASE)
+
+facts: $(VENV)/.test
+	PYTHONPATH=tests $(BIN)/python tests/cpp/facts.py
 
 size: $(VENV)/.test
 	PYTHONPATH=tests $(BIN)/python tests/size.py

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.errors import DemlawsError, did_you_mean, refuses_unknown_keywords, warn
-from demlaws.units import RANGES, judge, number, outside, positive, real, refuse, refuse_plain_radius
+from demlaws.units import RANGES, as_float, judge, number, outside, positive, refuse, refuse_plain_radius
 
 PER_CONTACT = ("radius", "modulus", "roughness")
 """Fields of a `Contact` that may have one entry per contact."""
@@ -26,7 +26,7 @@ def _check(owner: Any, *names: str, scalar: bool = True) -> None:
         value = getattr(owner, name)
         if value is None and name in _OPTIONAL:
             continue
-        array = real(value, name, RANGES[name].unit, array=not scalar)
+        array = as_float(value, name, RANGES[name].unit, array=not scalar)
         bad = np.flatnonzero(outside(name, array))
         if bad.size:
             where = f" (entry {bad[0]})" if array.ndim else ""
@@ -42,6 +42,31 @@ def _refuse_lengths(values: dict) -> None:
     except ValueError:
         sizes = {name: np.size(value) for name, value in values.items()}
         raise DemlawsError(f"one entry per contact is needed, got {sizes}; give arrays of one length") from None
+
+
+def compliance(material: Any) -> float:
+    """(1 - ν²)/E [1/Pa] of a material: an object with `young` and `poisson`, also YADE's."""
+    return (1.0 - material.poisson**2) / material.young
+
+
+def effective_modulus(material1: Any, material2: Any) -> float:
+    """E* [Pa], 1/E* = (1-ν1²)/E1 + (1-ν2²)/E2."""
+    return 1.0 / (compliance(material1) + compliance(material2))
+
+
+def young_against_itself(modulus: float, poisson: float) -> float:
+    """Young's modulus [Pa] of the material that against itself has this E* [Pa]."""
+    return 2.0 * modulus * (1.0 - poisson**2)
+
+
+def effective_radius(radius1: Any, radius2: Any) -> Any:
+    """R [m] of two spheres, 1/R = 1/R1 + 1/R2; inf is a flat."""
+    return 1.0 / (1.0 / radius1 + 1.0 / radius2)
+
+
+def combined_roughness(roughness1: Any, roughness2: Any) -> Any:
+    """σ = √(Sq1² + Sq2²) [m]."""
+    return np.hypot(roughness1, roughness2)
 
 
 class Unknown(str):
@@ -103,7 +128,7 @@ class Material:
     @property
     def plane_modulus(self) -> float:
         """E/(1 - ν²) [Pa]."""
-        return self.young / (1.0 - self.poisson**2)
+        return 1.0 / compliance(self)
 
 
 @refuses_unknown_keywords
@@ -172,7 +197,7 @@ class Surface:
         dimensions = [d for d in (self.fractal_dimension, other.fractal_dimension) if d is not None]
         hardnesses = [h for h in (self.hardness, other.hardness) if h is not None]
         return Surface(
-            math.hypot(self.roughness, other.roughness),
+            combined_roughness(self.roughness, other.roughness),
             sum(dimensions) / len(dimensions) if dimensions else None,
             min(hardnesses) if hardnesses else None,
         )
@@ -301,7 +326,7 @@ class Contact:
         if fractal_dimension is None:
             fractal_dimension = surfaces[0].combined(surfaces[1]).fractal_dimension
         lengths = {"radius1": radius1, "radius2": radius2, "roughness1": roughness1, "roughness2": roughness2}
-        values = {name: real(value, name, "m", array=True) for name, value in lengths.items()}
+        values = {name: as_float(value, name, "m", array=True) for name, value in lengths.items()}
         for name, value in values.items():
             if name.startswith("radius") and not np.all(value > 0):
                 raise DemlawsError(f"{name} = {value} m: a radius must be positive (inf for a flat)")
@@ -315,9 +340,9 @@ class Contact:
             hardnesses = [s.hardness or m.hardness for s, m in zip(surfaces, (material1, material2), strict=True)]
             hardness = min((h for h in hardnesses if h is not None), default=None)
         combined = {
-            "radius": 1.0 / (1.0 / radius1 + 1.0 / radius2),
-            "modulus": 1.0 / (1.0 / material1.plane_modulus + 1.0 / material2.plane_modulus),
-            "roughness": np.hypot(roughness1, roughness2),
+            "radius": effective_radius(radius1, radius2),
+            "modulus": effective_modulus(material1, material2),
+            "roughness": combined_roughness(roughness1, roughness2),
         }
         try:
             return cls(**combined, fractal_dimension=fractal_dimension, hardness=hardness)

@@ -16,12 +16,12 @@ from demlaws.law import Law, as_law
 from demlaws.responses.path import Path
 from demlaws.shear import Sheared as Sheared
 from demlaws.shear import sheared as sheared
-from demlaws.units import number, real, whole
+from demlaws.units import as_float, number, whole
 
 
 def _branches(law, turning_points, unit, steps):
     """`steps` equal steps from 0 to the first turning point, and from each to the next; one array per branch."""
-    points = np.atleast_1d(real(turning_points, "turning points", unit, array=True))
+    points = np.atleast_1d(as_float(turning_points, "turning points", unit, array=True))
     if points.size == 0 or not np.all(np.isfinite(points)):
         raise DemlawsError(f"turning points must be finite numbers in {unit}, at least one, got {turning_points!r:.60}")
     as_law(law)
@@ -214,7 +214,7 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
     # a plastic contact may leave more slowly than it came: room for a hundred times the elastic duration
     limit = int(100 * count)
     room = np.empty((min(limit, int(4 * count) + 16), 3))
-    steps, overlap, velocity, dissipated, _ = impact_loop(law.rule, p, state, mass, speed, dt, 0.0, limit, room)
+    steps, overlap, velocity, dissipated, _ = impact_loop(law.rule_tag, p, state, mass, speed, dt, 0.0, limit, room)
     if not math.isfinite(velocity):
         raise DemlawsError(law._out_of_range(peak))
     if overlap > 0.0:

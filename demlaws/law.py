@@ -46,9 +46,9 @@ class Law(Response):
 
     def __init__(self, contact: Contact, curve: "ClosedForm | TableCurve", unloading: Unloading = ELASTIC):
         curve.check(contact)
-        self.contact, self.curve, self.unloads = contact, curve, unloading
+        self.contact, self.curve, self.unloading_parts = contact, curve, unloading
         self.definition, self.options, self.name = curve.definition, curve.options, curve.definition.name
-        self.rule, self.state_names = unloading.rule.tag, unloading.rule.state
+        self.rule_tag, self.state_names = unloading.rule.tag, unloading.rule.state
         self.state_size = len(self.state_names)
         self.shape = joined_shape(curve.shape, contact, unloading)
         self.params = bind_params(self.shape, contact)
@@ -84,12 +84,13 @@ class Law(Response):
     @property
     def unloading(self) -> str:  # type: ignore[override]
         """Name of the unloading rule."""
-        return self.unloads.rule.name
+        return self.unloading_parts.rule.name
 
     @functools.cached_property
     def unloading_law(self) -> "Law | None":
         """The law along whose curve the contact unloads (rule "table"), or None."""
-        return None if self.unloads.curve is None else composed(self.unloads.contact, self.unloads.curve)
+        parts = self.unloading_parts
+        return None if parts.curve is None or parts.contact is None else composed(parts.contact, parts.curve)
 
     @property
     def force_error(self) -> float:
@@ -114,7 +115,7 @@ class Law(Response):
     @property
     def collapses(self) -> bool:
         """Whether one dimensionless curve (with a given unloading curve: one pair of curves) serves all contacts."""
-        other = self.unloads.curve
+        other = self.unloading_parts.curve
         if other is None or not self.curve.collapses:
             return self.curve.collapses
         # Hertz's curve has no length of its own
@@ -196,7 +197,7 @@ class Law(Response):
         if max_force is not None:
             largest = self.overlap_of(max_force)
         curve = tabulate(self.contact, self.curve, rtol, largest)
-        return Table(self.contact, curve, _adapted(self.unloads, self.contact, curve))
+        return Table(self.contact, curve, _adapted(self.unloading_parts, self.contact, curve))
 
 
 def as_law(value: Any) -> Law:
@@ -232,18 +233,18 @@ def _adapted(unloading, contact, curve):
 
 def resolve(unloading: "str | os.PathLike | Law", definition: Definition) -> Unloading:
     """`Unloading` of a rule's name, of a law or a table to follow, or of the path of a table, for a law of this definition."""
-    unloading = read_if_path(unloading)
+    unloading = read_unloading(unloading)
     if isinstance(unloading, Law):
         return Unloading(definition.rule(GIVEN), unloading.curve, unloading.contact)
+    return Unloading(definition.rule(unloading))  # type: ignore[arg-type]
+
+
+def read_unloading(unloading: Any) -> Any:
+    """What a user gives as `unloading`: the name of a rule as it is, the elastic law to follow, read where it is a path."""
     if isinstance(unloading, str) and unloading == GIVEN:
         raise DemlawsError(
             f"unloading {GIVEN!r} needs its curve: give a law or a table, unloading=dl.law(...) or dl.Table.load(...)"
         )
-    return Unloading(definition.rule(unloading))  # type: ignore[arg-type]
-
-
-def read_if_path(unloading: Any) -> Any:
-    """The elastic law to follow, read where it is the path of a table; a rule's name as it is."""
     if names_a_file(unloading):
         unloading = Table.load(unloading)
     if isinstance(unloading, Law) and unloading.unloading != "elastic":
@@ -305,7 +306,7 @@ class Table(Law):
 
     def _on(self, contact, surface_matters):
         curve = self.curve if self.collapses else dataclasses.replace(self.curve, collapses=False)
-        contact, unloading = curve.bound_to(contact, surface_matters), self.unloads
+        contact, unloading = curve.bound_to(contact, surface_matters), self.unloading_parts
         if unloading.curve is not None:
             unloading = unloading._replace(contact=unloading.curve.bound_to(contact, surface_matters=False))
         return Table(contact, self.curve, unloading)
@@ -370,11 +371,11 @@ class Table(Law):
     @functools.cached_property
     def _native_rule(self):
         """Object with the code of a user-defined rule, or None where the file contains all that a reader needs."""
-        if self.unloads.rule.number is not None:
+        if self.unloading_parts.rule.number is not None:
             return None
         from demlaws.curves.rule_object import rule_object
 
-        return rule_object(self.unloads.rule, self.unloads.rule_parameters)
+        return rule_object(self.unloading_parts.rule, self.unloading_parts.rule_parameters)
 
     @property
     def fingerprint(self) -> int:
@@ -384,7 +385,7 @@ class Table(Law):
     def _compose(self):
         from demlaws.curves.saved import compose
 
-        return compose(self.contact, self.curve, self.unloads, self.collapses, self._native_rule)
+        return compose(self.contact, self.curve, self.unloading_parts, self.collapses, self._native_rule)
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> "Table":
@@ -416,6 +417,7 @@ class Table(Law):
         force: Callable,
         contact: Contact,
         largest_overlap: float | None = None,
+        *,
         stiffness: Callable | None = None,
         unloading: Any = "elastic",
         kinks: Any = (),
@@ -460,7 +462,16 @@ class Table(Law):
         from demlaws.curves.given import from_function
 
         parts = from_function(
-            force, contact, largest_overlap, stiffness, unloading, kinks, scales_with, rtol, name, description
+            force,
+            contact,
+            largest_overlap,
+            stiffness=stiffness,
+            unloading=unloading,
+            kinks=kinks,
+            scales_with=scales_with,
+            rtol=rtol,
+            name=name,
+            description=description,
         )
         return cls._from_parts(*parts)
 
@@ -470,6 +481,7 @@ class Table(Law):
         points: Any,
         contact: Contact,
         unloading: Any = "elastic",
+        *,
         uncertainty: ArrayLike | None = None,
         plastic_overlap: float | None = None,
         scales_with: str | None = None,
@@ -513,7 +525,17 @@ class Table(Law):
         """
         from demlaws.curves.given import along_points, from_points
 
-        parts = from_points(points, contact, unloading, uncertainty, plastic_overlap, scales_with, rtol, name, description)
+        parts = from_points(
+            points,
+            contact,
+            unloading,
+            uncertainty=uncertainty,
+            plastic_overlap=plastic_overlap,
+            scales_with=scales_with,
+            rtol=rtol,
+            name=name,
+            description=description,
+        )
         with along_points(parts[2]):
             return cls._from_parts(*parts)
 
@@ -525,5 +547,5 @@ class Table(Law):
         if not isinstance(unloading, TableCurve):
             return join(contact, curve, unloading)
         law = join(contact, curve, cls(contact, unloading))
-        along = law.unloads.curve.with_errors_of(unloading)
-        return cls(contact, curve, law.unloads._replace(curve=along))
+        along = law.unloading_parts.curve.with_errors_of(unloading)
+        return cls(contact, curve, law.unloading_parts._replace(curve=along))

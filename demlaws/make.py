@@ -9,7 +9,7 @@ from demlaws.contact import PER_CONTACT, Contact, as_contact
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.curves.closed import ClosedForm
 from demlaws.errors import DemlawsError, did_you_mean
-from demlaws.law import Law, join, read_if_path
+from demlaws.law import Law, join, read_unloading
 from demlaws.laws.registry import find, registry
 
 
@@ -59,29 +59,25 @@ def law(name: str, contact: Contact, unloading: str | os.PathLike | Law | None =
     return join(contact, ClosedForm(definition, contact, options), rule)
 
 
-def rule_and_curve(unloading: Any) -> tuple[str, Law | None]:
-    """(name of the rule, law to follow or None) of an unloading that a user named, before the law is known."""
-    unloading = read_if_path(unloading)
-    if isinstance(unloading, Law):
-        return GIVEN, unloading
-    if isinstance(unloading, str) and unloading in RULES and unloading != GIVEN:
-        return unloading, None
+def known_unloading(unloading: Any) -> "str | Law":
+    """A rule that some law takes, or the law to follow, of an unloading that a user gives before the law is known."""
+    unloading = read_unloading(unloading)
+    if isinstance(unloading, Law) or (isinstance(unloading, str) and unloading in RULES):
+        return unloading
     rules = dict.fromkeys(rule for definition in registry().values() for rule in definition.offered())
-    if not isinstance(unloading, str) or unloading not in rules or unloading == GIVEN:
-        why = f" is unknown{did_you_mean(unloading, rules)} The rules are {', '.join(rules)}"
-        why = " needs its curve: give a law or a table" if isinstance(unloading, str) and unloading == GIVEN else why
-        raise DemlawsError(f"unloading rule {unloading!r:.60}{why}")
-    return unloading, None
+    if not isinstance(unloading, str) or unloading not in rules:
+        why = f"{did_you_mean(unloading, rules)} The rules are {', '.join(rules)}"
+        raise DemlawsError(f"unloading rule {unloading!r:.60} is unknown{why}")
+    return unloading
 
 
 def rebound(unloading, contact):
-    """What `law` takes as `unloading`, for another contact: a law as the same law there, a table that collapses likewise."""
-    rule, curve = rule_and_curve(unloading)
-    if curve is None:
-        return rule
-    if all(np.allclose(getattr(curve.contact, n), getattr(contact, n), rtol=1e-6, atol=0.0) for n in PER_CONTACT):
-        return curve
-    return curve.for_unloading(contact)
+    """Unloading for another contact: a rule as it is, a law as the same law there, a table that collapses likewise."""
+    if not isinstance(unloading, Law):
+        return unloading
+    if all(np.allclose(getattr(unloading.contact, n), getattr(contact, n), rtol=1e-6, atol=0.0) for n in PER_CONTACT):
+        return unloading
+    return unloading.for_unloading(contact)
 
 
 def unloading_of_case(name):

@@ -28,7 +28,7 @@ from demlaws.solvers.criterion import (
     transition_load,
     transition_roughness,
 )
-from demlaws.units import number, real
+from demlaws.units import as_float, number
 
 __all__ = [
     "BAND",
@@ -93,7 +93,7 @@ class Regime(NamedTuple):
         )
 
 
-def assess(contact: Contact, load: Any, mu: float | None = None, yield_pressure: float | str | None = None) -> Regime:
+def assess(contact: Contact, load: Any, mu: float | None = None, *, yield_pressure: float | str | None = None) -> Regime:
     """The criterion of Jamari & Schipper at one load: whether asperities or the bulk deform.
 
     Parameters
@@ -174,8 +174,8 @@ def pressure_map(contact: Contact, loads: Any, roughnesses: Any) -> np.ndarray:
     ndarray
         One row per roughness, one column per load.
     """
-    loads = np.atleast_1d(checked_loads(real(loads, "loads", "N", array=True)))
-    heights = np.atleast_1d(real(roughnesses, "roughnesses", "m", array=True))
+    loads = np.atleast_1d(checked_loads(as_float(loads, "loads", "N", array=True)))
+    heights = np.atleast_1d(as_float(roughnesses, "roughnesses", "m", array=True))
     if not np.all(np.isfinite(heights) & (heights >= 0.0)):
         raise DemlawsError(f"roughnesses must be finite and not negative, in m, got {roughnesses!r}")
     as_contact(contact)
@@ -191,7 +191,7 @@ class Advice(NamedTuple):
     reason: str
 
 
-def advise(contact: Contact, load: Any, yield_pressure: Any = None, mu: float | None = None) -> list[Advice]:
+def advise(contact: Contact, load: Any, yield_pressure: Any = None, *, mu: float | None = None) -> list[Advice]:
     """Which laws apply to a contact from first touch up to a load.
 
     Parameters

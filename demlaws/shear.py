@@ -11,7 +11,7 @@ from demlaws.core.shear import CHOICES, DEFAULT, SLIP
 from demlaws.core.slip import SAMPLES, slip_loop
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, as_law
-from demlaws.units import number, real, unmasked, whole
+from demlaws.units import as_float, number, unmasked, whole
 
 
 class Sheared(NamedTuple):
@@ -41,6 +41,7 @@ def sheared(
     displacement: ArrayLike,
     ratio: float,
     shear: str = DEFAULT,
+    *,
     friction: float | None = None,
     springs: int = 32,
     levels: int | None = None,
@@ -97,7 +98,7 @@ def sheared(
     >>> slip.shear_force[[1, 5, 10]].round(3)
     array([0.546, 2.503, 4.341])
     """
-    depth = np.atleast_1d(real(overlap, "overlap", "m", array=True))
+    depth = np.atleast_1d(as_float(overlap, "overlap", "m", array=True))
     as_law(law)
     try:
         along = np.asarray(unmasked(displacement), float)
@@ -126,12 +127,12 @@ def sheared(
     if shear == SLIP:
         rows = np.zeros((2, whole(springs, "springs", high=100_000))), np.empty((2, SAMPLES))
         largest = max(float(stiffness.max()), 1e-300)
-        slip_loop(law.rule, params, depth, first, second, ratio, limit, largest, state.arrays, *rows, results)
+        slip_loop(law.rule_tag, params, depth, first, second, ratio, limit, largest, state.arrays, *rows, results)
     else:
         tag = CHOICES[shear].tag
         count = DEFAULT_LEVELS if levels is None else whole(levels, "levels", high=100_000)
         rows = np.zeros(count), np.zeros((2, count))
-        levels_loop(tag, law.rule, params, depth, first, second, ratio, limit, state.arrays, *rows, results)
+        levels_loop(tag, law.rule_tag, params, depth, first, second, ratio, limit, state.arrays, *rows, results)
     force, stiffness, *forces, work, stored = results
     shear_force = forces[0] if along.ndim == 1 else np.stack(forces, -1)
     return Sheared(depth, along, force, ratio * stiffness, shear_force, work, stored)

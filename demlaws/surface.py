@@ -27,6 +27,7 @@ def read(
     path: str | os.PathLike,
     pixel: Any = None,
     unit: str = "m",
+    *,
     missing: float | None = None,
     channel: str | None = None,
 ) -> HeightMap:
@@ -67,12 +68,12 @@ def read(
     >>> same.shape, round(same.sq * 1e6, 6)
     ((64, 64), 2.0)
     """
-    heights, scale = read_unchecked(path, pixel, unit, missing, channel)
+    heights, scale = read_unchecked(path, pixel, unit, missing=missing, channel=channel)
     plausibility.advise(heights, scale)
     return heights
 
 
-def read_unchecked(path, pixel=None, unit="m", missing=None, channel=None):
+def read_unchecked(path, pixel=None, unit="m", *, missing=None, channel=None):
     """As `read`, without the check of plausibility; the map, and metres per unit of height in the file."""
     path = as_path(path)
     if not path.is_file():
@@ -81,7 +82,7 @@ def read_unchecked(path, pixel=None, unit="m", missing=None, channel=None):
         raise DemlawsError(f"{path} is empty: was the measurement exported?")
     if not isinstance(unit, str) or unit not in UNITS:
         raise DemlawsError(f"unit = {unit!r}: the units of height are {', '.join(UNITS)}")
-    filler = None if missing is None else float(units.real(missing, "missing"))
+    filler = None if missing is None else float(units.as_float(missing, "missing"))
     suffix = path.suffix.lower()
     pixels = None if pixel is None else _pixel_pair(pixel)
     if suffix == ".npy":
@@ -153,12 +154,12 @@ def _read_text(path):
     if len(ends) == 1 and ends.pop() == "" and heights.shape[1] > 1:
         heights = heights[:, :-1]  # every line ends in a separator
     for name, entry, count in zip(("columns", "rows"), ("ncols", "nrows"), heights.shape[::-1], strict=True):
-        if entry in esri and units.real(esri[entry], f"{path}: {entry}") != count:
+        if entry in esri and units.as_float(esri[entry], f"{path}: {entry}") != count:
             raise DemlawsError(
                 f"{path}: its header states {esri[entry]} {name}, but there are {count}, one row per line: is it truncated?"
             )
     if "nodata_value" in esri:
-        heights[heights == float(units.real(esri["nodata_value"], f"{path}: NODATA_value"))] = np.nan
+        heights[heights == float(units.as_float(esri["nodata_value"], f"{path}: NODATA_value"))] = np.nan
     if "cellsize" in esri:
         header["pixel"] = _pixel_pair(esri["cellsize"])
     elif "dx" in esri and "dy" in esri:

@@ -48,7 +48,7 @@ def _mass(value, name):
     return math.inf if isinstance(value, float) and value == math.inf else number(value, name, "kg")
 
 
-def pair_limit(stiffness: float, mass1: float, mass2: float = math.inf, shear_ratio: float = 1.0) -> float:
+def pair_limit(stiffness: float, mass1: float, mass2: float = math.inf, *, shear_ratio: float = 1.0) -> float:
     """Limit of two bodies in one contact, exact: 2/ω with ω² = K (1/m1 + 1/m2) max(1, 7/2 K_t/K).
 
     Parameters
@@ -79,6 +79,7 @@ def packing_limit(
     stiffness: float,
     mass: float,
     coordination: float = COORDINATION,
+    *,
     shear_ratio: float = 1.0,
     size_ratio: float = 1.0,
     largest_coordination: float | None = None,
@@ -101,7 +102,8 @@ def packing_limit(
     largest_coordination : float, optional
         Z_max, the largest number of contacts of one grain. Needed outside the scope of the estimate, which is grains that are
         the heavier the larger they are (the step is up to 1.2 of the limit if a few large grains weigh no more than the
-        small ones) and whose contacts are spread over all grains (1.1 if grains with 12 contacts touch others with one).
+        small ones) and whose contacts are spread over all grains (1.1 if grains with 12 contacts touch others with one). The
+        step of `timestep` is 0.8 of the estimate, so that it is below the limit in these packings, too.
 
     Returns
     -------
@@ -121,7 +123,7 @@ def packing_limit(
     stiffness, mass, ratio = _stiffness(stiffness), number(mass, "mass", "kg"), _ratio(shear_ratio)
     if largest_coordination is not None:
         most = number(largest_coordination, "largest_coordination", "", 1.0, 1e6, allow_low=True)
-        return pair_limit(most * stiffness, mass, mass, ratio)
+        return pair_limit(most * stiffness, mass, mass, shear_ratio=ratio)
     mean = max(number(coordination, "coordination", "", 0.0, 100.0, allow_low=True), COORDINATION)
     sizes = 0.5 * (1.0 + 1.0 / number(size_ratio, "size_ratio", "", 1.0, allow_low=True))
     moving, rolling = (mean + 4.0) * (1.0 + 2.0 * ratio), (mean + 2.5) * 5.0 * ratio
@@ -150,7 +152,7 @@ def shear_ratio(material1: Material, material2: Material) -> float:
     return 4.0 * shear * sum(1.0 / m.plane_modulus for m in both)
 
 
-def rayleigh_step(radius: float, density: float, young: float, poisson: float) -> float:
+def rayleigh_step(radius: float, density: float, young: float, *, poisson: float) -> float:
     """Rayleigh's step, π R √(ρ/G)/(0.1631 ν + 0.8766), the travel time of a surface wave across the smallest grain.
 
     For comparison only: it does not depend on the law, the load or the number of contacts. Usual advice is 0.1 to 0.3 of it.
@@ -231,9 +233,16 @@ def timestep(
     lossless = law.unloading_law if law.state_size else law
     falls = lossless is not None and _jumps_down(lossless, float(lossless.overlap(max_force)))
     if other_mass is None:
-        limit = packing_limit(largest, mass, coordination, shear_ratio, size_ratio, largest_coordination)
+        limit = packing_limit(
+            largest,
+            mass,
+            coordination,
+            shear_ratio=shear_ratio,
+            size_ratio=size_ratio,
+            largest_coordination=largest_coordination,
+        )
     else:
-        limit = pair_limit(largest, mass, _mass(other_mass, "other_mass"), shear_ratio)
+        limit = pair_limit(largest, mass, _mass(other_mass, "other_mass"), shear_ratio=shear_ratio)
     return (SOFTENING_SAFETY if falls else STEP_SAFETY) * limit
 
 
@@ -265,7 +274,7 @@ def stiffest(law: Law, max_force: float) -> float:
 
 
 def stiffest_now(
-    law: Law, force: np.ndarray, largest_overlap: np.ndarray | None = None, overlap: np.ndarray | None = None
+    law: Law, force: np.ndarray, largest_overlap: np.ndarray | None = None, *, overlap: np.ndarray | None = None
 ) -> np.ndarray:
     """Stiffest tangent of each contact at its present force: of loading, and of unloading after its history.
 
@@ -296,7 +305,7 @@ def stiffest_now(
     for highest in histories:
         state = law.new_state(force.size)
         law.evaluate(highest, state)
-        unloaded = np.minimum(unloaded_loop(law.rule, law.params, force, state.arrays), highest * (1.0 - 2.0**-36))
+        unloaded = np.minimum(unloaded_loop(law.rule_tag, law.params, force, state.arrays), highest * (1.0 - 2.0**-36))
         largest = np.where(possible, np.maximum(largest, law.evaluate(unloaded, state)[1]), largest)
         if overlap is not None:  # the first history beyond the bound counts: the true one may lie just below it
             possible &= unloaded <= overlap
@@ -343,6 +352,7 @@ def from_contacts(
     pairs: ArrayLike,
     normals: ArrayLike,
     stiffness: ArrayLike,
+    *,
     shear_stiffness: ArrayLike,
     masses: ArrayLike,
     blocked: ArrayLike | None = None,
@@ -376,7 +386,8 @@ def from_contacts(
 
     Examples
     --------
-    >>> round(from_contacts([[0, 1]], [[1.0, 0.0, 0.0]], 1e6, 0.0, [1e-3, 1e-3]).exact * 1e6, 3)  # µs, 2 √(m/(2 K))
+    >>> pair = from_contacts([[0, 1]], [[1.0, 0.0, 0.0]], 1e6, shear_stiffness=0.0, masses=[1e-3, 1e-3])
+    >>> round(pair.exact * 1e6, 3)  # µs, 2 √(m/(2 K))
     44.721
     """
     bodies, unit, normal, sideways, mass = _checked(pairs, normals, stiffness, shear_stiffness, masses)

@@ -68,6 +68,10 @@ UNITS = {
 _QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:inf|nan))\s*(\S*)\s*")
 
 
+HANDY = {"m": ("µm", 1e6), "Pa": ("GPa", 1e-9), "m/N": ("µm/N", 1e6), "N/m": ("N/µm", 1e-6)}
+"""SI unit → the unit in which people read such a quantity of a contact, and its number per SI unit."""
+
+
 def quantity(text, name, unit=""):
     """A number in the SI unit `unit` from text such as "3mm", "2.4 µm", "60GPa" or "6e10". Raises DemlawsError."""
     match = _QUANTITY.fullmatch(text)
@@ -86,7 +90,7 @@ def unmasked(value):
     return (value if value.dtype.kind == "f" else value.astype(float)).filled(math.nan)
 
 
-def real(value, name, unit="", array=False):
+def as_float(value, name, unit="", array=False):
     """A number (or an array of them) as float64: numbers, or text as `quantity` reads it; anything else is refused."""
     if isinstance(value, str):
         return np.float64(quantity(value, name, unit))
@@ -109,7 +113,7 @@ def real(value, name, unit="", array=False):
 def number(value, name, unit="", low=0.0, high=math.inf, allow_low=False):
     """`value` (a number, or text as `quantity` reads it) as a float above `low` (or from it) and up to `high`, or an error
     that names it."""
-    result = float(real(value, name, unit))
+    result = float(as_float(value, name, unit))
     if math.isfinite(result) and (low < result or (allow_low and low == result)) and result <= high:
         return result
     end = "" if high == math.inf else f" and at most {high:g}"
@@ -120,7 +124,7 @@ def number(value, name, unit="", low=0.0, high=math.inf, allow_low=False):
 
 def positive(value, name, unit):
     """An array of positive, finite numbers; DemlawsError otherwise."""
-    array = real(value, name, unit, array=True)
+    array = as_float(value, name, unit, array=True)
     if not np.all(np.isfinite(array) & (array > 0)):
         raise DemlawsError(f"{name} must be positive and finite, in {unit}, got {value!r}")
     return array
@@ -128,7 +132,7 @@ def positive(value, name, unit):
 
 def whole(value, name, low=1, high=10_000_000):
     """`value` as a whole number from `low` to `high`, or an error that names it."""
-    result = float(real(value, name))
+    result = float(as_float(value, name))
     if result == result and low <= result <= high and result == int(result):
         return int(result)
     raise DemlawsError(f"{name} = {result:.15g}: give a whole number from {low} to {high}")

@@ -88,11 +88,11 @@ def shared(values, kept):
     ]
 
 
-def quiet(function, *arguments):
+def quiet(function, *arguments, **keywords):
     """Call without the warnings that a law gives outside its range."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", dl.ValidityWarning)
-        return function(*arguments)
+        return function(*arguments, **keywords)
 
 
 ALIKE = ("hertz", "rms", "goddard", "bahrami", "yip-venart", "greenwood-tripp")

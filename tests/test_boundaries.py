@@ -2,6 +2,7 @@
 
 import ast
 import graphlib
+import importlib
 import inspect
 import pkgutil
 import re
@@ -90,6 +91,20 @@ def test_names_of_laws_are_written_in_one_file():
         if not where.startswith("laws/") and where != "solvers/axisymmetric.py":
             constants = {node.value for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Constant)}
             assert not constants & written, f"{where}: take the constant of demlaws.laws.names"
+
+
+FACTS = {
+    r"poisson\*\*2\)|1\.0 / \(1\.0 / |hypot\((\*sq|self\.roughness|roughness1)": "contact.py",  # E*, R, σ
+    r"[\"']/[\"'] in ": "files.py",  # whether a word names a file
+    r"\bSLIP_RULES\b": "",  # a rule's springs are in its record
+}
+"""Formulas and decisions → the only file of the package that has them."""
+
+
+@pytest.mark.parametrize(("pattern", "home"), FACTS.items())
+def test_facts_have_one_place(pattern, home):
+    paths = [path for path in PACKAGE.rglob("*.py") if re.search(pattern, path.read_text())]
+    assert [path.relative_to(PACKAGE).as_posix() for path in paths] == [home] * bool(home)
 
 
 LAYERS = (
@@ -191,6 +206,14 @@ def test_imported_names_exist():
     places = ("demlaws", "studies", "yade_scripts", "docs/making", "tests/benchmarks", "tests/machines")
     files = [path for place in places for path in sorted((PROJECT / place).rglob("*.py"))]
     assert not {str(path.relative_to(PROJECT)): names for path in files if (names := missing(path))}
+
+
+PUBLIC = "contact driver errors lammps law liggghts make regime shear surface timestep units yade"
+
+
+@pytest.mark.parametrize("module", PUBLIC.split())
+def test_public_addresses_are_importable(module):
+    assert importlib.import_module(f"demlaws.{module}").__name__ == f"demlaws.{module}"
 
 
 def test_type_checkers_see_the_public_names():

@@ -126,11 +126,11 @@ def test_estimates_of_the_time_step(ratio):
     for coordination, size in ((6.0, 1.0), (7.5, 1.7), (4.5, 1.7)):
         r, z, s = map(mpf, (ratio, max(coordination, 6.0), size))
         square = mpf(2) / 3 * (1 + 1 / s) / 2 * max((z + 4) * (1 + 2 * r), (z + mpf("2.5")) * 5 * r) * mpf(1e6) / mpf(1e-3)
-        found = packing_limit(1e6, 1e-3, coordination, ratio, size)
+        found = packing_limit(1e6, 1e-3, coordination, shear_ratio=ratio, size_ratio=size)
         assert found == pytest.approx(float(2 / mpmath.sqrt(square)), rel=1e-14)
     shear = mpf(60e9) / 2 / (1 + mpf(0.25))
     wave = mp.pi * mpf(2e-3) * mpmath.sqrt(2650 / shear) / (mpf("0.1631") * mpf(0.25) + mpf("0.8766"))
-    assert rayleigh_step(2e-3, 2650.0, 60e9, 0.25) == pytest.approx(float(wave), rel=1e-14)
+    assert rayleigh_step(2e-3, 2650.0, 60e9, poisson=0.25) == pytest.approx(float(wave), rel=1e-14)
 
 
 # --- asperities of a measured map

@@ -19,9 +19,8 @@ from examples import shared
 
 import demlaws as dl
 from demlaws import regime, shear, surface
-from demlaws.make import rebound
 
-MAP = surface.self_affine(64, 1e-6, 0.8, 1e-6, 1)
+MAP = surface.self_affine(64, 1e-6, 0.8, roughness=1e-6, seed=1)
 GRANITE = dl.Material(60.6e9, 0.25, 6.266e9, 2650.0)
 PAIR = dl.Contact(4.35e-3, 32.32e9, 2.4e-6, 2.22, 6.266e9)
 # two laws alone, so that little is compiled
@@ -88,7 +87,7 @@ GOOD = {
 }
 RADII = {"radii": 1e-3, "materials": GRANITE, "surfaces": dl.Surface(1e-6), "pressure": None, "cyclic": True}
 RADII |= {"quantity": "force", "tolerance": 0.05, "engine": "python", "walls": False, "yield_pressure": None, "reference": None}
-RADII |= {"reference_options": {}, "porosity": 0.4, "coordination": 6.0, "classes": (), "force": (1.0, 2.0), "loads": None}
+RADII |= {"reference_options": {}, "porosity": 0.4, "coordination": 6.0, "classes": (), "force": (1.0, 2.0), "forces": None}
 RADII |= {"process": "oedometer", "rate": 1.0}
 
 
@@ -183,7 +182,7 @@ def functions():
             ):
                 yield f"{type(owner).__name__}.{name}", getattr(owner, name)
     yield "isolated pair", lambda law, mass, max_force, other_mass: dl.timestep(law, mass, max_force, other_mass=other_mass)
-    yield from (("rebound", rebound), ("surface.self_affine", surface.self_affine))
+    yield "surface.self_affine", surface.self_affine
 
 
 FUNCTIONS = dict(functions())

@@ -40,7 +40,7 @@ def test_shear_at_constant_overlap_is_that_of_the_unloading_curve(name, unloadin
     curve = quiet(law.follow, np.maximum(overlap - deeper, 1e-9 * overlap), state).force
     if np.any(np.diff(curve, 2) < -1e-4 * LOAD):
         pytest.skip("the unloading curve is not convex: the springs' compressions are scaled")
-    path = quiet(sheared, law, np.full(150, overlap), deeper * FRICTION / RATIO, RATIO, "slip", FRICTION, 400)
+    path = quiet(sheared, law, np.full(150, overlap), deeper * FRICTION / RATIO, RATIO, "slip", friction=FRICTION, springs=400)
     np.testing.assert_allclose(path.shear_force, FRICTION * (LOAD - curve), atol=2e-3 * FRICTION * LOAD)
 
 
@@ -56,7 +56,7 @@ def test_no_step_of_any_path_returns_what_was_lost(name, unloading, shear, data)
     legs = [np.linspace(a, b, 25)[1:] for a, b in zip(corners, [*corners[1:], (corners[-1][0], 0.0, 0.0)], strict=True)]
     path = np.concatenate([np.zeros((1, 3)), *legs]) * scale
     levels = None if shear == "slip" else data.draw(st.integers(1, 8))
-    result = quiet(sheared, law, path[:, 0], path[:, 1:], RATIO, shear, FRICTION, 16, levels)
+    result = quiet(sheared, law, path[:, 0], path[:, 1:], RATIO, shear, friction=FRICTION, springs=16, levels=levels)
     size = np.abs(result.work).max()
     assert np.diff(result.dissipated).min() >= -1e-13 * size
     assert np.all(np.hypot(*result.shear_force.T) <= FRICTION * result.force * (1.0 + 1e-9))
@@ -67,7 +67,7 @@ def test_oblique_loading_of_constant_direction_does_not_slip(shear):
     """δ and s in proportion, dQ < μ dP: each spring is stretched in proportion to its compression, Q = ratio (s/δ) P."""
     law, overlap, sliding = hertz()
     part = np.linspace(0.0, 1.0, 4000) ** 2
-    path = sheared(law, overlap * part, 0.5 * sliding * part, RATIO, shear, FRICTION, 256)
+    path = sheared(law, overlap * part, 0.5 * sliding * part, RATIO, shear, friction=FRICTION, springs=256)
     assert path.shear_force[-1] == pytest.approx(0.5 * FRICTION * LOAD, rel=1e-3)
     # what is not stretched at all but slips is what enters beside stretched springs
     assert path.dissipated[-1] < (0.01 if shear == "slip" else 1.0) * path.stored[-1]
@@ -80,11 +80,11 @@ def test_direction_does_not_matter():
     angle = 0.6
     rotation = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     depth = overlap * (1.0 - 0.4 * np.sin(3.0 * turn))
-    first, second = (sheared(law, depth, p, RATIO, "slip", FRICTION) for p in (plane, plane @ rotation.T))
+    first, second = (sheared(law, depth, p, RATIO, "slip", friction=FRICTION) for p in (plane, plane @ rotation.T))
     np.testing.assert_allclose(second.shear_force, first.shear_force @ rotation.T, atol=1e-12 * LOAD)
     np.testing.assert_allclose(second.work, first.work, rtol=1e-10, atol=1e-12 * first.work.max())
-    one = sheared(law, depth, plane[:, 0], RATIO, "slip", FRICTION)
-    two = sheared(law, depth, np.stack([plane[:, 0], 0 * turn], -1), RATIO, "slip", FRICTION)
+    one = sheared(law, depth, plane[:, 0], RATIO, "slip", friction=FRICTION)
+    two = sheared(law, depth, np.stack([plane[:, 0], 0 * turn], -1), RATIO, "slip", friction=FRICTION)
     np.testing.assert_array_equal(one.shear_force, two.shear_force[:, 0])
 
 
@@ -123,7 +123,7 @@ def vibrated(law, levels, size, cycles=1000, noise=False):
     turns = np.concatenate([[1.0], ends, [1.0]])
     depth = np.concatenate([np.linspace(0.01, 1.0, 100), np.linspace(turns[:-1], turns[1:], 5)[1:].T.ravel()])
     across = np.concatenate([np.zeros(99), np.full(depth.size - 99, sideways)])
-    return quiet(sheared, law, overlap * depth, across, RATIO, "elastic", FRICTION, 32, levels)
+    return quiet(sheared, law, overlap * depth, across, RATIO, "elastic", friction=FRICTION, springs=32, levels=levels)
 
 
 LAWS = [("hertz", "elastic"), ("pohrt-popov", "elastic"), ("pohrt-popov", "hertz"), ("rough-plastic", None)]
@@ -182,8 +182,8 @@ def test_what_each_choice_is(name, unloading):
         lambda law: sheared(law, [0.0, 1e-6], [0.0], 0.8),
         lambda law: sheared(law, [1e-6], [[0.0, 0.0, 0.0]], 0.8),
         lambda law: sheared(law, [1e-6], [0.0], 0.8, "slip"),
-        lambda law: sheared(law, [1e-6], [0.0], 0.8, "slip", 0.5, 0),
-        lambda law: sheared(law, [1e-6], [0.0], 0.8, "slip", 0.5, levels=3),
+        lambda law: sheared(law, [1e-6], [0.0], 0.8, "slip", friction=0.5, springs=0),
+        lambda law: sheared(law, [1e-6], [0.0], 0.8, "slip", friction=0.5, levels=3),
         lambda law: sheared(law, [1e-6], [0.0], 0.8, levels=0),
         lambda law: sheared(law, [1e-6], [0.0], 0.8, levels=2.5),
         lambda law: sheared(law, [2.0 * GRANITE.radius], [0.0], 0.8),

@@ -53,13 +53,13 @@ def test_form_of_its_order_is_removed_and_nothing_else(order, seed, holes):
 def test_fractal_dimension_of_self_affine_maps(hurst, size, periodic):
     """Both methods within 0.05 of 3 - H, on three maps each."""
     for seed in range(3):
-        heights = self_affine(size, 1e-6, hurst, 2e-6, seed, periodic=periodic)
+        heights = self_affine(size, 1e-6, hurst, roughness=2e-6, seed=seed, periodic=periodic)
         assert abs(heights.fractal_dimension_by_boxes() - (3 - hurst)) < 0.05
         assert abs(heights.fractal_dimension_by_spectrum() - (3 - hurst)) < 0.05
 
 
 def test_fractal_dimension_survives_form_missing_pixels_and_units():
-    heights = self_affine(512, 1e-6, 0.8, 2e-6, 4)
+    heights = self_affine(512, 1e-6, 0.8, roughness=2e-6, seed=4)
     rng = np.random.default_rng(0)
     y, x = np.indices(heights.shape) * 1e-6
     z = heights.heights + 0.02 * x + (x**2 + y**2) / 2e-3
@@ -76,7 +76,7 @@ def test_fractal_dimension_survives_form_missing_pixels_and_units():
 
 def test_spectrum_holds_the_variance():
     """∫C d²q = Sq² within what the window leaves uncertain."""
-    heights = self_affine((300, 400), 1e-6, 0.5, 1e-6, 1, longest=40e-6)
+    heights = self_affine((300, 400), 1e-6, 0.5, roughness=1e-6, seed=1, longest=40e-6)
     q, density, count = heights.spectrum()
     cell = (2 * np.pi) ** 2 / np.prod(heights.field_of_view)
     assert (density * count).sum() * cell == pytest.approx(heights.sq**2, rel=0.1)
@@ -101,18 +101,21 @@ def test_filling_touches_missing_pixels_only_and_is_smooth():
 
 
 def test_synthetic_maps_are_seeded_and_as_asked():
-    one, two = self_affine((64, 96), 1e-6, 0.7, 1e-6, 5), self_affine((64, 96), 1e-6, 0.7, 1e-6, 5)
+    one, two = (
+        self_affine((64, 96), 1e-6, 0.7, roughness=1e-6, seed=5),
+        self_affine((64, 96), 1e-6, 0.7, roughness=1e-6, seed=5),
+    )
     np.testing.assert_array_equal(one.heights, two.heights)
-    assert not np.array_equal(one.heights, self_affine((64, 96), 1e-6, 0.7, 1e-6, 6).heights)
+    assert not np.array_equal(one.heights, self_affine((64, 96), 1e-6, 0.7, roughness=1e-6, seed=6).heights)
     assert one.shape == (64, 96) and one.sq == pytest.approx(1e-6, rel=1e-12)
-    long = self_affine(256, 1e-6, 0.8, 1e-6, 1, anisotropy=6.0)
+    long = self_affine(256, 1e-6, 0.8, roughness=1e-6, seed=1, anisotropy=6.0)
     assert np.diff(long.heights, axis=0).std() > 2.5 * np.diff(long.heights, axis=1).std()
-    smooth = self_affine(256, 1e-6, 0.8, 1e-6, 1, shortest=8e-6)
-    assert smooth.slope < 0.9 * self_affine(256, 1e-6, 0.8, 1e-6, 1).slope
+    smooth = self_affine(256, 1e-6, 0.8, roughness=1e-6, seed=1, shortest=8e-6)
+    assert smooth.slope < 0.9 * self_affine(256, 1e-6, 0.8, roughness=1e-6, seed=1).slope
 
 
 def test_a_map_becomes_a_surface():
-    found = self_affine(256, 2e-6, 0.78, 2.4e-6, 2).surface(hardness=6e9)
+    found = self_affine(256, 2e-6, 0.78, roughness=2.4e-6, seed=2).surface(hardness=6e9)
     assert isinstance(found, dl.Surface)
     assert found.roughness == pytest.approx(2.4e-6) and found.hardness == 6e9
     assert found.fractal_dimension == pytest.approx(2.22, abs=0.05)
@@ -124,7 +127,9 @@ def test_a_map_becomes_a_surface():
 
 @pytest.mark.parametrize("suffix", [".npy", ".csv", ".asc"])
 def test_files_come_back(tmp_path, suffix):
-    heights = HeightMap(self_affine((20, 30), 0.5e-6, 0.8, 0.1e-6, 1).heights, 0.5e-6, 1.5e-6 if suffix == ".asc" else None)
+    heights = HeightMap(
+        self_affine((20, 30), 0.5e-6, 0.8, roughness=0.1e-6, seed=1).heights, 0.5e-6, 1.5e-6 if suffix == ".asc" else None
+    )
     holes = heights.heights.copy()
     holes[3, 4] = np.nan
     path = surface.write(tmp_path / f"map{suffix}", heights.with_heights(holes))
@@ -156,7 +161,7 @@ def test_gwyddion_header_in_the_encodings_of_instruments(tmp_path, encoding):
 
 
 def test_masked_heights_are_missing():
-    heights = self_affine(20, 1e-6, 0.8, 1e-6, 1).heights
+    heights = self_affine(20, 1e-6, 0.8, roughness=1e-6, seed=1).heights
     masked = np.ma.array(heights, mask=heights > 1e-6)
     masked.data[masked.mask] = 1.0
     assert HeightMap(masked, 1e-6).sq == pytest.approx(float(np.std(heights[heights <= 1e-6])))
@@ -179,13 +184,13 @@ def test_bad_files_are_refused(path):
         lambda path: surface.read(path, pixel="1 league"),
         lambda path: surface.read(path, pixel="-1um"),
         lambda path: surface.read(path, pixel=1e-6, unit="feet"),
-        lambda path: self_affine(64, 1e-6, 0.5, 1e-6, 1, shortest=1.0),
+        lambda path: self_affine(64, 1e-6, 0.5, roughness=1e-6, seed=1, shortest=1.0),
         lambda path: HeightMap(np.zeros((16, 16)), 1e-6).fractal_dimension_by_boxes(),
-        lambda path: surface.write(path.with_name("m.tif"), self_affine(8, 1e-6, 0.8, 1e-6, 1)),
+        lambda path: surface.write(path.with_name("m.tif"), self_affine(8, 1e-6, 0.8, roughness=1e-6, seed=1)),
     ],
 )
 def test_bad_arguments_are_refused(tmp_path, call):
-    path = surface.write(tmp_path / "m.npy", self_affine(8, 1e-6, 0.8, 1e-6, 1))
+    path = surface.write(tmp_path / "m.npy", self_affine(8, 1e-6, 0.8, roughness=1e-6, seed=1))
     with pytest.raises(dl.DemlawsError):
         call(path)
 
@@ -223,7 +228,7 @@ def cap(radius_x, radius_y, angle=0.0, shape=(120, 150), roughness=0.0):
     u, v = x * math.cos(angle) + y * math.sin(angle), y * math.cos(angle) - x * math.sin(angle)
     z = -(u**2) / (2.0 * radius_x) - v**2 / (2.0 * radius_y)
     if roughness:
-        z = z + self_affine(shape, 1e-6, 0.8, roughness, 1, longest=20e-6).heights
+        z = z + self_affine(shape, 1e-6, 0.8, roughness=roughness, seed=1, longest=20e-6).heights
     return HeightMap(z, 1e-6)
 
 
@@ -253,7 +258,7 @@ def test_field_of_view():
 
 
 def test_blocks_of_rows_give_the_same_fit(monkeypatch):
-    heights = self_affine((300, 200), 1e-6, 0.8, 1e-6, 3)
+    heights = self_affine((300, 200), 1e-6, 0.8, roughness=1e-6, seed=3)
     whole = heights.without_form(3).heights
     monkeypatch.setattr(heightmap, "_blocks", lambda rows, columns: [slice(0, 7), slice(7, 250), slice(250, rows)])
     np.testing.assert_allclose(heights.without_form(3).heights, whole, atol=1e-18)

@@ -30,6 +30,7 @@ from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
 from demlaws.make import rebound
 from demlaws.responses.results import Tabular
+from demlaws.units import HANDY
 
 _TABLE_STEPS = (3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5)
 _MARGIN = 1.02  # between the points of the prediction an error may be a little larger
@@ -115,8 +116,8 @@ class Choice:
             folder,
             self.name,
             self.scene.grains(),
-            self.plan.unload_by,
-            dict(self.plan.options),
+            unloading=self.plan.unload_by,
+            options=dict(self.plan.options),
             load=self.max_force / 1.5,
             **options,
         )
@@ -142,7 +143,12 @@ class Choice:
 
     def describe(self) -> str:
         """One line: law, unloading, evaluation."""
-        options = ", ".join(f"{k}={v:g}" if isinstance(v, float) else f"{k}={v}" for k, v in self.plan.options)
+        units = {name: option.unit for name, option in find(self.name).options.items()}
+        shown = []
+        for name, value in self.plan.options:
+            unit, factor = HANDY.get(units.get(name, ""), (units.get(name, ""), 1.0))
+            shown.append(f"{name}={factor * value:g} {unit}".rstrip() if isinstance(value, float) else f"{name}={value}")
+        options = ", ".join(shown)
         rtol = f" (rtol {self.plan.rtol:g})" if self.plan.rtol else ""
         return f"{self.name}{f' ({options})' if options else ''}, {self.unloading}, {self.evaluation}{rtol}"
 
@@ -297,8 +303,8 @@ def _range_problem(law, smallest, largest, reasons):
     return next((f"loads of {b}" for b in law.breaches(smallest, largest) if b.reason not in reasons), None)
 
 
-_ONE_SIZE = "its curve depends on the radius, so that it needs one table for each pair of sizes"
-_NO_TABLE = f"{_ONE_SIZE}, and radii is a range: if the grains come in a few sizes, give them as classes"
+_ONE_SIZE = "one table per pair of sizes"
+_NO_TABLE = "no table: its curve depends on the radius; list grain sizes as classes"
 
 
 class _Judge:
@@ -407,7 +413,7 @@ def _left_out(judge, plan):
     return tuple(result)
 
 
-def choose(scene: Scene, tables: bool = True, progress: Callable = iter, processes: int = 1) -> Choices:
+def choose(scene: Scene, tables: bool = True, progress: Callable = iter, *, processes: int = 1) -> Choices:
     """Rank the candidate laws, rules and evaluations for a scene.
 
     Parameters

@@ -48,7 +48,7 @@ class Loaded:
         """Overlap at `force` after the peak."""
         if not state.arrays:
             return inverse_loop(self.law.params, force)
-        return unloaded_loop(self.law.rule, self.law.params, force, state.arrays)
+        return unloaded_loop(self.law.rule_tag, self.law.params, force, state.arrays)
 
     def again(self, overlap, state):
         """Force and stiffness at `overlap` after the peak."""
@@ -59,7 +59,7 @@ class Loaded:
         """Work of loading to `top`, and the part that unloading does not return."""
         work = np.asarray(self.law.energy(np.asarray(top, float)), float)
         state, _, _ = self.state_at(top)
-        return work, energies_loop(self.law.rule, self.law.params, np.asarray(top, float), state.arrays)[1]
+        return work, energies_loop(self.law.rule_tag, self.law.params, np.asarray(top, float), state.arrays)[1]
 
     def overlap_of_work(self, work):
         """Overlap at which loading has taken `work`; not a number where the law ends before.

@@ -68,6 +68,7 @@ def fit(
     points: ArrayLike,
     contact: Contact,
     laws: str | Sequence[str] | None = None,
+    *,
     unloading: str | Sequence[str] | None = None,
     free: Sequence[str] | None = None,
     options: dict | None = None,
@@ -147,7 +148,8 @@ def fit(
         raise DemlawsError(f"cannot fit {', '.join(unknown)}: the quantities that a fit can vary are {', '.join(quantities)}")
     if force.size:
         refuse_other_units(displacement, force, contact, largest_compliance(contact) if COMPLIANCE in (free or ()) else 0.0)
-    jobs = list(_jobs(names, rules, free, force))
+    distinct = len(np.unique(np.column_stack([displacement, force]), axis=0))
+    jobs = list(_jobs(names, rules, free, force, distinct))
     test = _Test(contact, options, displacement, force, displacement_noise, force_noise)
     outcomes = list(results(test.fit_or_reason, jobs, processes, progress))
     fits = [one for one in outcomes if isinstance(one, Fit)]
@@ -189,8 +191,8 @@ class _Test(NamedTuple):
             return str(error)
 
 
-def _jobs(names, rules, free, force):
-    """(law, rule, free quantities) of each fit."""
+def _jobs(names, rules, free, force, distinct):
+    """(law, rule, free quantities) of each fit; distinct: number of different points."""
     # the curve of rule "table" has no parameters of the law
     available = [rule for rule in dict.fromkeys(r for name in names for r in find(name).offered()) if rule != GIVEN]
     if unknown := [rule for rule in rules or () if rule not in available]:
@@ -202,8 +204,8 @@ def _jobs(names, rules, free, force):
         variables = [
             n for n in (definition.fitting.free if free is None else free) if n in ("modulus", COMPLIANCE) or n in fields
         ]
-        if force.size < len(variables) + 4:
-            few = f"{force.size} points with a force above 0 (compression)"
+        if distinct < len(variables) + 4:
+            few = f"{distinct} different points with a force above 0 (compression)"
             raise DemlawsError(f"{few}: at least {len(variables) + 4} are needed for {name}")
         for rule in rules or (definition.unloading if unloads else ("elastic",)):
             # first loading alone does not show a quantity of the unloading curve

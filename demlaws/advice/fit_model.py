@@ -43,7 +43,7 @@ def largest_compliance(contact):
 
 def history(law, force):
     """Overlap [m] and tangent stiffness [N/m] at each force > 0 [N] of a history that starts with first loading."""
-    return forces_history(law.unloads.rule, law.params, np.array(force, float))
+    return forces_history(law.unloading_parts.rule, law.params, np.array(force, float))
 
 
 class Model:

@@ -152,6 +152,9 @@ def _report(model, x, squares, absolute, notes):
     widening, correlation = _drift(residual, k)
     systematic = correlation > 0.5 or _correlation(residual, 3.0) > 0.0
     systematic |= bool(absolute and special.chdtrc(n - k, squares) < _IMPROBABLE)
+    predicted, unit = model.displacement(x), np.append(np.ones(k - 1), model.scale)
+    misfit = float(np.sqrt(np.mean((model.measured - predicted) ** 2)))
+    systematic &= misfit > 1e-9 * np.ptp(model.measured)  # below it is rounding: a law of points without noise
     variance, widening = (1.0, 1.0) if absolute else (squares / (n - k), widening)
     if systematic:
         notes.append(SYSTEMATIC)
@@ -161,8 +164,6 @@ def _report(model, x, squares, absolute, notes):
     share = estimates["modulus"].value / float(model.contact.modulus) if "modulus" in estimates else 1.0
     if not 0.02 < share < 50.0:
         notes.append(f"the fitted modulus is {share:.2g} times the given one: give displacement in m and force in N")
-    predicted, unit = model.displacement(x), np.append(np.ones(k - 1), model.scale)
-    misfit = float(np.sqrt(np.mean((model.measured - predicted) ** 2)))
     law, aicc = model.law(x), _aicc(model, squares, k, absolute)
     chi_squared, covariance = squares / (n - k) if absolute else math.nan, covariance * np.outer(unit, unit)
     facts = estimates, covariance, (*model.free, ZERO), misfit, aicc, 0.0, 1.0, chi_squared, law, predicted, tuple(notes)

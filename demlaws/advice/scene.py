@@ -11,15 +11,16 @@ from pathlib import Path
 import numpy as np
 
 from demlaws.advice.errors import QUANTITIES, Sample
-from demlaws.contact import DENSITY, Contact, Material, Surface, surface_of
+from demlaws.contact import DENSITY, Contact, Material, Surface, effective_modulus, effective_radius, surface_of
+from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, NotPassive, refuses_unknown_keywords
-from demlaws.files import read_text
+from demlaws.files import names_a_file, read_text
 from demlaws.law import Law
 from demlaws.laws.registry import find
+from demlaws.make import known_unloading
 from demlaws.make import law as bind_law
-from demlaws.make import rule_and_curve
 from demlaws.timestep import shear_ratio, timestep
-from demlaws.units import number, real
+from demlaws.units import as_float, number
 
 ENGINES = ("python", "yade", "liggghts", "lammps")
 PROCESSES = ("oedometer", "shear", "pour")
@@ -32,7 +33,7 @@ TEMPLATE = Path(__file__).with_name("template.toml")
 @refuses_unknown_keywords
 @dataclass(frozen=True)
 class Scene:
-    """Grains and loads of a simulation, for `demlaws.choose`. One of force, pressure, loads and speed is required.
+    """Grains and loads of a simulation, for `demlaws.choose`. One of force, pressure, forces and speed is required.
 
     Parameters
     ----------
@@ -44,7 +45,7 @@ class Scene:
         Smallest and largest normal force of interest [N].
     pressure : (float, float)
         Smallest and largest mean stress of a packing [Pa], from which forces follow.
-    loads : array_like
+    forces : array_like
         Forces of an actual run [N].
     speed : float
         Fastest approach [m/s]; the peak force of an impact extends the range.
@@ -93,7 +94,7 @@ class Scene:
     surfaces: Surface | Sequence[Surface] | None = None
     force: Sequence[float] | None = None
     pressure: tuple | None = None
-    loads: np.ndarray | None = None
+    forces: np.ndarray | None = None
     speed: float = 0.0
     cyclic: bool = False
     quantity: str = "force"
@@ -140,14 +141,14 @@ class Scene:
         for label, unit in (("force", "N"), ("pressure", "Pa")):
             if getattr(self, label) is not None:
                 object.__setattr__(self, label, _range(getattr(self, label), label, unit))
-        if self.loads is not None:
-            loads = np.ravel(real(np.ravel(self.loads), "loads", "N", array=True))
-            if not np.all(np.isfinite(loads)) or not np.any(loads > 0.0):
-                raise DemlawsError(f"loads must be finite forces in N, none masked, some above 0, got {self.loads!r:.60}")
-            object.__setattr__(self, "loads", loads[loads > 0.0])
+        if self.forces is not None:
+            forces = np.ravel(as_float(np.ravel(self.forces), "forces", "N", array=True))
+            if not np.all(np.isfinite(forces)) or not np.any(forces > 0.0):
+                raise DemlawsError(f"forces must be finite forces in N, none masked, some above 0, got {self.forces!r:.60}")
+            object.__setattr__(self, "forces", forces[forces > 0.0])
         object.__setattr__(self, "speed", number(self.speed, "speed", "m/s", allow_low=True))
-        if self.force is None and self.pressure is None and self.loads is None and not self.speed:
-            raise DemlawsError("the scene has no load: give force=(low, high) in N, pressure in Pa, loads, or speed in m/s")
+        if self.force is None and self.pressure is None and self.forces is None and not self.speed:
+            raise DemlawsError("the scene has no load: give force=(low, high) in N, pressure in Pa, forces, or speed in m/s")
         number(self.tolerance, "tolerance", "", 0.0, 1.0)
         number(self.porosity, "porosity", "", 0.0, 0.95)
         number(self.coordination, "coordination", "", 0.0, 20.0)
@@ -165,10 +166,10 @@ class Scene:
         """Replace `unloading` by a rule's name, or by the law or table of a path."""
         if not isinstance(self.unloading, str | os.PathLike | Law):
             raise DemlawsError(f"unloading = {self.unloading!r:.60}: give a rule's name, a law, a table, or a table's path")
-        rule, curve = rule_and_curve(self.unloading)
+        object.__setattr__(self, "unloading", known_unloading(self.unloading))
         if not self.unloads:
+            rule = GIVEN if isinstance(self.unloading, Law) else self.unloading
             raise DemlawsError(f"unloading = {rule!r}: contacts unload where cyclic = true, or quantity = 'restitution'")
-        object.__setattr__(self, "unloading", rule if curve is None else curve)
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> "Scene":
@@ -190,7 +191,7 @@ class Scene:
             pairs.append(
                 Contact(
                     radius,
-                    1.0 / (1.0 / m1.plane_modulus + 1.0 / m2.plane_modulus),
+                    effective_modulus(m1, m2),
                     surface.roughness,
                     surface.fractal_dimension,
                     min(hardness) if hardness else None,
@@ -204,7 +205,7 @@ class Scene:
 
     def pair_radii(self) -> list[float]:
         """Every effective radius [m] that grains of `classes` can have."""
-        pairs = [a * b / (a + b) for a, b in itertools.combinations_with_replacement(self.classes, 2)]
+        pairs = [effective_radius(*both) for both in itertools.combinations_with_replacement(self.classes, 2)]
         return sorted({*pairs, *(self.classes if self.walls else ())})
 
     def kinds(self) -> list[tuple[int, int]]:
@@ -233,8 +234,8 @@ class Scene:
         one = np.ones(np.shape(contact.radius))
         if self.force is not None:
             ranges.append((self.force[0] * one, self.force[1] * one))
-        if self.loads is not None:
-            ranges.append((self.loads.min() * one, self.loads.max() * one))
+        if self.forces is not None:
+            ranges.append((self.forces.min() * one, self.forces.max() * one))
         if self.pressure is not None:  # forces of a packing: an exponential tail to some 6 means, few below 0.05
             low, high = (self.mean_force(p, contact.radius) for p in self.pressure)
             ranges.append((0.05 * low, 6.0 * high))
@@ -294,7 +295,7 @@ def _from_toml(path):
         elif reference is not None:
             values["reference"] = reference
         unloading = text.get("unloading")
-        if isinstance(unloading, str) and ("/" in unloading or "." in unloading):  # a table's file, beside the scene's
+        if names_a_file(unloading):  # beside the scene's
             text["unloading"] = str(path.parent.absolute() / unloading)
         return Scene(**values, **text)
     except (DemlawsError, TypeError) as error:  # TypeError: a Material without its modulus
@@ -324,7 +325,7 @@ def stable_step(scene, bind):
     ratios = [shear_ratio(scene.materials[i], scene.materials[j]) for i, j in scene.kinds()]
     steps = []
     for small, large in sizes:
-        for contact, ratio in zip(scene.contacts(1.0 / (1.0 / small + 1.0 / large)), ratios, strict=True):
+        for contact, ratio in zip(scene.contacts(effective_radius(small, large)), ratios, strict=True):
             force, mass = float(scene.force_range(contact)[1]), float(scene.mass(0.5 * small))
             step = timestep(bind(contact), mass, force, coordination=scene.coordination, shear_ratio=ratio)
             steps.append(step)
@@ -350,9 +351,9 @@ def samples(scene, points=_POINTS, random=None):
         if scene.pressure is not None:  # exponential distribution of forces about the mean, over logarithmic steps
             mean = scene.mean_force(math.sqrt(scene.pressure[0] * scene.pressure[1]), radius)
             weight = peak / mean * np.exp(-peak / mean)
-        elif scene.loads is not None:
-            edges = np.geomspace(scene.loads.min() * 0.999, scene.loads.max() * 1.001, 30)
-            counts = np.histogram(scene.loads, edges)[0].astype(float)
+        elif scene.forces is not None:
+            edges = np.geomspace(scene.forces.min() * 0.999, scene.forces.max() * 1.001, 30)
+            counts = np.histogram(scene.forces, edges)[0].astype(float)
             weight = counts[np.clip(np.searchsorted(edges, peak) - 1, 0, counts.size - 1)]
         else:
             weight = np.ones(peak.size)

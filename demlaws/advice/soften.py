@@ -162,7 +162,7 @@ class Softening:
         contact, along = self.of(law.contact), law.unloading_law
         if isinstance(law, Table) and law.curve.shape.length_over_roughness:
             # rows in multiples of σ, which is stretched as overlaps are: they stay as they are
-            unloading = law.unloads
+            unloading = law.unloading_parts
             if unloading.curve is not None:
                 unloading = unloading._replace(curve=self._curve(unloading.curve), contact=self.of(unloading.contact))
             return Table(contact, self._curve(law.curve), unloading)
@@ -205,7 +205,7 @@ class Softening:
             ("overlap, plastic and tangential ones too; energy", f"{overlap:.4g}", "s^(2/3)"),
             ("stiffness", f"{self.stiffness:.4g}", "s^(-2/3)"),
             ("stable time step", f"{step:.4g}", "s^(1/3)"),
-            ("lost: geometry, at the order of overlap over diameter, which grows by", f"{overlap:.4g}", "s^(2/3)"),
+            ("geometric error, of the order of overlap over diameter", f"{overlap:.4g}", "s^(2/3)"),
         ]
 
     def report(self, law: Law, force: float) -> "Report":

@@ -165,13 +165,13 @@ def example(text):
     return {"epilog": "example:\n" + text, "formatter_class": argparse.RawDescriptionHelpFormatter}
 
 
-def _show_warnings():
+def _show_warnings(arguments):
     """Warnings for users as one line without a place, which would be in our files; any other as Python does."""
     otherwise = warnings.showwarning
 
     def show(message, category, filename, lineno, file=None, line=None):
         if issubclass(category, UserWarning):
-            print(f"demlaws: warning: {message}", file=sys.stderr)
+            print(f"demlaws: warning: {in_options(str(message), arguments)}", file=sys.stderr)
         else:
             otherwise(message, category, filename, lineno, file, line)
 
@@ -196,7 +196,7 @@ def execute(parser, arguments):
         try:
             parsed = parser().parse_args(arguments)
             with warnings.catch_warnings():
-                _show_warnings()
+                _show_warnings(parsed)
                 notice.say = _compiling
                 with arranged(parsed):
                     status = parsed.func(parsed) or 0

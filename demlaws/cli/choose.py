@@ -40,11 +40,8 @@ def run(arguments):
     """Do what the command's arguments ask."""
     from tqdm import tqdm
 
-    from demlaws.advice.choose import choose, table_name
-    from demlaws.advice.errors import QUANTITIES
+    from demlaws.advice.choose import choose
     from demlaws.advice.scene import TEMPLATE, Scene
-    from demlaws.contact import DENSITY
-    from demlaws.timestep import STEP_SAFETY, rayleigh_step
 
     if arguments.template:
         print(TEMPLATE.read_text(encoding="utf-8"), end="")
@@ -60,32 +57,9 @@ def run(arguments):
         progress=lambda plans: tqdm(plans, desc="choose", unit="law", leave=False, disable=None),
         processes=min(2, os.cpu_count() or 1),
     )
-    print(f"{scene.name or arguments.scene.stem}: {scene.quantity} within {scene.tolerance:g} ({QUANTITIES[scene.quantity]})")
-    low, high = scene.force_range(scene.contacts(scene.effective_radii()[1])[0])
-    print(f"loads {float(low):.3g} to {float(high):.3g} N on the largest contact, {'cyclic' if scene.unloads else 'monotonic'}")
-    reference = choices.reference
-    print(f"reference: {reference.name}, {reference.unloading} unloading\n")
-    print(f"{'error':>9} {'mean':>9} {'ns':>6} {'step':>6} {'state':>6} {'rows':>6}  law, unloading, evaluation")
-    for choice in choices:
-        if choice.meets or arguments.all:
-            print(
-                f"{choice.error:9.2g} {choice.mean_error:9.2g} {choice.ns:6.2f} {choice.step_factor:6.3f} "
-                f"{choice.state_bytes:4d} B {choice.table_rows:6d}  {choice.describe()}{'' if choice.meets else '  MISSES'}"
-            )
-    print("(ns: per contact, of the law alone, as kept from `make trade`; step: over the reference's; ranked by ns over step)")
-    for name, reason in choices.ruled_out.items():
-        print(f"ruled out: {name}: {reason}")
-    for note in choices.notes:
-        print(f"note: {note}")
-    record(
-        scene=scene.name or arguments.scene.stem,
-        quantity=scene.quantity,
-        tolerance=scene.tolerance,
-        reference={"law": reference.name, "unloading": reference.unloading},
-        choices=[{"choice": c.describe(), **{name: getattr(c, name) for name in FIELDS}} for c in choices],
-        ruled_out=dict(choices.ruled_out),
-        notes=list(choices.notes),
-    )
+    name = scene.name or arguments.scene.stem
+    _print_choices(choices, scene, name, arguments.all)
+    _record(choices, scene, name)
     if arguments.csv is not None:
         write_csv(arguments.csv, TITLES, ((c.describe(), *(getattr(c, name) for name in FIELDS)) for c in choices))
     best = choices.best
@@ -94,23 +68,69 @@ def run(arguments):
             f"nothing meets the tolerance {scene.tolerance:g}: the best is {best.describe()} with {best.error:.2g}; "
             "use that tolerance, or give the reference's quantities (fractal dimension, hardness, yield pressure)"
         )
-    rayleigh = min(rayleigh_step(scene.radii[0], m.density or DENSITY, m.young, m.poisson) for m in scene.materials)
+    _print_best(best, scene)
+    if advice is not None:
+        print(f"softer grains, {'applied here' if arguments.soften else 'with --soften'}:")
+        print("\n".join(advice.lines()))
+    print(best.script(arguments.out or Path("law.tbl"), advice.dt if arguments.soften else None))
+    if arguments.out is not None:
+        _write(best, scene, arguments.out)
+
+
+def _print_choices(choices, scene, name, every):
+    """The ranking, without the laws that miss the tolerance unless `every`, and what was ruled out."""
+    from demlaws.advice.errors import QUANTITIES
+
+    print(f"{name}: {scene.quantity} within {scene.tolerance:g} ({QUANTITIES[scene.quantity]})")
+    low, high = scene.force_range(scene.contacts(scene.effective_radii()[1])[0])
+    print(f"loads {float(low):.3g} to {float(high):.3g} N on the largest contact, {'cyclic' if scene.unloads else 'monotonic'}")
+    print(f"reference: {choices.reference.name}, {choices.reference.unloading} unloading\n")
+    print(f"{'error':>9} {'mean':>9} {'ns':>6} {'step':>6} {'state':>6} {'rows':>6}  law, unloading, evaluation")
+    for choice in choices:
+        if choice.meets or every:
+            print(
+                f"{choice.error:9.2g} {choice.mean_error:9.2g} {choice.ns:6.2f} {choice.step_factor:6.3f} "
+                f"{choice.state_bytes:4d} B {choice.table_rows:6d}  {choice.describe()}{'' if choice.meets else '  MISSES'}"
+            )
+    print("(ns: per contact, of the law alone, as kept from `make trade`; step: over the reference's; ranked by ns over step)")
+    for law, reason in choices.ruled_out.items():
+        print(f"ruled out: {law}: {reason}")
+    for note in choices.notes:
+        print(f"note: {note}")
+
+
+def _record(choices, scene, name):
+    record(
+        scene=name,
+        quantity=scene.quantity,
+        tolerance=scene.tolerance,
+        reference={"law": choices.reference.name, "unloading": choices.reference.unloading},
+        choices=[{"choice": c.describe(), **{name: getattr(c, name) for name in FIELDS}} for c in choices],
+        ruled_out=dict(choices.ruled_out),
+        notes=list(choices.notes),
+    )
+
+
+def _print_best(best, scene):
+    from demlaws.contact import DENSITY
+    from demlaws.timestep import STEP_SAFETY, rayleigh_step
+
+    rayleigh = min(rayleigh_step(scene.radii[0], m.density or DENSITY, m.young, poisson=m.poisson) for m in scene.materials)
     print(f"\nchosen: {best.describe()}")
     print(f"time step {best.step:.3g} s, at most {STEP_SAFETY:g} of the estimated stability limit (Rayleigh: {rayleigh:.3g} s)")
     for physics, error in best.left_out:
         print(f"  left out: {physics}: costs {error:.2g} in {scene.quantity}")
-    if advice is not None:
-        print(f"softer grains, {'applied here' if arguments.soften else 'with --soften'}:")
-        print("\n".join(advice.lines()))
-    table = arguments.out or Path("law.tbl")
-    print(best.script(table, advice.dt if arguments.soften else None))
-    if arguments.out is None:
-        return
+
+
+def _write(best, scene, out):
+    """The case of an engine with plugins, else the tables of the chosen law."""
+    from demlaws.advice.choose import table_name
+
     if scene.engine in ("liggghts", "lammps"):
-        print(f"wrote {best.export(arguments.out)} and {len(list(arguments.out.glob('*.tbl')))} table(s)")
+        print(f"wrote {best.export(out)} and {len(list(out.glob('*.tbl')))} table(s)")
         return
     for kinds, table in best.tables().items():
-        path = table_name(arguments.out, scene, kinds)
+        path = table_name(out, scene, kinds)
         table.save(path)
         print(f"wrote {path}")
 

@@ -20,8 +20,8 @@ def add_law_arguments(parser, law_required=True):
     add_contact_arguments(parser)
 
 
-def add_contact_arguments(parser, test=True):
-    """Arguments that describe one contact of two bodies. test: also by the name of a granite test."""
+def add_contact_arguments(parser, test=True, modulus=True):
+    """Arguments that describe one contact of two bodies. test: also by the name of a granite test; modulus: also by E*."""
     contact = parser.add_argument_group(
         "contact (SI units, or with a unit: 4.35mm, 2.4um, 60GPa)",
         "Where an option accepts one or two values, one value applies to both bodies, two to the first and the second body.",
@@ -35,7 +35,10 @@ def add_contact_arguments(parser, test=True):
     )
     contact.add_argument("--young", type=pressure, **pair, help="Young's modulus of each body in Pa")
     contact.add_argument("--poisson", type=plain, **pair, help="Poisson's ratio of each body, with --young")
-    contact.add_argument("--modulus", type=pressure, help="effective modulus E* in Pa, in place of --young and --poisson")
+    if modulus:
+        contact.add_argument("--modulus", type=pressure, help="effective modulus E* in Pa, in place of --young and --poisson")
+    else:
+        parser.set_defaults(modulus=None)
     contact.add_argument("--roughness", type=length, **pair, help="rms roughness Sq of each surface in m (default 0)")
     contact.add_argument(
         "--combined-roughness", type=length, help="σ = √(Sq1² + Sq2²) in m, in place of --roughness (default 0)"
@@ -46,10 +49,8 @@ def add_contact_arguments(parser, test=True):
 
 def contact_from(arguments, **measured):
     """The contact that the arguments describe, with the measured fields in place of arguments."""
-    import numpy as np
-
     from demlaws import granite
-    from demlaws.contact import Contact, Material
+    from demlaws.contact import Contact, Material, combined_roughness, effective_modulus
 
     def pair(name, replaced_by):
         values = getattr(arguments, name)
@@ -72,13 +73,12 @@ def contact_from(arguments, **measured):
     if (radii := pair("radius", "effective_radius")) is not None:
         fields["radius"] = Contact.between(*flat, radius1=radii[0], radius2=radii[1]).radius
     if (sq := pair("roughness", "combined_roughness")) is not None:
-        fields["roughness"] = float(np.hypot(*sq))
+        fields["roughness"] = float(combined_roughness(*sq))
     if (arguments.young is None) != (arguments.poisson is None):
         raise DemlawsError("--young and --poisson belong together: give both, or --modulus")
     if (young := pair("young", "modulus")) is not None:
         poisson = pair("poisson", "modulus")
-        moduli = [Material(*body).plane_modulus for body in zip(young, poisson, strict=True)]
-        fields["modulus"] = 1.0 / (1.0 / moduli[0] + 1.0 / moduli[1])
+        fields["modulus"] = effective_modulus(*(Material(*body) for body in zip(young, poisson, strict=True)))
     fields.update(measured)
     fields = {name: value for name, value in fields.items() if value is not None}
     if getattr(arguments, "test", None) is not None:

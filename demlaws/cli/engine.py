@@ -100,7 +100,9 @@ def _add_export(parts, name):
         values = {"rtol": arguments.rtol, "load": arguments.load, "count": arguments.count}
         values |= {"shear_ratio": arguments.shear_ratio, "levels": arguments.levels}
         stock = getattr(arguments, "stock", None)
-        path = _function(name, "export")(arguments.folder, arguments.law, grains, unloading, options, stock=stock, **values)
+        path = _function(name, "export")(
+            arguments.folder, arguments.law, grains, unloading=unloading, options=options, stock=stock, **values
+        )
         if stock:
             print((path.parent / "fit.txt").read_text(), end="")
         print(f"wrote {path}; start {path.parent / 'run.sh'}")
@@ -118,7 +120,7 @@ def _add_convert(parts, name):
         from demlaws.plugins.convert import convert_file
 
         out = arguments.out or output(arguments.input + ".demlaws")
-        out, conversion = convert_file(arguments.input, name, arguments.table, out)
+        out, conversion = convert_file(arguments.input, name, arguments.table, out=out)
         record(file=out, notes=conversion.notes)
         last = "no line converted, no file written" if out is None else f"wrote {out}"
         print("\n".join([*conversion.report(arguments.input), last]))

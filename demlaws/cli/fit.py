@@ -9,8 +9,6 @@ from demlaws.cli.arguments import compliance, force, law_name, length
 from demlaws.cli.contact import add_contact_arguments, contact_from, describe
 from demlaws.cli.output import Output, output, record, write_csv
 
-HANDY = {"m": ("µm", 1e6), "Pa": ("GPa", 1e-9), "m/N": ("µm/N", 1e6), "N/m": ("N/µm", 1e-6)}
-"""SI unit → unit of the printed table, and its factor."""
 WIDTH = 100
 TITLES = [
     *("law", "unloading", "misfit_m", "aicc", "delta", "weight"),
@@ -62,6 +60,8 @@ def register(add):
 
 def shown(name, estimate, unit):
     """A parameter with its interval, in handy units."""
+    from demlaws.units import HANDY
+
     if estimate.note.startswith("not determined"):
         return f"{name} {estimate.note}"
     unit, factor = HANDY.get(unit, (unit, 1.0))

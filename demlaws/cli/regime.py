@@ -52,8 +52,8 @@ def run_regime(arguments):
         print(f"the bulk yields (p(0)/H_m = {regime.YIELD_RATIO}) from {yields:.4g} N; below, asperities")
         record(contact=pair, transition_load=yields)
     else:
-        assessment = regime.assess(pair, arguments.load, arguments.mu, limit)
-        laws = regime.advise(pair, arguments.load, limit, arguments.mu)
+        assessment = regime.assess(pair, arguments.load, arguments.mu, yield_pressure=limit)
+        laws = regime.advise(pair, arguments.load, limit, mu=arguments.mu)
         record(contact=pair, assessment=assessment, laws=laws)
         print(assessment)
         print("laws at this load:")

@@ -3,7 +3,7 @@
 import math
 
 from demlaws.cli import example
-from demlaws.cli.arguments import force, length, plain, whole
+from demlaws.cli.arguments import force, length, plain, share, whole
 from demlaws.cli.contact import add_contact_arguments, contact_from, draw
 from demlaws.cli.output import Output, output, record, recorded, write_csv
 from demlaws.errors import DemlawsError
@@ -63,10 +63,10 @@ def register(add):
     )
     surface.add_argument("--out", type=output, help="file for the map: levelled, synthetic, or after the contact")
     surface.add_argument("--figure", type=output, help="picture to draw")
-    add_contact_arguments(surface, test=False)
+    add_contact_arguments(surface, test=False, modulus=False)
     contact = surface.add_argument_group("contact of a ball (the first body) with the map (the second body)")
     contact.add_argument("--load", type=force, help="load in N")
-    contact.add_argument("--tolerance", type=plain, default=0.01, help="relative tolerance of the load (default 0.01)")
+    contact.add_argument("--load-rtol", type=share, default=0.01, help="relative tolerance of the load (default 0.01)")
     contact.add_argument(
         "--plastic-factor", type=plain, help="c_h: fully plastic pressure over hardness (default: that of aluminium)"
     )
@@ -113,7 +113,9 @@ def _cropped(arguments, path):
     from demlaws import surface
     from demlaws.surfaces import plausibility
 
-    heights, scale = surface.read_unchecked(path, arguments.pixel, arguments.unit, arguments.missing, arguments.channel)
+    heights, scale = surface.read_unchecked(
+        path, arguments.pixel, arguments.unit, missing=arguments.missing, channel=arguments.channel
+    )
     if arguments.crop is not None:
         heights = _field(arguments, heights)
     if arguments.despike:
@@ -237,8 +239,8 @@ def _synthetic(arguments):
         arguments.size,
         arguments.pixel or 1e-6,
         arguments.hurst,
-        (arguments.roughness or [1e-6])[0],
-        arguments.seed,
+        roughness=(arguments.roughness or [1e-6])[0],
+        seed=arguments.seed,
         shortest=arguments.shortest,
         longest=arguments.longest,
         anisotropy=arguments.anisotropy,
@@ -270,7 +272,7 @@ def _contact(arguments, name):
         _warn(resolution_doubts(heights, contact.pair, arguments.load))
         if contact.pair.hardness is not None:
             print(assess(contact.pair, arguments.load))
-        step = contact.load(arguments.load, min(arguments.tolerance, 1.0))
+        step = contact.load(arguments.load, arguments.load_rtol)
         print(step)
         record(contact=contact.pair, load=arguments.load, text=str(step).splitlines(), micro_contacts=len(step.micro))
         if arguments.csv is not None:

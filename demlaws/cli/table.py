@@ -58,7 +58,7 @@ def _is_table(path):
 
     try:
         with open(path, "rb") as file:
-            return file.read(len(FORMAT)) == FORMAT.encode()
+            return file.read(len(FORMAT)).startswith(FORMAT[:-1].encode())  # of any format: the reader refuses the others
     except OSError as error:
         raise DemlawsError(f"cannot read {path}: {error.strerror or error}") from error
 

@@ -93,13 +93,13 @@ def run(arguments):
     shot = read(arguments)
     if not len(shot.pairs):
         raise DemlawsError(f"{arguments.contacts or arguments.snapshot}: no contact in it carries a force")
-    springs = np.transpose(shot.springs)
-    limits = from_contacts(shot.pairs, shot.normals, *springs, shot.masses, shot.blocked)
+    normal, shear = np.transpose(shot.springs)
+    limits = from_contacts(shot.pairs, shot.normals, normal, shear_stiffness=shear, masses=shot.masses, blocked=shot.blocked)
     free = np.isfinite(shot.masses)
     mean = np.sum(free[shot.pairs]) / np.sum(free)
     name = "safe limit" if shot.history == "stiffest" else "exact limit"
-    motion = "with shear and rotation" if springs[1].any() else "without friction"
-    if springs[1].any() and np.all(np.asarray(shot.blocked)[free, 3:]):
+    motion = "with shear and rotation" if shear.any() else "without friction"
+    if shear.any() and np.all(np.asarray(shot.blocked)[free, 3:]):
         motion = "with shear, without rotation"
     which = "between grains; walls are not in the dump" if shot.step is None else "as they are"
     histories = {
@@ -283,7 +283,7 @@ def _ratio_and_rayleigh(arguments, kinds):
     if arguments.poisson is not None and arguments.young is not None:
         young, poisson = arguments.young[0], arguments.poisson[0]
         ratio = 2.0 * (1.0 - poisson) / (2.0 - poisson)
-        rayleigh = min(rayleigh_step(r, density, young, poisson) for r, density in kinds)
+        rayleigh = min(rayleigh_step(r, density, young, poisson=poisson) for r, density in kinds)
     if arguments.shear_ratio is not None:
         ratio = number(arguments.shear_ratio, "--shear-ratio", "", 0.0, LARGEST_SHEAR_RATIO)
     if arguments.friction is not None and number(arguments.friction, "--friction", "", 0.0, allow_low=True) == 0.0:

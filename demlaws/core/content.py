@@ -30,7 +30,7 @@ def file_digest(file):
 source_digest = functools.cache(file_digest)  # of the file of a loop: a process runs one version of it
 
 
-def is_ours(module):
+def is_our_module(module):
     """Whether the name of the cache's folder stands for the content of this module."""
     return module in _OURS or (module or "").startswith(tuple(f"{name}." for name in _OURS))
 
@@ -42,7 +42,7 @@ def record_dependencies(cls, *functions):
     Returns a digest of all that, or None where something in it is unknown.
     """
     keys = _DEPENDENCIES.setdefault(cls, set())
-    if not is_ours(cls.__module__):
+    if not is_our_module(cls.__module__):
         keys.add(file_digest(getattr(sys.modules.get(cls.__module__), "__file__", None)) or f"fields {cls._fields}")
     keys.update(map(content_key, functions))
     return None if None in keys else digest(*sorted(keys))
@@ -62,7 +62,7 @@ def content_key(thing, visited=None):
     module, code = getattr(function, "__module__", None), getattr(function, "__code__", None)
     if isinstance(thing, type):
         return f"{module}.{thing.__qualname__}{getattr(thing, '_fields', '')}"
-    if isinstance(thing, np.ufunc) or (is_ours(module) and not getattr(function, "__closure__", None)):
+    if isinstance(thing, np.ufunc) or (is_our_module(module) and not getattr(function, "__closure__", None)):
         return f"{module}.{getattr(function, '__qualname__', repr(function))}"
     if (module or "").startswith("demlaws.") and code and not function.__closure__:
         return f"{module}.{function.__qualname__} {_files_of(module)}"
@@ -99,7 +99,7 @@ def _parts_of_function(function, code, visited):
     for value in (function.__globals__[name] for name in names if name in function.__globals__):
         if not isinstance(value, type(sys)):
             parts.append(content_key(value, visited))
-        elif not is_ours(value.__name__):
+        elif not is_our_module(value.__name__):
             parts += [content_key(getattr(value, name), visited) for name in names if hasattr(value, name)]
     return parts
 

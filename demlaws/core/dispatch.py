@@ -14,7 +14,7 @@ import numpy as np
 from numba import types
 from numba.extending import overload
 
-from demlaws.core.content import is_ours, record_dependencies
+from demlaws.core.content import is_our_module, record_dependencies
 from demlaws.core.fastmath import read_only
 from demlaws.core.numba_compat import INLINED
 
@@ -69,7 +69,7 @@ def bind(cls, **functions):
     tag = record_dependencies(cls, *functions.values())
     if cls not in _KERNELS:
         others = {other.__name__ for other in _KERNELS}
-        if not is_ours(cls.__module__):
+        if not is_our_module(cls.__module__):
             # symbols of two such types, of two users or of one file before and after it was edited, must not clash either
             numbers = itertools.count(2)
             name = cls.__name__ = f"{cls.__name__}_{(tag or 'unknown')[:8]}"

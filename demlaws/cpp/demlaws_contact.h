@@ -245,13 +245,12 @@ inline double eepa_energy(double overlap, double plastic) {
   return 0.2 * (a - b) * (a - b) * (a * a * (2. * a + 4. * b) + b * b * (6. * a + 3. * b));
 }
 
-// The normal stiffness that the tangential stiffness K_t of an elastic contact is a multiple of (docs/shear.md); SLIP:
-// that of ELASTIC, with partial slip (demlaws_slip.h).
-enum Shear { ELASTIC_SHEAR = 1, LOADING_SHEAR = 2, SLIP_SHEAR = 3 }; // restart files have the numbers
-
+// Whether `name` is a choice of the normal stiffness that K_t is a multiple of (docs/shear.md); SLIP: that of ELASTIC,
+// with partial slip (demlaws_slip.h).
 inline bool shear_from_name(const std::string &name, Shear &shear) {
-  shear = name == "loading" ? LOADING_SHEAR : name == "slip" ? SLIP_SHEAR : ELASTIC_SHEAR;
-  return shear != ELASTIC_SHEAR || name == "elastic";
+  for (int number : {ELASTIC_SHEAR, LOADING_SHEAR, SLIP_SHEAR})
+    if (name == SHEAR_NAMES[number]) return shear = (Shear)number, true;
+  return false;
 }
 
 // That stiffness [N/m], from the result of step_rule and the state that it left (or, with `update` false, found): the

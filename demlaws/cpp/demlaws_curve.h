@@ -1,9 +1,10 @@
-// demlaws_curve.h: a curve s(u) of a table of demlaws: cells on a grid, look-up, energy, the reversed curve. C++11, no
-// dependency; part of demlaws_table.h.
+// demlaws_curve.h: a curve s(u) of a table of demlaws: cells on a grid, look-up, energy, the reversed curve. C++11;
+// part of demlaws_table.h.
 //
 // Licence: GPL-2.0-or-later, as the package demlaws.
 #ifndef DEMLAWS_CURVE_H
 #define DEMLAWS_CURVE_H
+#include "demlaws_facts.h"
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -39,7 +40,6 @@ struct Row {
 // A curve s(u): cells on a grid of 2^bits linear parts in each octave, whose number is in the bits of the double u.
 class Curve {
 public:
-  static const int MOST_BITS = 12, MOST_KINKS = 32;
   Curve() : bits_(0), first_(0), count_(0) {}
 
   // s(u) and its slope from floor() to before last(); returns false outside (then use outside()).
@@ -182,7 +182,7 @@ inline int Curve::off_grid(const std::vector<Row> &rows, int bits, std::string &
         return i;
       }
       if (++kinks > MOST_KINKS) {
-        what = "more than " + std::to_string(MOST_KINKS + 0) + " kinks";
+        what = "more than " + std::to_string(MOST_KINKS) + " kinks";
         return i;
       }
     } else if (u == coming) next++;

@@ -112,7 +112,7 @@ struct Law {
     mark = 1. + crc32(table.fingerprint(), (const char *)numbers, sizeof numbers);
     springs.reset();
     if (shear != SLIP_SHEAR) return doubt;
-    if (!has_springs(pair.rule))
+    if (!HAS_SPRINGS[pair.rule])
       throw std::runtime_error("'shear slip' needs unloading elastic, hertz, thornton, table or etsion, " +
                                table.path() + " has " + table.text("unloading"));
     springs = spring_curve(pair.rule == GIVEN ? table.unloading_curve() : table.loading_curve());

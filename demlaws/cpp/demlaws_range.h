@@ -1,6 +1,5 @@
 // demlaws_range.h: where a contact leaves the range of its law. Overlaps, roughness, moduli, and the limits that a
 // table names: the checks of the plugins of LIGGGHTS and LAMMPS, their messages, their counts.
-// Limits are those of demlaws/units.py, admissible.py and criterion.py.
 #ifndef DEMLAWS_RANGE_H
 #define DEMLAWS_RANGE_H
 
@@ -9,9 +8,7 @@
 
 namespace demlaws {
 
-const double SMALL_OVERLAP = 0.1, LARGEST_OVERLAP = 1.; // over R: warned of beyond the first, refused beyond the other
-const double LARGE_ROUGHNESS = 0.1;                     // sigma over R, likewise
-const double SOFTENED = 1e-5, STIFFENED = 10.;          // E* over the table's, warned of beyond them
+const double SOFTENED = 1e-5, STIFFENED = 10.; // E* over the table's, warned of beyond them
 
 // What a contact can leave. Each kind is counted by itself.
 enum Excess { DEEP, BEYOND, ROUGH, YIELDS, ABOVE, BELOW, EXCESSES };

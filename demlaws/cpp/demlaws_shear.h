@@ -12,6 +12,8 @@
 #include <algorithm>
 #include <cmath>
 
+#define DEMLAWS_INLINE __attribute__((always_inline)) inline
+
 namespace demlaws {
 
 // One step of the shear of a contact.
@@ -26,7 +28,6 @@ struct ShearStep {
 
 static const int LEVELS = 3, MOST_LEVELS = 8; // by default; at most
 static const double EMPTY_LEVEL = 1e-9;       // of K_t: a level of less stiffness counts as empty
-static const double MANY = 1e200;             // times any difference of stiffness: above any energy
 inline bool may_have_levels(double count) { return count == (int)count && count >= 1. && count <= MOST_LEVELS; }
 inline int levels_size(int count) { return 4 * count; }
 
@@ -35,40 +36,42 @@ inline int levels_size(int count) { return 4 * count; }
 // The numbers are the caller's. M: number of levels, known when compiled; 0: only when run.
 template <int M> class Levels {
 public:
-  Levels(double *numbers, int count) : numbers_(numbers), count_(M ? M : count) { read(); }
+  DEMLAWS_INLINE Levels(double *numbers, int count)
+      : bound_(numbers), stretch_(numbers + (M ? M : count)), count_(count) {}
 
-  double energy() const {
+  DEMLAWS_INLINE double energy() const {
     double sum = 0.;
-    for (int i = 0; i < count(); i++) sum += stiffness(i) * dot(stretch_[i], stretch_[i]);
+    for (int i = 0; i < count(); i++) sum += stiffness(i) * dot(stretch(i), stretch(i));
     return 0.5 * sum;
   }
 
-  // One step: K_t, Coulomb's limit mu P [N], unit normal and tangential displacement of the step, all of now.
-  __attribute__((always_inline)) inline ShearStep step(double now, double limit, const double *normal,
-                                                       const double *displacement) {
+  // One step: K_t, Coulomb's limit mu P [N], unit normal and tangential displacement of the step, all of now. Energies
+  // that the caller does not read are not computed.
+  DEMLAWS_INLINE ShearStep step(double now, double limit, const double *normal, const double *displacement) {
+    // copies, since the compiler cannot know that they do not change with the stretches
+    const double n[3] = {normal[0], normal[1], normal[2]}, d[3] = {displacement[0], displacement[1], displacement[2]};
+    double moved[M ? M : MOST_LEVELS][3], force[3] = {0., 0., 0.};
     ShearStep step;
     step.before = energy();
-    sum_forces(step.force);
-    step.work = 0.5 * dot(step.force, displacement);
-    press(now);
+    for (int i = 0; i < count(); i++) add(stiffness(i), stretch(i), force);
+    step.work = 0.5 * dot(force, d);
+
+    const double kept = press(now);
+    std::fill(force, force + 3, 0.);
     for (int i = 0; i < count(); i++) {
-      double *const s = stretch_[i];
-      for (int k = 0; k < 3; k++) s[k] += displacement[k];
-      const double along = dot(s, normal);
-      for (int k = 0; k < 3; k++) s[k] -= along * normal[k]; // the tangent plane has turned
+      const double share = i == count() - 1 ? kept : 1.;
+      for (int k = 0; k < 3; k++) moved[i][k] = share * stretch(i)[k] + d[k];
+      add(-dot(moved[i], n), n, moved[i]); // the tangent plane has turned
+      add(stiffness(i), moved[i], force);
     }
-    sum_forces(step.force);
-    const double square = dot(step.force, step.force);
+    const double square = dot(force, force);
     step.slides = square > limit * limit;
-    if (step.slides) {
-      const double scale = limit / std::sqrt(square);
-      for (int k = 0; k < 3; k++) step.force[k] *= scale;
-      for (int i = 0; i < count(); i++)
-        for (int k = 0; k < 3; k++) stretch_[i][k] *= scale;
-    }
-    step.work += 0.5 * dot(step.force, displacement);
+    const double scale = step.slides ? limit / std::sqrt(square) : 1.;
+    for (int i = 0; i < count(); i++)
+      for (int k = 0; k < 3; k++) stretch(i)[k] = scale * moved[i][k];
+    for (int k = 0; k < 3; k++) step.force[k] = scale * force[k];
+    step.work += 0.5 * dot(step.force, d);
     step.energy = energy();
-    write();
     return step;
   }
   __attribute__((noinline)) static ShearStep step_of(int count, double now, double limit, const double *normal,
@@ -77,89 +80,76 @@ public:
   }
 
 private:
-  template <int> friend class Levels;
-  double *const numbers_;
+  // The numbers are read and written in place: with copies of all of them the processor runs out of registers, which
+  // cost a third of a step.
+  double *const bound_, *const stretch_;
   const int count_;
-  // copies, since the compiler cannot know that no other number changes with those of the caller
-  double bound_[M ? M : MOST_LEVELS], stretch_[M ? M : MOST_LEVELS][3];
 
-  int count() const { return M ? M : count_; }
-  double stiffness(int i) const { return i ? bound_[i] - bound_[i - 1] : bound_[0]; }
-  static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-  void read() {
-    for (int i = 0; i < count(); i++) {
-      bound_[i] = numbers_[i];
-      for (int k = 0; k < 3; k++) stretch_[i][k] = numbers_[count() + 3 * i + k];
-    }
+  DEMLAWS_INLINE int count() const { return M ? M : count_; }
+  DEMLAWS_INLINE double *stretch(int i) const { return stretch_ + 3 * i; }
+  DEMLAWS_INLINE double stiffness(int i) const { return i ? bound_[i] - bound_[i - 1] : bound_[0]; }
+  DEMLAWS_INLINE static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+  DEMLAWS_INLINE static void add(double factor, const double *a, double *sum) {
+    for (int k = 0; k < 3; k++) sum[k] += factor * a[k];
   }
-  void write() const {
-    for (int i = 0; i < count(); i++) {
-      numbers_[i] = bound_[i];
-      for (int k = 0; k < 3; k++) numbers_[count() + 3 * i + k] = stretch_[i][k];
-    }
-  }
-  void sum_forces(double *force) const {
-    force[0] = force[1] = force[2] = 0.;
-    for (int i = 0; i < count(); i++)
-      for (int k = 0; k < 3; k++) force[k] += stiffness(i) * stretch_[i][k];
-  }
-
-  // (k1 + k2) |s1 - s2|^2 of levels i and i + 1, or 0 if one of them is empty; without a branch, since the processor
-  // could not predict it.
-  double apart(int i, double empty) const {
+  // (k1 + k2) |s1 - s2|^2 of levels i and i + 1, neither of which is empty.
+  DEMLAWS_INLINE double apart(int i) const {
     double difference[3];
-    for (int k = 0; k < 3; k++) difference[k] = stretch_[i][k] - stretch_[i + 1][k];
-    return measure(stiffness(i), stiffness(i + 1), dot(difference, difference), empty);
+    for (int k = 0; k < 3; k++) difference[k] = stretch(i)[k] - stretch(i + 1)[k];
+    return (stiffness(i) + stiffness(i + 1)) * dot(difference, difference);
   }
-  static double measure(double low, double high, double square, double empty) {
-    return std::max(std::min((low + high) * square, MANY * (std::min(low, high) - empty)), 0.);
-  }
+
   // K_t is now `now`. Where it falls, springs open; where it rises, those that touch make one level too many: the two
   // neighbours with the smallest (k1 + k2) |s1 - s2|^2 become one, the lowest of equals; an empty level joins any
-  // other. They are nearly always the last level and the new one.
-  inline void press(double now) {
+  // other. They are nearly always the last level and the new one, whose mean stretch is a share of the last one's: the
+  // share is returned, for the caller to multiply by, since a stretch that was just written is slow to read.
+  DEMLAWS_INLINE double press(double now) {
     const int last = count() - 1;
-    const double empty = EMPTY_LEVEL * now, rise = now - bound_[last];
-    for (int i = 0; i <= last; i++) bound_[i] = std::min(bound_[i], now);
-    double *const top = stretch_[last];
-    const double held = stiffness(last), all = held + std::max(rise, 0.);
-    // negative where K_t does not rise: the new level, which is empty, joins the last one
-    const double with_new = std::min(measure(held, rise, dot(top, top), empty), MANY * (rise - empty) - 1.);
-    double others = MANY;
-    for (int i = 0; i < last; i++) others = std::min(others, apart(i, empty));
-    if (__builtin_expect(others <= with_new, 0)) {
-      Levels<0>::join(numbers_, count(), now);
-      return read();
+    const double rise = now - bound_[last];
+    if (!(rise > 0.)) {
+      for (int i = 0; i < last; i++) bound_[i] = std::min(bound_[i], now);
+      bound_[last] = now;
+      return 1.;
     }
-    const double share = all > 0. ? held / all : 0.; // 1 where K_t falls
-    for (int k = 0; k < 3; k++) top[k] *= share;
+    const double empty = EMPTY_LEVEL * now, held = stiffness(last), both = held + rise,
+                 with_new = both * dot(stretch(last), stretch(last));
+    double least = held, nearest = 0.;
+    for (int i = 0; i < last; i++) {
+      least = std::min(least, stiffness(i));
+      nearest = i ? std::min(nearest, apart(i)) : apart(i);
+    }
+    if (__builtin_expect(last > 0 && rise > empty && (least <= empty || nearest <= with_new), 0)) {
+      join(bound_, count_, now);
+      return 1.;
+    }
     bound_[last] = now;
+    return held / both;
   }
   // The two nearest of the old levels become one; the new level stands on top.
-  __attribute__((noinline, cold)) static void join(double *numbers, int count, double now) {
-    Levels levels(numbers, count);
-    levels.join(now);
-    levels.write();
+  __attribute__((noinline)) static void join(double *numbers, int count, double now) {
+    Levels(numbers, count).join(now);
   }
-  void join(double now) {
+  DEMLAWS_INLINE void join(double now) {
+    const double empty = EMPTY_LEVEL * now;
     int i = 0;
-    for (int n = 1; n + 1 < count(); n++)
-      if (apart(n, EMPTY_LEVEL * now) < apart(i, EMPTY_LEVEL * now)) i = n;
-    const double both = stiffness(i) + stiffness(i + 1), share = both > 0. ? stiffness(i) / both : 0.;
-    for (int k = 0; k < 3; k++) stretch_[i][k] = share * stretch_[i][k] + (1. - share) * stretch_[i + 1][k];
-    for (; i + 1 < count(); i++) {
-      bound_[i] = bound_[i + 1];
-      for (int k = 0; k < 3 && i + 2 < count(); k++) stretch_[i + 1][k] = stretch_[i + 2][k];
+    double smallest = HUGE_VAL;
+    for (int n = 0; n + 1 < count(); n++) {
+      const bool free = std::min(stiffness(n), stiffness(n + 1)) <= empty;
+      const double distance = free ? 0. : apart(n);
+      if (distance < smallest) smallest = distance, i = n;
     }
-    std::fill(stretch_[i], stretch_[i] + 3, 0.);
-    bound_[i] = now;
+    const double both = stiffness(i) + stiffness(i + 1), share = both > 0. ? stiffness(i) / both : 0.;
+    for (int k = 0; k < 3; k++) stretch(i)[k] = share * stretch(i)[k] + (1. - share) * stretch(i + 1)[k];
+    std::copy(bound_ + i + 1, bound_ + count(), bound_ + i);
+    std::copy(stretch(i + 2), stretch(count()), stretch(i + 1));
+    bound_[count() - 1] = now;
+    std::fill(stretch(count() - 1), stretch(count()), 0.);
   }
 };
 
 // One step of a contact with `count` levels: see Levels.
-__attribute__((always_inline)) inline ShearStep shear_step(int count, double stiffness, double limit,
-                                                           const double *normal, const double *displacement,
-                                                           double *numbers) {
+DEMLAWS_INLINE ShearStep shear_step(int count, double stiffness, double limit, const double *normal,
+                                    const double *displacement, double *numbers) {
   switch (count) {
   case 1:
     return Levels<1>(numbers, count).step(stiffness, limit, normal, displacement);

@@ -68,11 +68,6 @@ private:
   static double node(int64_t number) { return grid_point(number, BITS); }
 };
 
-// Whether contacts with this rule have springs: those that unload along a curve which does not depend on the history.
-inline bool has_springs(Unloading rule) {
-  return rule == ELASTIC || rule == HERTZ || rule == THORNTON || rule == GIVEN || rule == ETSION;
-}
-
 // Compression of the springs of one contact, from the curve along which it would unload now.
 class Compression {
 public:

@@ -1,5 +1,5 @@
-// demlaws_table.h: contact-law tables of demlaws for any DEM code. C++11, with the three headers beside it that
-// it includes, no other dependency.
+// demlaws_table.h: contact-law tables of demlaws for any DEM code. C++11, with the headers beside it that it
+// includes, no other dependency.
 //
 // A table file (written by `demlaws table`) is a normal contact law without units:
 //     u = overlap / length,   s(u) = Hertz-equivalent overlap / length,

@@ -25,7 +25,7 @@ _REACH = 3.2  # of an unloading curve beyond its table's end, whose last cells a
 
 
 def from_function(
-    force, contact, largest_overlap, stiffness, unloading, kinks, scales_with, rtol, name, description
+    force, contact, largest_overlap, *, stiffness, unloading, kinks, scales_with, rtol, name, description
 ) -> tuple[Contact, TableCurve, Any]:
     """(contact, curve, unloading) of `Table.from_function`; the unloading is a `TableCurve` where it is a function."""
     definition = _definition(contact, name, description, scales_with)
@@ -43,7 +43,7 @@ def from_function(
 
 
 def from_points(
-    points, contact, unloading, uncertainty, plastic_overlap, scales_with, rtol, name, description
+    points, contact, unloading, *, uncertainty, plastic_overlap, scales_with, rtol, name, description
 ) -> tuple[Contact, TableCurve, Any]:
     """(contact, curve, unloading) of `Table.from_points`; the unloading is a `TableCurve` where it is points."""
     definition = _definition(contact, name, description, scales_with)

@@ -45,7 +45,7 @@ class Points(NamedTuple):
 
 
 _COLUMNS = {
-    "displacement": (("displacement", "overlap", "depth", "penetration"), UNITS["m"]),
+    "displacement": (("displacement", "disp.", "overlap", "depth", "penetration", "extension"), UNITS["m"]),
     "force": (("force", "load"), UNITS["N"]),
 }
 _UNIT = re.compile(r"(?:[(\[]\s*([A-Za-zµμ]+)\s*[)\]]?|[_ /]\s*([A-Za-zµμ]+))\s*$")
@@ -104,8 +104,20 @@ def _place(titles, column, where):
     raise DemlawsError(f"{where}: {several} may be the {column}: remove all but one, or name it {column!r} with its unit alone")
 
 
+def _is_row(cells):
+    """Whether a line is one of numbers, two at least: measured values, not the words or the date of an instrument."""
+    numbers = 0
+    for cell in cells:
+        with contextlib.suppress(ValueError):
+            float(cell.strip().replace(",", "."))
+            numbers += 1
+    return numbers > max(1, len(cells) // 2)
+
+
 def _header(lines, path):
-    """Number of the title line, the titles, and the mark between columns."""
+    """Number of the title line, the titles, and the mark between columns. Lines of an instrument may precede it: a date, the
+    number of points, a sample's name."""
+    first = None
     for number, line in enumerate(lines):
         text = line.strip()
         comment = next((mark for mark in _COMMENTS if text.startswith(mark)), None)
@@ -122,8 +134,12 @@ def _header(lines, path):
                 number += 1
             return number, titles, mark
         if comment is None:
-            need = "two columns named displacement and force are needed, with units, separated by commas, semicolons or tabs"
-            raise DemlawsError(f"{path}, line {number + 1}: {need}; got {text[:60]!r}")
+            first = first or (number + 1, text)
+            if _is_row(titles):
+                break
+    if first is not None:
+        need = "two columns named displacement and force are needed, with units, separated by commas, semicolons or tabs"
+        raise DemlawsError(f"{path}, line {first[0]}: {need}; got {first[1][:60]!r}")
     raise DemlawsError(f"{path}, line 1: two columns are needed, displacement and force with units; the file has no header")
 
 
@@ -136,12 +152,16 @@ def read_points(path):
     """Measured points from a text file: a line of titles with units, then numbers.
 
     Columns are split by commas, semicolons, tabs or blanks; unless by commas, decimal commas are read. Lines that begin
-    with #, % or // are comments (the titles may be in one); further columns are left aside. Of several that may be the
+    with #, % or // are comments (the titles may be in one). Lines of words before the titles and further columns are left
+    aside. Of several that may be the
     force or the displacement the one named so alone is taken. The units may also stand in a line below the titles. "-" is
     standard input. Raises DemlawsError that names the file and the line.
     """
     path = Path(path)
-    lines = read_text(path, "points ").splitlines()
+    text = read_text(path, "points ")
+    if "\0" in text:
+        raise DemlawsError(f"{path} is not a text file: export the table as text, with tabs or as CSV")
+    lines = text.splitlines()
     first, titles, mark = _header(lines, path)
     columns = {column: _place(titles, column, f"{path}, line {first + 1}") for column in _COLUMNS}
     values, marks = [], set()

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from demlaws.errors import DemlawsError
-from demlaws.units import number, real
+from demlaws.units import as_float, number
 
 FEWEST = 6
 """Overlaps from which on a curve is smoothed; fewer are interpolated."""
@@ -208,7 +208,7 @@ def _columns(overlap, force, uncertainty, what):
     overlap, force = _rows(overlap, force, what)
     sigma = np.full(force.size, np.nan)
     if uncertainty is not None:
-        value = real(uncertainty, "uncertainty", "N", array=True)
+        value = as_float(uncertainty, "uncertainty", "N", array=True)
         if value.ndim and value.size != force.size:
             raise DemlawsError(f"{value.size} uncertainties [N] for {force.size} points: one each, or one for all")
         sigma = np.broadcast_to(value, force.shape).copy()
@@ -233,7 +233,7 @@ def _rows(overlap, force, what):
         if isinstance(values, str) or not hasattr(values, "__iter__"):
             raise DemlawsError(f"{what}: overlaps [m] and forces [N] are two rows of numbers, got {values!r:.60}")
         values = values if isinstance(values, np.ndarray) else list(values)
-        rows.append(np.atleast_1d(real(values, f"{what}: {name}", unit, array=True)))
+        rows.append(np.atleast_1d(as_float(values, f"{what}: {name}", unit, array=True)))
         if not np.all(np.isfinite(rows[-1])):
             k = int(np.argmin(np.isfinite(rows[-1])))
             raise DemlawsError(f"{what}: {name} of point {k} is {rows[-1][k]:g} {unit}: give finite values")

@@ -25,7 +25,7 @@ from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Definition
 
 
-class Source(NamedTuple):
+class CurveSampler(NamedTuple):
     """A curve to tabulate, of one contact, and the scales of the table."""
 
     exact: Callable  # overlaps [m] → force [N], stiffness [N/m]
@@ -128,7 +128,7 @@ def tabulate(contact: Contact, curve: Any, rtol: float, largest_overlap: float |
         largest = float(np.max(largest_overlap) / length) * (1.0 + 1e-9)
     params = loading_part(bind_params(curve.shape, one))
     kinks = [k / length for k in curve.kinks(one_of(bind_params(curve.shape, contact), index))]
-    source = Source(functools.partial(first_loading, params), length, params.hertz_coefficient, kinks, definition.solved)
+    source = CurveSampler(functools.partial(first_loading, params), length, params.hertz_coefficient, kinks, definition.solved)
     shape, nodes, certificate = _smallest_table(
         source,
         one,
@@ -152,7 +152,9 @@ def rescaled(table: TableCurve, contact: Contact, unloading: Unloading) -> Table
     length, coefficient = params.loading.length, params.hertz_coefficient
     curve_params = one_of(bind_params(curve.shape, unloading.contact), index)
     kinks = [k / length for k in curve.kinks(curve_params)]
-    source = Source(functools.partial(first_loading, params.unloading), length, coefficient, kinks, curve.definition.solved)
+    source = CurveSampler(
+        functools.partial(first_loading, params.unloading), length, coefficient, kinks, curve.definition.solved
+    )
     end = 0.75 * coefficient * length**1.5 * table.nodes.force[-1]
 
     def span(bits):
@@ -189,7 +191,7 @@ def tabulate_given(curve: Any, definition: Definition, contact: Contact, rtol: f
     rough = definition.length == "roughness"
     length = float(contact.roughness if rough else contact.radius)
     coefficient = 4.0 * float(contact.modulus) * math.sqrt(contact.radius) / 3.0
-    source = Source(curve.evaluate, length, coefficient, [k / length for k in curve.kinks], False, 1e-10)
+    source = CurveSampler(curve.evaluate, length, coefficient, [k / length for k in curve.kinks], False, 1e-10)
     largest = curve.largest / length * (1.0 - 1e-12)
     smallest = source.lowest(rtol, largest)
     start, slope = (float(v[0]) for v in curve.evaluate(np.array([smallest * length])))

@@ -1,6 +1,7 @@
 """The text of a table file: header, rows, check marks. docs/table-format.md is its grammar, `saved` interprets it.
 
-`demlaws/cpp/demlaws_table.h` reads the same files; tests/cpp compares the two, verdict by verdict and line by line.
+`demlaws/cpp/demlaws_reader.h` reads the same files in the same steps; tests/cpp compares the two by verdict and line,
+and writes the keys for C++ from those here.
 """
 
 import itertools
@@ -20,8 +21,8 @@ from demlaws.curves.table import Rows
 from demlaws.errors import DemlawsError
 from demlaws.laws.registry import registry
 
-FORMAT = "# demlaws-table"
-VERSIONS = (1, 2, 3)
+FORMAT = "# demlaws-table 3"
+"""The first line. A change of meaning gets a new number."""
 TITLES = "overlap force stiffness"
 UNLOADING_TITLES = "unloading overlap force stiffness"
 OWN = "own"
@@ -31,9 +32,8 @@ UNLOADING = "unloading_"
 """Before the keys that describe an unloading curve and its rows."""
 BELOW = "below_first_row"
 MOST_ROWS = 2_000_000
-_STRAIGHT_BELOW = 0.5
-"""Version 1 has no key BELOW: there a curve whose d ln s/d ln u at the first row is less than this starts from a force."""
-_OVERLAPS, _OTHERS = (1e-60, 1e60), (1e-200, 1e200)
+LARGEST_OVERLAP, LARGEST_FORCE = 1e60, 1e200
+"""Of rows, dimensionless; the smallest are the reciprocals, and a stiffness is like a force."""
 _NUMBER = re.compile(r"[+-]?[0-9]+(\.[0-9]*)?([eE][+-]?[0-9]+)?")
 _DEEPEST = 64
 
@@ -138,55 +138,41 @@ def _object(text):
     raise ValueError("this is not a JSON object")
 
 
-def _contact_of_json(text):
-    """The contact that a table of versions 1 and 2 was made for."""
-    fields = _object(text)
-    for name, value in fields.items():
-        optional = name in ("fractal_dimension", "hardness")
-        if not (optional and value is None) and (not isinstance(value, int | float) or isinstance(value, bool)):
-            raise ValueError(f"{name!r} of the contact is not a number")
-    try:
-        return Contact(**fields)
-    except (TypeError, OverflowError) as error:
-        raise ValueError(f"this is not a contact with radius and modulus ({error})") from None
-
-
 # --- keys
 
 
 class Key(NamedTuple):
-    """A key that readers need: what its text means, and the versions of the format that have it."""
+    """A key that readers need, and what its text means."""
 
     name: str
     read: Callable
-    version: int = 1
-    last_version: int = VERSIONS[-1]
 
 
+bits, rows_of_file = _whole(1, MOST_BITS), _whole(2, MOST_ROWS)
+power_or_straight, yes_or_no = _one_of("power", "straight"), _one_of("yes", "no")
 CURVE = (
     Key("law", _name),
     Key("options", _object),
-    Key("contact", _contact_of_json, 1, 2),
-    Key("effective_radius", _positive, 3),
-    Key("effective_modulus", _positive, 3),
-    Key("roughness", _not_negative, 3),
-    Key("bits", _whole(1, MOST_BITS)),
-    Key("rows", _whole(2, MOST_ROWS)),
+    Key("effective_radius", _positive),
+    Key("effective_modulus", _positive),
+    Key("roughness", _not_negative),
+    Key("bits", bits),
+    Key("rows", rows_of_file),
     Key("force_error", _not_negative),
     Key("stiffness_error", _not_negative),
-    Key(BELOW, _one_of("power", "straight"), 2),
+    Key(BELOW, power_or_straight),
 )
 _OF_CONTACT = {"effective_radius": "radius", "effective_modulus": "modulus", "roughness": "roughness"}
 _PERHAPS_OF_CONTACT = (Key("fractal_dimension", _positive), Key("hardness", _positive))
 SHARED = (
     Key("unloading", _rule),
-    Key("collapses", _one_of("yes", "no")),
+    Key("collapses", yes_or_no),
     Key("length", _positive),
     Key("length_over_roughness", _not_negative),
     Key("length_over_radius", _not_negative),
     Key("rtol", _not_negative),
 )
-_YIELD = (
+YIELD = (
     Key("yield_overlap", _positive),
     Key("yield_force", _positive),
     Key("yield_area", _positive),
@@ -197,7 +183,6 @@ _YIELD = (
 class TableFile(NamedTuple):
     """A file that is a table: values of its keys, and its rows."""
 
-    version: int
     header: dict  # key → text, all keys
     values: dict  # key → value, the keys that readers need
     loading: Rows
@@ -216,142 +201,160 @@ def exponent(nodes):
 
 def parse(data, name):
     """`TableFile` of the bytes of a file, which messages call `name`; DemlawsError with the line of what is wrong."""
+    reader = Reader(name)
+    reader.read_lines(data)
+    reader.check_keys()
+    reader.check_scales()
+    loading = reader.build("")
+    unloading = reader.build(UNLOADING) if UNLOADING in reader.rows else None
+    return TableFile(reader.header, reader.values, loading, unloading, reader.fingerprint)
 
-    def refuse(line, why):
-        raise DemlawsError(f"{name}, line {line}: {why}")
 
-    lines = data.replace(b"\r\n", b"\n").split(b"\n")
-    whole = len(lines) > 1 and not lines[-1]  # the last line has its end
-    if whole:
-        lines.pop()
-    version = _version(lines[0].decode(errors="replace"), refuse)
-    check = zlib.crc32(lines[0] + b"\n")
-    header, places, rows, first_row, complete = {}, {}, {}, {}, False
-    reading = None
-    for place, raw in enumerate(lines[1:], start=2):
-        if complete:
-            refuse(place, "text after the last line ('end: ...')")
-        body, separator, mark = raw.rpartition(b" ")
-        check = zlib.crc32(body, check)
-        if not separator or mark != b"%08x" % check:
-            what = "the file ends here: it was cut short" if place == len(lines) else "this line was changed"
-            refuse(place, f"{what} (its check mark does not fit); write the table again with Table.save or demlaws table")
-        fingerprint, check = check, zlib.crc32(b" " + mark + b"\n", check)
-        line = body.decode(errors="replace")
-        if line.startswith("end: "):
-            complete = True
-            places["end"] = place
-            count = sum(map(len, rows.values()))
-            if line != f"end: {count} rows":
-                refuse(place, f"{count} rows were read, {line.removeprefix('end: ')!r} were promised")
-        elif line == TITLES and reading is None:
-            reading, places[TITLES] = "", place
-            rows[reading], first_row[reading] = [], place + 1
-        elif line == UNLOADING_TITLES and reading == "":
-            reading = UNLOADING
-            rows[reading], first_row[reading] = [], place + 1
-        elif reading is not None:
-            try:
-                rows[reading].append(_row(line, rows[reading]))
-            except ValueError as error:
-                refuse(place, str(error))
+class Reader:
+    """The steps of reading a file; `Table` in demlaws_reader.h has the same."""
+
+    def __init__(self, name):
+        self.name, self.fingerprint = name, 0
+        self.header, self.lines, self.values = {}, {}, {}  # key → text, its line, value
+        self.rows, self.first_line = {}, {}  # prefix of a curve's keys → rows, line of the first
+        self.titles = self.end = 0  # lines
+
+    def fail(self, line, why):
+        """Raise the error of a line."""
+        raise DemlawsError(f"{self.name}, line {line}: {why}")
+
+    def read_lines(self, data):
+        """Header and rows of a file whose check marks fit."""
+        lines = data.replace(b"\r\n", b"\n").split(b"\n")
+        whole = len(lines) > 1 and not lines[-1]  # the last line has its end
+        if whole:
+            lines.pop()
+        if lines[0] != FORMAT.encode():
+            what = "a table of another format: write it again with this version of demlaws"
+            ours = lines[0].startswith(FORMAT.encode()[:-1])
+            self.fail(1, what if ours else f"not a demlaws table (the first line must be {FORMAT!r})")
+        check = zlib.crc32(lines[0] + b"\n")
+        for line, raw in enumerate(lines[1:], start=2):
+            if self.end:
+                self.fail(line, "text after the last line ('end: ...')")
+            body, separator, mark = raw.rpartition(b" ")
+            check = zlib.crc32(body, check)
+            if not separator or mark != b"%08x" % check:
+                what = "the file ends here: it was cut short" if line == len(lines) else "this line was changed"
+                self.fail(line, f"{what} (its check mark does not fit); write the table again with Table.save or demlaws table")
+            self.fingerprint, check = check, zlib.crc32(b" " + mark + b"\n", check)
+            self.read_line(line, body.decode(errors="replace"))
+        if not self.end:
+            self.fail(len(lines) + whole, "the file ends without its 'end:' line: it was cut short")
+
+    def read_line(self, line, body):
+        """A line without its mark: end, titles, row or key."""
+        if body.startswith("end: "):
+            count = sum(map(len, self.rows.values()))
+            if body != f"end: {count} rows":
+                self.fail(line, f"{count} rows were read, {body.removeprefix('end: ')!r} were promised")
+            self.end = line
+        elif body == TITLES and not self.rows:
+            self.titles = line
+            self.rows[""], self.first_line[""] = [], line + 1
+        elif body == UNLOADING_TITLES and list(self.rows) == [""]:
+            self.rows[UNLOADING], self.first_line[UNLOADING] = [], line + 1
+        elif self.rows:
+            self.read_row(line, body, list(self.rows.values())[-1])
         else:
-            key, separator, value = line.partition(": ")
-            key = key if separator else key.removesuffix(":")
-            if not key or (not separator and not line.endswith(":")):
-                refuse(place, f"{line!r} is not 'key: value'")
-            if key in header:
-                refuse(place, f"key {key!r} occurs twice")
-            header[key], places[key] = value, place
-    if not complete:
-        refuse(len(lines) + whole, "the file ends without its 'end:' line: it was cut short")
+            self.read_key(line, body)
 
-    of_curve = [key for key in CURVE if key.version <= version <= key.last_version]
-    keys = [*of_curve, *SHARED]
-    if any(key.name in header for key in _YIELD):
-        keys += _YIELD
-    rule = rule_named(header.get("unloading"))
-    # the second number of each rule is a growth, which may be 0
-    keys += [Key(name, _not_negative if n == 1 else _positive) for n, name in enumerate(rule.keys if rule else ())]
-    if header.get("unloading") == OWN:
-        keys += [Key(name, read) for name, read in zip(OF_OWN_RULE, (_name, _mark), strict=True)]
-    if header.get("unloading") == GIVEN:
-        keys += [key._replace(name=UNLOADING + key.name) for key in of_curve]
-    if version > 2:
-        prefixes = ("", UNLOADING) if header.get("unloading") == GIVEN else ("",)
-        optional = [key._replace(name=prefix + key.name) for prefix in prefixes for key in _PERHAPS_OF_CONTACT]
-        keys += [key for key in optional if key.name in header]
-    keys += [Key(name, _limit) for name in itertools.takewhile(header.__contains__, (f"limit_{n}" for n in itertools.count(1)))]
-    values = {}
-    for key in keys:
-        if key.name not in header:
-            refuse(places.get(TITLES, places["end"]), f"the lines above lack {key.name!r}")
+    def read_row(self, line, body, rows):
+        """u, f, k of a line, which must follow the rows before it."""
+        tokens = body.split(" ")
+        if len(tokens) != 3:
+            self.fail(line, f"{body!r} is not three numbers with a blank between")
         try:
-            values[key.name] = key.read(header[key.name])
-        except (ValueError, DemlawsError) as error:
-            refuse(places[key.name], f"{key.name}: {error}")
-    if (values["length_over_roughness"] > 0.0) == (values["length_over_radius"] > 0.0):
-        refuse(places["length_over_radius"], "one of length_over_roughness and length_over_radius is positive, the other 0")
-    if "yield_area" in values:
-        expected = (0.75 * values["yield_force"]) ** (2.0 / 3.0)
-        if not abs(values["yield_area"] - expected) <= 1e-9 * expected:
-            refuse(places["yield_area"], f"yield_area: with this yield_force it is {expected!r}")
-    for prefix in (("", UNLOADING) if values["unloading"] == GIVEN else ("",)) if version > 2 else ():
-        fields = {field: values[prefix + key] for key, field in _OF_CONTACT.items()}
-        fields |= {key.name: values.get(prefix + key.name) for key in _PERHAPS_OF_CONTACT}
-        try:
-            values[prefix + "contact"] = Contact(**fields)
-        except DemlawsError as error:
-            refuse(places[prefix + "roughness"], str(error))
-    if (UNLOADING in rows) != (values["unloading"] == GIVEN):
-        what = "has no rows of its own" if UNLOADING in rows else f"needs rows below {UNLOADING_TITLES!r}"
-        refuse(places["unloading"], f"unloading {values['unloading']!r} {what}")
+            u, force, stiffness = row = [_number(token) for token in tokens]
+        except ValueError as error:
+            self.fail(line, error)
+        for value, largest in ((u, LARGEST_OVERLAP), (force, LARGEST_FORCE), (stiffness, LARGEST_FORCE)):
+            if not 1.0 / largest <= value <= largest:
+                self.fail(line, f"{value!r} in {body!r} is not between {1.0 / largest:g} and {largest:g}")
+        if rows and not (u > rows[-1][0] and force > rows[-1][1]) and not (u == rows[-1][0] and force >= rows[-1][1]):
+            self.fail(line, f"{body!r} does not increase")
+        rows.append(row)
 
-    def curve(prefix):
-        points, count, bits = rows.get(prefix, []), values[f"{prefix}rows"], values[f"{prefix}bits"]
+    def read_key(self, line, body):
+        """A key and its text."""
+        key, separator, value = body.partition(": ")
+        key = key if separator else key.removesuffix(":")
+        if not key or (not separator and not body.endswith(":")):
+            self.fail(line, f"{body!r} is not 'key: value'")
+        if key in self.header:
+            self.fail(line, f"key {key!r} occurs twice")
+        self.header[key], self.lines[key] = value, line
+
+    def check_keys(self):
+        """Values of the keys that this file needs."""
+        unloading = self.header.get("unloading")
+        rule, given = rule_named(unloading), unloading == GIVEN
+        keys = [*CURVE, *SHARED]
+        if any(key.name in self.header for key in YIELD):
+            keys += YIELD
+        # the second number of each rule is a growth, which may be 0
+        keys += [Key(name, _not_negative if n == 1 else _positive) for n, name in enumerate(rule.keys if rule else ())]
+        if unloading == OWN:
+            keys += [Key(name, read) for name, read in zip(OF_OWN_RULE, (_name, _mark), strict=True)]
+        if given:
+            keys += [key._replace(name=UNLOADING + key.name) for key in CURVE]
+        optional = [
+            key._replace(name=prefix + key.name) for prefix in ("", UNLOADING)[: 1 + given] for key in _PERHAPS_OF_CONTACT
+        ]
+        keys += [key for key in optional if key.name in self.header]
+        limits = (f"limit_{n}" for n in itertools.count(1))
+        keys += [Key(name, _limit) for name in itertools.takewhile(self.header.__contains__, limits)]
+        for name, read in keys:
+            if name not in self.header:
+                self.fail(self.titles or self.end, f"the lines above lack {name!r}")
+            try:
+                self.values[name] = read(self.header[name])
+            except (ValueError, DemlawsError) as error:
+                self.fail(self.lines[name], f"{name}: {error}")
+
+    def check_scales(self):
+        """Values that depend on one another: lengths, bulk yield, contacts, the unloading curve."""
+        values, given = self.values, self.values["unloading"] == GIVEN
+        if (values["length_over_roughness"] > 0.0) == (values["length_over_radius"] > 0.0):
+            what = "one of length_over_roughness and length_over_radius is positive, the other 0"
+            self.fail(self.lines["length_over_radius"], what)
+        for prefix in ("", UNLOADING)[: 1 + given]:
+            fields = {field: values[prefix + key] for key, field in _OF_CONTACT.items()}
+            fields |= {key.name: values.get(prefix + key.name) for key in _PERHAPS_OF_CONTACT}
+            try:
+                values[prefix + "contact"] = Contact(**fields)
+            except DemlawsError as error:
+                self.fail(self.lines[prefix + "roughness"], error)
+        if "yield_area" in values:
+            expected = (0.75 * values["yield_force"]) ** (2.0 / 3.0)
+            if not abs(values["yield_area"] - expected) <= 1e-9 * expected:
+                self.fail(self.lines["yield_area"], f"yield_area: with this yield_force it is {expected!r}")
+        if (UNLOADING in self.rows) != given:
+            what = "has no rows of its own" if UNLOADING in self.rows else f"needs rows below {UNLOADING_TITLES!r}"
+            self.fail(self.lines["unloading"], f"unloading {values['unloading']!r} {what}")
+
+    def build(self, prefix):
+        """`Rows` of a curve."""
+        points, count, bits = self.rows.get(prefix, []), self.values[f"{prefix}rows"], self.values[f"{prefix}bits"]
         if len(points) != count:
-            refuse(places[f"{prefix}rows"], f"{len(points)} rows were read, the header states {count}")
+            self.fail(self.lines[f"{prefix}rows"], f"{len(points)} rows were read, the header states {count}")
         nodes = Nodes(*np.array(points).T)
-        wrong = _off_grid(nodes.u, bits)
+        wrong = off_grid(nodes.u, bits)
         if wrong is not None:
-            refuse(first_row[prefix] + wrong[0], wrong[1])
-        p = exponent(nodes)
-        if version == 1:
-            return Rows(nodes, bits, p < _STRAIGHT_BELOW)
-        straight = values[prefix + BELOW] == "straight"
-        if straight and p > 1.0 + 1e-9:
-            refuse(places[prefix + BELOW], "straight below the first row, this curve would have a force below 0 at overlap 0")
+            self.fail(self.first_line[prefix] + wrong[0], wrong[1])
+        straight = self.values[prefix + BELOW] == "straight"
+        if straight and exponent(nodes) > 1.0 + 1e-9:
+            what = "straight below the first row, this curve would have a force below 0 at overlap 0"
+            self.fail(self.lines[prefix + BELOW], what)
         return Rows(nodes, bits, straight)
 
-    loading = curve("")
-    return TableFile(version, header, values, loading, curve(UNLOADING) if UNLOADING in rows else None, fingerprint)
 
-
-def _version(line, refuse):
-    versions = f"this version of demlaws reads {', '.join(map(str, VERSIONS))}"
-    words = line.rpartition(" ")
-    if words[0] != FORMAT or not re.fullmatch("[1-9][0-9]{0,8}", words[2]):
-        refuse(1, f"not a demlaws table (the first line must be '{FORMAT} {VERSIONS[0]}' or '... {VERSIONS[-1]}')")
-    if int(words[2]) not in VERSIONS:
-        refuse(1, f"a table of format {words[2]}; {versions}: install a newer one, or write the table again with this one")
-    return int(words[2])
-
-
-def _row(line, rows):
-    """u, f, k of a line; ValueError where it cannot follow the rows before it."""
-    tokens = line.split(" ")
-    if len(tokens) != 3:
-        raise ValueError(f"{line!r} is not three numbers with a blank between")
-    row = [_number(token) for token in tokens]
-    for value, (low, high) in zip(row, (_OVERLAPS, _OTHERS, _OTHERS), strict=True):
-        if not low <= value <= high:
-            raise ValueError(f"{value!r} in {line!r} is not between {low:g} and {high:g}")
-    if rows and not (row[0] > rows[-1][0] and row[1] > rows[-1][1]) and not (row[0] == rows[-1][0] and row[1] >= rows[-1][1]):
-        raise ValueError(f"{line!r} does not increase")
-    return row
-
-
-def _off_grid(u, bits_per_octave):
+def off_grid(u, bits_per_octave):
     """(number of the first row that the grid does not allow, why), or None."""
     first = node_number(u[0], bits_per_octave)
     if float(node(first, bits_per_octave)) != u[0]:
@@ -408,7 +411,7 @@ def compose(header, loading, unloading=None):
     if unloading is not None:
         lines += [UNLOADING_TITLES, *_text_rows(unloading.nodes)]
     lines.append(f"end: {sum(rows.nodes.u.size for rows in curves)} rows")
-    parts = [f"{FORMAT} {VERSIONS[-1]}\n".encode()]
+    parts = [f"{FORMAT}\n".encode()]
     check = fingerprint = zlib.crc32(parts[0])
     for line in lines:
         body = line.encode()

@@ -55,10 +55,10 @@ def _ratios(contact, other):
 
 def refuse_unless_passive(law: Any) -> None:
     """Raise NotPassive unless at every load K(P) is at most that of the unloading curve; for Hertz-like rules, Hertz's."""
-    if law.unloads.rule.curve not in ("hertz", "given"):
+    if law.unloading_parts.rule.curve not in ("hertz", "given"):
         return
     excess, force = largest_stiffness_ratio(law)
-    curve = law.unloads.curve
+    curve = law.unloading_parts.curve
     # the stiffness of a table is as exact as its certificate states
     uncertainty = 0.0 if curve is None else law.curve.stiffness_error + curve.stiffness_error
     if excess > 1.0 + 1e-9 + uncertainty:

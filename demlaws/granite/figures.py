@@ -33,7 +33,7 @@ def force(test, runs):
         rise = slice(0, int(np.argmax(path.force)) + 1)
         zero = float(np.interp(0.1, path.force[rise], path.overlap[rise]))
         end = _first_peak(path.force) if test.cyclic else path.force.size
-        draw_line(ax, (path.overlap[:end] - zero) * MICRO, path.force[:end], run.law.name, lw=1.5)
+        draw_line(ax, (path.overlap[:end] - zero) * MICRO, path.force[:end], name=run.law.name, lw=1.5)
     ax.set(xlabel="displacement from 0.1 N (µm)", ylabel="force (N)", title=test.name, ylim=(0, None))
     ax.set_xlim(left=-0.05 * ax.get_xlim()[1])
     ax.legend(fontsize=8)
@@ -112,7 +112,7 @@ def crossover():
     fig, ax = figure(width=6.0, height=4.4)
     for name in (HERTZ, POHRT_POPOV):
         law = _law(name, test.name)
-        draw_line(ax, load, law.stiffness(law.overlap(load)) / 1e3, name, lw=1.6)
+        draw_line(ax, load, law.stiffness(law.overlap(load)) / 1e3, name=name, lw=1.6)
     ax.axvline(threshold, color="k", lw=0.8)
     text = f"F = {threshold:.1f} N\n(the paper's text: {PRINTED_THRESHOLD:g} N)"
     ax.annotate(text, (threshold, 2000), xytext=(5, 0), textcoords="offset points")
@@ -132,7 +132,7 @@ def unloading(run):
     load = np.linspace(0.05, top, 300)
     for law in (_law(name, test.name) for name in COMPARED):
         displacement = (law.overlap(load) - law.overlap(top)) * MICRO
-        draw_line(ax, displacement, load, law.name, label=f"{law.name}, elastic", lw=1.3)
+        draw_line(ax, displacement, load, name=law.name, label=f"{law.name}, elastic", lw=1.3)
     path = run.paths[0]
     back = slice(int(np.argmax(path.force)), None)
     left = (path.overlap[back] - path.overlap[back][0]) * MICRO
@@ -148,7 +148,7 @@ def stiffness():
     load = np.geomspace(0.1, 100.0, 200)
     for ax, name in zip(np.ravel(axes), ("SS(18-18)", "RS(18-18)", "SS(12-18)", "SF(12)"), strict=True):
         for law in (_law(n, name) for n in SPHERES):
-            draw_line(ax, load, law.stiffness(law.overlap(load)) / 1e3, law.name, lw=1.3)
+            draw_line(ax, load, law.stiffness(law.overlap(load)) / 1e3, name=law.name, lw=1.3)
         ax.set(xscale="log", yscale="log", xlabel="force (N)", ylabel="stiffness (N/mm)", title=name)
         ax.legend(fontsize=7)
     return fig

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 import demlaws
+from demlaws.contact import effective_modulus, young_against_itself
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
 from demlaws.laws.names import USUAL
@@ -22,11 +23,11 @@ class Models(NamedTuple):
 
 def joined(one, other):
     """Young's modulus [Pa] and Poisson's ratio of the material that, against itself, has E* and G* of the two."""
-    modulus = 1.0 / ((1.0 - one.poisson**2) / one.young + (1.0 - other.poisson**2) / other.young)
+    modulus = effective_modulus(one, other)
     shear = 1.0 / sum(2.0 * (2.0 - m.poisson) * (1.0 + m.poisson) / m.young for m in (one, other))
     ratio = modulus / shear
     poisson = (ratio - 4.0) / (ratio - 2.0)
-    return 2.0 * (1.0 - poisson**2) * modulus, poisson
+    return young_against_itself(modulus, poisson), poisson
 
 
 def stock_models(grains, restitution=0.5, friction=0.5):
@@ -93,7 +94,7 @@ def loose(grains, count, seed=15485863):
     return types, radii, centres, (across * pitch, centres[:, 2].max() + 3.0 * pitch)
 
 
-def export(folder, law=USUAL, grains=(), unloading=None, options=None, **more):
+def export(folder, law=USUAL, grains=(), *, unloading=None, options=None, **more):
     """Write a ready case into `folder` and return its in.case: grains of all types settle in a box under gravity.
 
     law: a name, or a whole `Case`; more: further fields of `demlaws.plugins.grains.Case`: rtol, stock, load, restitution,

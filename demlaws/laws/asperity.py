@@ -294,7 +294,7 @@ LAW = Definition(
     implicit=True,
     solved=True,
     example={
-        "surface": self_affine(128, 2e-6, 0.8, 2e-6, seed=1, shortest=8e-6, longest=80e-6),
+        "surface": self_affine(128, 2e-6, 0.8, roughness=2e-6, seed=1, shortest=8e-6, longest=80e-6),
         "plastic_factor": 0.71,
         "plastic_ratio": 160.0,
     },

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 import demlaws
+from demlaws.contact import young_against_itself
 from demlaws.core.levels import DEFAULT_LEVELS
 from demlaws.errors import DemlawsError, quiet
 from demlaws.files import write_atomically
@@ -47,7 +48,7 @@ def stock_fit(law, load, loads=None):
     return StockFit(load, modulus, loads, forces / loads - 1.0)
 
 
-def export(folder, law=USUAL, grains=(), unloading=None, options=None, **more):
+def export(folder, law=USUAL, grains=(), *, unloading=None, options=None, **more):
     """Write a ready case into `folder` and return its in.case: grains of all types settle in a box under gravity.
 
     law: a name, or a whole `Case`; more: further fields of `Case`: rtol, stock, load, restitution, friction, count,
@@ -82,7 +83,7 @@ class _Model(NamedTuple):
 
 def _stock_young(case, grain):
     fit = stock_fit(make_law(case.law, grain.contact(grain), **case.options), case.load)
-    return 2.0 * fit.modulus * (1.0 - grain.material.poisson**2)
+    return young_against_itself(fit.modulus, grain.material.poisson)
 
 
 def table_words(case, folder):

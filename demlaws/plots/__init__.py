@@ -30,7 +30,7 @@ def __getattr__(name):
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
-def figure(columns=1, rows=1, width=5.2, height=4.0):
+def figure(*, columns=1, rows=1, width=5.2, height=4.0):
     """A figure and its axes (an array if there are several)."""
     try:
         with warnings.catch_warnings():  # two installed versions of matplotlib's 3-D axes, which no figure here uses
@@ -118,7 +118,7 @@ def plot(result, ax=None, *, overlap=None, unload_at=None, **style):
     return ax
 
 
-def draw_line(ax, x, y, name, **more):
+def draw_line(ax, x, y, *, name, **more):
     """A law's curve in its colour and line style."""
     ax.plot(x, y, color=colour(name), linestyle=line(name), label=more.pop("label", name), **more)
 

@@ -57,7 +57,7 @@ def convert(text, engine, table, folder=None, name=""):
     return Converted(converted, job.notes, job.changed)
 
 
-def convert_file(path, engine, table, out=None):
+def convert_file(path, engine, table, *, out=None):
     """Convert the input `path` and write it as `out` (default: beside it, with .demlaws at its end); (out, `Converted`).
 
     `table` is a path from here; in the input it stands as seen from the folder of `out`, where the engine runs. If no line

@@ -251,7 +251,7 @@ class Engine:
         """Name of a thermo column."""
         return word
 
-    def command(self, script, ranks=1, variables=None, log=None, plugin=True, portable=False, arguments=()):
+    def command(self, script, ranks=1, variables=None, *, log=None, plugin=True, portable=False, arguments=()):
         """The command line and the environment of a run; portable: with the plugin that `build(portable=True)` returns.
 
         arguments: further arguments of the engine's own, such as ("-echo", "screen"). For Open MPI's mpirun, root needs
@@ -282,6 +282,7 @@ class Engine:
         script,
         ranks=1,
         variables=None,
+        *,
         folder=None,
         log=None,
         plugin=True,
@@ -302,7 +303,8 @@ class Engine:
             folder, script = script.resolve().parent, Path(script.name)
         if not (Path(folder) / script).is_file():
             raise DemlawsError(f"input {Path(folder) / script} does not exist; `demlaws {self.name.lower()} export` writes one")
-        line, environment = self.command(script, ranks, variables, log, plugin, portable, arguments)
+        options = {"log": log, "plugin": plugin, "portable": portable, "arguments": arguments}
+        line, environment = self.command(script, ranks, variables, **options)
         log_path = Path(folder) / log
         before = _stamp(log_path)  # a log of an earlier run is not read
         status, lines = _run(line, folder, environment, echo, timeout)

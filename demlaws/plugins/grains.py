@@ -10,11 +10,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from demlaws.contact import DENSITY, Contact, Material, Surface, surface_of
+from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
 from demlaws.laws.names import USUAL
+from demlaws.make import known_unloading, rebound, unloading_of_case
 from demlaws.make import law as make_law
-from demlaws.make import rebound, rule_and_curve, unloading_of_case
 from demlaws.timestep import timestep
 from demlaws.units import number, whole
 
@@ -97,6 +98,8 @@ class Case:
     def __post_init__(self):
         if not self.grains:
             raise DemlawsError("grains is empty: give at least one Grain(radius, material, surface)")
+        unloading = unloading_of_case(self.law) if self.unloading is None else self.unloading
+        object.__setattr__(self, "unloading", known_unloading(unloading))
         number(self.load, "load", "N")
         whole(self.count, "count")
         if self.shear_ratio is not None:
@@ -108,21 +111,17 @@ class Case:
 
     def bound(self, contact):
         """The law of one contact."""
-        return make_law(self.law, contact, unloading=rebound(self._unloading, contact), **self.options)
-
-    @property
-    def _unloading(self):
-        return unloading_of_case(self.law) if self.unloading is None else self.unloading
+        return make_law(self.law, contact, unloading=rebound(self.unloading, contact), **self.options)
 
     @property
     def rule(self):
         """Name of the unloading rule."""
-        return rule_and_curve(self._unloading)[0]
+        return self.unloading if self.curve is None else GIVEN
 
     @property
     def curve(self):
         """The law or table that contacts unload along, or None."""
-        return rule_and_curve(self._unloading)[1]
+        return None if isinstance(self.unloading, str) else self.unloading
 
     @property
     def title(self):

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.errors import DemlawsError
-from demlaws.units import real
+from demlaws.units import as_float
 
 
 class State:
@@ -40,7 +40,7 @@ class State:
         if name in ("names", "arrays"):
             raise AttributeError(f"{name} is an array of the state: set its values, do not replace it")
         array = getattr(self, name)
-        new = real(values, name, array=True)
+        new = as_float(values, name, array=True)
         if new.shape not in ((), array.shape):
             raise DemlawsError(f"{name} has {array.size} contacts, got values of shape {new.shape}: one entry each")
         array[...] = new

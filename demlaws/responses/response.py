@@ -21,7 +21,7 @@ from demlaws.core.loops import (
 )
 from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
 from demlaws.errors import DemlawsError, LargeOverlap, warn
-from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps, number, real, unmasked
+from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, as_float, check_overlaps, number, unmasked
 
 if TYPE_CHECKING:
     from demlaws.responses.batch import State
@@ -54,10 +54,10 @@ class Response:
 
     contact: Contact
     curve: Any  # of first loading
-    unloads: Any  # `Unloading`
+    unloading_parts: Any  # `Unloading`
     unloading_law: Any
     params: Any
-    rule: Any  # tag of the unloading rule
+    rule_tag: Any  # of the unloading rule
     state_names: tuple
     state_size: int
     definition: Any
@@ -221,6 +221,7 @@ class Response:
         overlap: ArrayLike,
         state: "State | None" = None,
         out: tuple[np.ndarray, np.ndarray] | None = None,
+        *,
         parallel: bool = False,
     ) -> tuple[np.ndarray, np.ndarray]:
         """Force and tangent stiffness of a batch of contacts; `state` is updated in place.
@@ -261,7 +262,7 @@ class Response:
 
         def part(piece):
             states, params = tuple(array[piece] for array in arrays), self._params_of(piece)
-            return batch_loop(self.rule, params, overlap[piece], states, lowest, most, force[piece], stiffness[piece])
+            return batch_loop(self.rule_tag, params, overlap[piece], states, lowest, most, force[piece], stiffness[piece])
 
         good = all(in_threads(part, n)) if parallel and n >= 16 * PIECE else part(slice(None))
         if not good and arrays and self.contact.size is not None:
@@ -280,7 +281,7 @@ class Response:
         again = np.flatnonzero(np.isnan(force) & (overlap <= ends))
         states = tuple(array[again] for array in arrays)
         results = np.empty(again.size, force.dtype), np.empty(again.size, stiffness.dtype)
-        batch_loop(self.rule, self._params_of(again), overlap[again], states, UNBOUNDED, FINITE, *results)
+        batch_loop(self.rule_tag, self._params_of(again), overlap[again], states, UNBOUNDED, FINITE, *results)
         for array, values in zip((force, stiffness, *arrays), (*results, *states), strict=True):
             array[again] = values
 
@@ -381,7 +382,7 @@ class Response:
         values, _, arrays = self._path_of(overlap, state)
         columns = [np.empty(values.size) for _ in range(4)]
         history = tuple(np.zeros(values.size) for _ in self.state_names)
-        follow_loop(self.rule, self.params, values, arrays, history, *columns)
+        follow_loop(self.rule_tag, self.params, values, arrays, history, *columns)
         force, stiffness, stored, dissipated = columns
         if not np.all(np.isfinite(force)):
             raise DemlawsError(self._out_of_range(float(values.max())))
@@ -394,7 +395,7 @@ class Response:
         return Path(values, force, stiffness, maximum, plastic, stored, dissipated)
 
     def shear_stiffness(
-        self, overlap: ArrayLike, ratio: float, shear: str = DEFAULT, state: "State | None" = None
+        self, overlap: ArrayLike, ratio: float, shear: str = DEFAULT, *, state: "State | None" = None
     ) -> float | np.ndarray:
         """Tangential stiffness K_t [N/m] of one contact along a sequence of overlaps [m]; `state` is updated.
 
@@ -408,7 +409,7 @@ class Response:
             )
         ratio = number(ratio, "ratio")
         values, shape, arrays = self._path_of(overlap, state)
-        result = shear_loop(CHOICES[shear].tag, self.rule, self.params, values, arrays)
+        result = shear_loop(CHOICES[shear].tag, self.rule_tag, self.params, values, arrays)
         if not np.all(np.isfinite(result)):
             raise DemlawsError(self._out_of_range(float(values.max())))
         return as_given(ratio * result.reshape(shape))
@@ -417,7 +418,7 @@ class Response:
         """Overlap [m] at which a contact with this history, below its maximum overlap, carries `force` ≥ 0 [N]."""
         values, shape = self._shaped(force, "force", "N")
         states = tuple(np.full(values.size, float(array[0])) for array in self._arrays_of(state, 1))
-        result = unloaded_loop(self.rule, self.single_params(), values.ravel(), states)
+        result = unloaded_loop(self.rule_tag, self.single_params(), values.ravel(), states)
         return as_given(result.reshape(shape))
 
     # --- range
@@ -430,7 +431,7 @@ class Response:
 
     def breaches(self, smallest: float, largest: float) -> list[Breach]:
         """Limits of the law exceeded by forces from `smallest` to `largest` [N], the largest excess first."""
-        smallest, largest = float(real(smallest, "smallest", "N")), float(real(largest, "largest", "N"))
+        smallest, largest = float(as_float(smallest, "smallest", "N")), float(as_float(largest, "largest", "N"))
         if smallest != smallest or largest != largest:
             raise DemlawsError(f"smallest = {smallest}, largest = {largest}: give two forces in N")
         pairs = []
@@ -452,7 +453,7 @@ def _numbers(value: Any, name: str, unit: str) -> np.ndarray:
     if type(value) is np.ndarray and value.dtype in (np.float64, np.float32):
         return value
     if isinstance(value, str) or (isinstance(value, list | tuple) and any(isinstance(v, str) for v in value)):
-        value = real(value, name, unit, array=True)
+        value = as_float(value, name, unit, array=True)
     try:
         array = np.asarray(unmasked(value))
         if array.dtype.kind not in "fiu":  # text, None, complex numbers, dates

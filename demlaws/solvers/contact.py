@@ -299,8 +299,8 @@ class RoughContact:
         )
         return (step, table) if labels is not None else step
 
-    def _solve(self, load, tolerance, guess=None):
-        """Overlap at which the patches carry `load` within `tolerance`, and how many cuts that took.
+    def _solve(self, load, rtol, guess=None):
+        """Overlap at which the patches carry `load` within `rtol`, and how many cuts that took.
 
         The force falls in jumps where patches merge, and rises continuously between: a bracket whose upper end carries
         less than the load and whose lower end carries more closes on a continuous crossing.
@@ -319,7 +319,7 @@ class RoughContact:
             trial = (self._high_window if high < math.inf else window).copy()
             force, _, _ = self._force(self.origin - x, trial)
             evaluations += 1
-            if abs(force - load) <= tolerance * load:
+            if abs(force - load) <= rtol * load:
                 return x, evaluations
             f = math.log(force / load) if force > 0 else -math.inf
             if f < 0:
@@ -352,19 +352,18 @@ class RoughContact:
                 if not low < x < high:
                     break
         raise DemlawsError(
-            f"no separation carries {load:g} N within {tolerance:g}: the force is discontinuous above "
-            f"{math.exp(low_f) * load:g} N; give a larger tolerance or a map with more pixels in contact"
+            f"no separation carries {load:g} N within rtol = {rtol:g}: the force is discontinuous above "
+            f"{math.exp(low_f) * load:g} N; give a larger one or a map with more pixels in contact"
         )
 
-    def load(self, load, tolerance=0.01, guess=None):
-        """Press until the micro-contacts carry `load` [N] within `tolerance` (relative): a `LoadStep`.
+    def load(self, load, rtol=0.01, guess=None):
+        """Press until the micro-contacts carry `load` [N] within a relative tolerance: a `LoadStep`.
 
         Warns (ValidityWarning) where the regime criterion says that the bulk yields too, and where the contact reaches
         the edge of the map.
         """
         load = number(load, "load", "N")
-        tolerance = number(tolerance, "tolerance", high=1.0)
-        overlap, evaluations = self._solve(load, tolerance, guess)
+        overlap, evaluations = self._solve(load, number(rtol, "rtol", high=1.0), guess)
         step = self.at(overlap, evaluations=evaluations)
         self.advise(step)
         return step

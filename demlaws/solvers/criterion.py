@@ -18,7 +18,7 @@ import numpy as np
 
 from demlaws.contact import as_contact
 from demlaws.errors import DemlawsError
-from demlaws.units import number, positive, real
+from demlaws.units import as_float, number, positive
 
 YIELD_RATIO = 0.6
 """p(0)/H_m at which the bulk begins to yield (Tabor)."""
@@ -66,7 +66,7 @@ def central_pressure(roughness_parameter, mu):
 
 def _parameter(value):
     """α as an array; DemlawsError where it is negative or NaN."""
-    alpha = real(value, "roughness_parameter", array=True)
+    alpha = as_float(value, "roughness_parameter", array=True)
     if not np.all(alpha >= 0.0):
         raise DemlawsError(f"roughness_parameter = {value!r:.60}: α = σ over Hertz's overlap is 0 or more")
     return alpha
@@ -126,7 +126,7 @@ def lowest_transition_load(contact):
     return float(np.min(transition_load(contact)))
 
 
-def transition_roughness(contact, load, ratio=YIELD_RATIO, mu=None):
+def transition_roughness(contact, load, ratio=YIELD_RATIO, *, mu=None):
     """Combined roughness σ [m] at which p(0)/H_m equals `ratio` under `load` [N]; 0 where no roughness is needed.
 
     mu: see `central_pressure`; of one contact and one load, to 1e-5."""

@@ -19,7 +19,7 @@ UNITS = {**units.UNITS["m"], "µm": 1e-6, "μm": 1e-6}
 
 def length(text, name="length"):
     """Metres from "0.5um", "5e-7" or a number. Raises DemlawsError for anything else."""
-    value = float(units.real(text, name, "m"))
+    value = float(units.as_float(text, name, "m"))
     if not (math.isfinite(value) and value > 0):
         raise DemlawsError(f"{name} = {text!r}: a length must be positive")
     return value
@@ -169,7 +169,7 @@ class HeightMap:
         width = length(width, "width")
         height = width if height is None else length(height, "height")
         whole = self.field_of_view
-        middle = units.real((0.5 * whole[0], 0.5 * whole[1]) if centre is None else centre, "centre", "m", array=True)
+        middle = units.as_float((0.5 * whole[0], 0.5 * whole[1]) if centre is None else centre, "centre", "m", array=True)
         if middle.shape != (2,) or not np.all(np.isfinite(middle)):
             raise DemlawsError(f"centre = {centre!r:.60}: give x and y in m")
         edges = []
@@ -338,7 +338,7 @@ def _wavelengths(value, shortest, longest):
         low, high = value
     except (TypeError, ValueError):
         raise DemlawsError(f"wavelengths = {value!r:.60}: give the shortest and the longest in m") from None
-    low, high = float(units.real(low, "wavelengths", "m")), float(units.real(high, "wavelengths", "m"))
+    low, high = float(units.as_float(low, "wavelengths", "m")), float(units.as_float(high, "wavelengths", "m"))
     if not 0.0 <= low < high:
         raise DemlawsError(f"wavelengths from {low:g} to {high:g} m: give the shortest and the longest, from 0 on")
     return low, high
@@ -418,7 +418,7 @@ def _between(coarse, fine_index, axis):
     return np.take(coarse, low, axis) * (1 - share) + np.take(coarse, high, axis) * share
 
 
-def self_affine(shape, pixel, hurst, roughness, seed, *, shortest=0.0, longest=math.inf, anisotropy=1.0, periodic=False):
+def self_affine(shape, pixel, hurst, *, roughness, seed, shortest=0.0, longest=math.inf, anisotropy=1.0, periodic=False):
     """A Gaussian self-affine map with the spectrum C(q) ∝ q^(-2-2H).
 
     Parameters

@@ -99,7 +99,7 @@ def _random_path(random, lowest, highest, turns=12):
 
 
 def check_law(
-    name: str, contact: Contact | None = None, rules: tuple | None = None, paths: int = 2000, **options: Any
+    name: str, contact: Contact | None = None, rules: tuple | None = None, *, paths: int = 2000, **options: Any
 ) -> LawCheck:
     """Run the project's tests of laws on one law.
 

@@ -30,6 +30,7 @@ def define(
     name: str,
     force: Callable,
     stiffness: Callable,
+    *,
     overlap: Callable | None = None,
     energy: Callable | None = None,
     options: dict[str, Any] | None = None,

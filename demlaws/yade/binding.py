@@ -14,12 +14,11 @@ import yade.utils
 from demlaws.errors import CoefficientWarning, DemlawsError, EngineStopped, LargeOverlap, ShapeWarning, warn
 from demlaws.units import LARGE_RADIUS, LARGE_ROUGHNESS, LARGEST_ROUGHNESS, SMALL_OVERLAP, judge
 from demlaws.yade import layout, native
-from demlaws.yade.contacts import SHEAR, Totals, is_ours, real_contacts, state_of, with_overlaps
+from demlaws.yade.contacts import LOOKS, SHEAR, Totals, is_our_contact, radius_fault, real_contacts, state_of, with_overlaps
 from demlaws.yade.pairs import Pairs
 from demlaws.yade.radii import body_radius_text
 
 O = yade.O  # noqa: E741  YADE's name
-LOOKS = (2, 3, 12, 102, 1002)  # calls of the guard with a check of every contact and body, which takes time
 REACH = 4.0
 """Longest step over the P-wave step r √(ρ/E) that is stable for a free sphere with four contacts per side at contact radii up
 to 0.3 R: 2 √(m/4K) with m = 4/3 π ρ r³, K = 2 E* a, R = r/2, E* = E/2 is 5.3 r √(ρ/E); less, for safety [our derivation]"""
@@ -196,7 +195,7 @@ class Binding:
 
         def read():
             selection = [interactions] if isinstance(interactions, yade.Interaction) else interactions
-            contacts = real_contacts() if selection is None else [one for one in selection if is_ours(one)]
+            contacts = real_contacts() if selection is None else [one for one in selection if is_our_contact(one)]
             known = [] if self.attachment is None else list(SHEAR)[: 3 if self.attachment.layout.knows_velocities else 2]
             return state_of(self.pairs, contacts, self.rows(contacts), known)
 
@@ -329,10 +328,13 @@ class Binding:
             warn(f"law {self.label!r}: {deep_text(rows)}", LargeOverlap)
 
     def check_bodies(self, thoroughly=False):
-        """Raise if a body without contacts has a velocity (thoroughly: or a position) that is not finite."""
+        """Raise if a body without contacts has a velocity (thoroughly: or a position, a radius) that is not a finite number."""
         if not thoroughly and math.isfinite(yade.utils.kineticEnergy()):
             return
         for body in O.bodies:
+            text = radius_fault(body)
+            if text is not None:
+                raise EngineStopped(text)
             place, velocity = body.state.pos, body.state.vel
             if not all(map(math.isfinite, (*place, *velocity))):
                 raise EngineStopped(
@@ -437,10 +439,15 @@ class Binding:
     def bound_steppers(self, engines):
         """Set maxDt of GlobalStiffnessTimeSteppers to a bound that is stable for stiff contacts; returns a warning or None.
 
-        They use the present stiffness of contacts, and a young rough contact is soft until the step in which it is not.
+        They use the present stiffness of contacts, and a young contact is soft until the step in which it is not. YADE computes
+        a P-wave step from spheres; before there are any, nothing is changed, and the guard looks again.
         """
         steppers = [e for e in engines if isinstance(e, yade.GlobalStiffnessTimeStepper) and not e.dead and e.active]
-        wave = yade.utils.PWaveTimeStep() if steppers else 0.0
+        if not steppers:
+            return None
+        if not any(isinstance(body.shape, yade.Sphere) for body in O.bodies):
+            return self._without_wave(steppers)
+        wave = yade.utils.PWaveTimeStep()
         message = None
         for stepper in steppers if 0.0 < wave < np.inf else ():
             bound = REACH * wave * min(stepper.timestepSafetyCoefficient, 1.0)
@@ -454,3 +461,12 @@ class Binding:
                 message = stepper_text(self.label, stepper.maxDt, bound, REACH)
             stepper.maxDt = bound
         return message
+
+    def _without_wave(self, steppers):
+        """Warning about steppers that have no bound, in a scene with contacts of other shapes than spheres; or None."""
+        if self.warned or O.interactions.countReal() == 0 or all(stepper.maxDt < 1e300 for stepper in steppers):
+            return None
+        self.warned = True
+        from demlaws.yade.reports import no_wave_text
+
+        return no_wave_text(self.label)

@@ -6,10 +6,12 @@ from typing import NamedTuple
 import numpy as np
 import yade
 
-from demlaws.responses.contacts import Contacts
+from demlaws.units import RANGES
 
 O = yade.O  # noqa: E741  YADE's name
 PHYSICS = tuple(getattr(yade, name) for name in ("MindlinPhys", "MindlinCapillaryPhys") if hasattr(yade, name))
+LOOKS = (2, 3, 12, 102, 1002)
+"""Calls of the guard with a check of every contact and body, which takes time."""
 
 
 class _Energies(NamedTuple):
@@ -39,12 +41,20 @@ class Totals(_Energies):
 
 def real_contacts():
     """The current scene's contacts that a law of ours acts on."""
-    return [i for i in O.interactions if is_ours(i)]
+    return [i for i in O.interactions if is_our_contact(i)]
 
 
-def is_ours(contact):
+def is_our_contact(contact):
     """Whether a contact is real and of a class that a law of ours acts on."""
     return contact.isReal and type(contact.phys) in PHYSICS
+
+
+def radius_fault(body):
+    """Message about a sphere whose radius is not a positive number, or None."""
+    radius = body.shape.radius if isinstance(body.shape, yade.Sphere) else 1.0
+    if 0.0 < radius < math.inf:
+        return None
+    return f"body {body.id} is a sphere with radius = {radius:g} m: {RANGES['radius'].remedy}"
 
 
 def with_overlaps(rows, contacts):
@@ -62,6 +72,8 @@ SHEAR = {"shear_stored": "held", "shear_dissipated": "lost", "viscous": "viscous
 
 def state_of(pairs, contacts, rows, known):
     """`Contacts` that a law has seen; rows: their histories; known: which of SHEAR these contain."""
+    from demlaws.responses.contacts import Contacts
+
     active = rows["tag"] > 0
     contacts = [contact for contact, keep in zip(contacts, active, strict=True) if keep]
     rows = rows[active]

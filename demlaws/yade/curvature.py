@@ -15,6 +15,7 @@ import numba
 import numpy as np
 import yade
 
+from demlaws.contact import effective_radius
 from demlaws.core.numba_compat import callback, kernel, loop
 from demlaws.errors import DemlawsError
 from demlaws.solvers.ellipsoid import quick_factors
@@ -250,7 +251,7 @@ class Shapes:
         geom = contact.geom
         where = np.array([*geom.contactPoint, *geom.normal])
         first, second = geom.refR1 if geom.refR1 > 0 else geom.refR2, geom.refR2
-        radius = first * second / (first + second)
+        radius = effective_radius(first, second)
         return gap_radius(*places, where.ctypes.data, where.ctypes.data + 24, radius, self.largest)
 
 

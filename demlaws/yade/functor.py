@@ -7,11 +7,13 @@ import warnings
 
 import yade
 
+from demlaws.contact import compliance, effective_radius
 from demlaws.core.shear import DEFAULT, SLIP
 from demlaws.errors import BridgeWarning, DemlawsError, warn
 from demlaws.laws.names import HERTZ
 from demlaws.yade import native, selftest
 from demlaws.yade.binding import Binding
+from demlaws.yade.contacts import radius_fault
 from demlaws.yade.pairs import Pairs, Span
 
 NATIVE_ATTRIBUTES = frozenset(yade.Law2_ScGeom_MindlinPhys_Mindlin().dict()) | {"preventGranularRatcheting"}
@@ -144,7 +146,7 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         """Energy of shear [J] dissipated by friction and by the opening of contacts, as in `totals()`."""
         return self.totals().shear_dissipated
 
-    def restitution(self, first, second, speed, en=None):
+    def restitution(self, first, second, speed, *, en=None):
         """Rebound over impact speed of two bodies (`O.bodies[n]`) that collide head-on at `speed` [m/s], under this law and the
         damping of `Ip2_FrictMat_FrictMat_MindlinPhys(en=en)`; below `en` if the law dissipates. Masses are those of the bodies:
         that of a fixed one is infinite, that of a clump's member its own."""
@@ -216,24 +218,25 @@ def _spans(radii, moduli, flats):
     sizes, flat, compliances = {}, set(), {}
     for body in O.bodies:
         label = "" if body.material is None else body.material.label
+        wrong = radius_fault(body)
+        if wrong is not None:
+            raise DemlawsError(wrong)
         if isinstance(body.shape, yade.Sphere):
             sizes.setdefault(label, set()).add(body.shape.radius)
         elif body.shape is not None and not isinstance(body.shape, yade.Clump):
             flat.add(label)
         if isinstance(body.material, yade.FrictMat) and body.material.young > 0.0:  # contacts of a marker have no force
-            compliance = (1.0 - body.material.poisson**2) / body.material.young
-            if compliance > 0.0:  # others are refused at their first contact
-                compliances.setdefault(label, set()).add(compliance)
+            compliances.setdefault(label, set()).add(compliance(body.material))
 
     def of(table, name):
-        """Values of the bodies of a label; "" stands for all labels, so that unlisted ones are among them."""
-        return {value for label in table if label == name or not name for value in table[label]}
+        """Admissible values of the bodies of a label; "" stands for all labels, so that unlisted ones are among them."""
+        return {value for label in table if label == name or not name for value in table[label] if value > 0.0}
 
     def reach(labels):
         """Effective radii at the ends of the range."""
         first, second = (of(sizes, label) for label in labels)
         ends = [(pick(first), pick(second)) for pick in (min, max) if first and second]
-        values = [r * q / (r + q) for r, q in ends]
+        values = [effective_radius(*both) for both in ends]
         for spheres, other in ((first, labels[1]), (second, labels[0])):
             if spheres and (other in flat or (not other and flat)):
                 # YADE has r/2 at a wall, 2r/3 at a facet, and r with hertzian=True

@@ -22,6 +22,7 @@ import yade.config
 
 from demlaws.yade import kernel, layout, mindlin, objects
 from demlaws.yade.omega import O, scratch_scene, set_engines
+from demlaws.yade.records import memory_at
 from demlaws.yade.search import (
     BridgeUnavailable,
     address,
@@ -249,7 +250,7 @@ class Layout:
             table = int(words[offset // 8])
             if not self.table < table < self.table + 4096:
                 continue
-            if ctypes.c_int64.from_address(table - 16).value != -offset:
+            if memory_at(table - 16, ctypes.c_int64).value != -offset:
                 continue  # a base's table states how far the base lies from the start of the object
             thunk = symbol(self.library, GO.replace("_ZN", f"_ZThn{offset}_N", 1))
             entries = read_memory(table, 8 * COPIED, ctypes.c_uint64) if table + 8 * COPIED <= self.table_end else []
@@ -309,7 +310,7 @@ _attachments = {}  # address of a patched table of virtual functions → Attachm
 def acting(functor):
     """The `Attachment` to which a functor points, or None."""
     offset, _, _ = find_layout().slot
-    return _attachments.get(ctypes.c_uint64.from_address(window(functor)[0] + offset).value)
+    return _attachments.get(memory_at(window(functor)[0] + offset).value)
 
 
 def _reserve(count, row):
@@ -338,7 +339,7 @@ class Attachment:
         self.context["rows"], self.context["capacity"] = self.rows.ctypes.data, len(self.rows)
         probe = yade.Law2_ScGeom_MindlinPhys_Mindlin()
         offset, index, _ = self.layout.find_slot(probe)
-        point = ctypes.c_uint64.from_address(address(probe) + offset).value
+        point = memory_at(address(probe) + offset).value
         self.table = np.zeros(COPIED + 3, np.int64)
         self.table[: COPIED + 2] = read_memory(
             point - 16, 8 * (COPIED + 2), ctypes.c_int64
@@ -463,14 +464,14 @@ class Attachment:
     def bodies_of(self, interaction):
         """Numbers of the two bodies of the interaction at an address, which must be alive."""
         offsets = [self.layout.interaction.fields[name][1] for name in ("id1", "id2")]
-        return tuple(ctypes.c_int32.from_address(int(interaction) + offset).value for offset in offsets)
+        return tuple(memory_at(int(interaction) + offset, ctypes.c_int32).value for offset in offsets)
 
     def patch(self, functor):
         """Make `functor` act by this law: an unchanged Mindlin functor, or one that acts by a law of ours."""
         offset, _, _ = self.layout.slot if acting(functor) is not None else self.layout.find_slot(functor)
-        ctypes.c_uint64.from_address(address(functor) + offset).value = self.table.ctypes.data + 16
+        memory_at(address(functor) + offset).value = self.table.ctypes.data + 16
 
     def acts_in(self, functor):
         """Whether `functor` calls this law."""
         offset, _, _ = self.layout.slot
-        return ctypes.c_uint64.from_address(window(functor)[0] + offset).value == self.table.ctypes.data + 16
+        return memory_at(window(functor)[0] + offset).value == self.table.ctypes.data + 16

@@ -18,15 +18,16 @@ from demlaws.core.loops import clamped_roughness, loading_part, scale_contact
 from demlaws.core.shear import CHOICES, DEFAULT, SLIP
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.errors import DemlawsError, did_you_mean, quiet
+from demlaws.files import names_a_file
 from demlaws.law import Law, Table
 from demlaws.laws.hertz import HertzShape
 from demlaws.laws.names import HERTZ
 from demlaws.laws.registry import find, home_of, laws
-from demlaws.make import law, rebound, rule_and_curve
+from demlaws.make import known_unloading, law, rebound
 from demlaws.units import number
 from demlaws.yade import kernel, layout, tuples
 from demlaws.yade.radii import Radii
-from demlaws.yade.shear import MODES, SLIP_RULES, SPRINGS, Levels
+from demlaws.yade.shear import MODES, SPRINGS, Levels
 
 EVERY = "*"
 """In place of a label: every material whose label is not listed."""
@@ -91,7 +92,7 @@ class LawSource:
 
     def __init__(self, law, options):
         self.table, self.curve, self.ratios = None, None, (1.0, 1.0, 1.0)
-        if isinstance(law, Path) or (isinstance(law, str) and ("/" in law or "." in law)):
+        if names_a_file(law):
             law = Table.load(law)
         if isinstance(law, Table):
             self.table, self.name, self.options = law, law.name, dict(law.options)
@@ -289,14 +290,15 @@ class Pairs:
             raise DemlawsError(f"the laws have different unloading rules ({', '.join(sorted(rules))}): give unloading=…")
         self.unloading = rules.pop() if rules else "elastic"
         if unloading is not None and not (unloading == GIVEN and rules == {GIVEN}):
-            self.unloading, curve = (unloading, None) if unloading == GIVEN else rule_and_curve(unloading)
-            for source in self._sources if curve is not None else ():
-                source.unload_along(curve)
+            named = unloading if unloading == GIVEN else known_unloading(unloading)
+            self.unloading = GIVEN if isinstance(named, Law) else named
+            for source in self._sources if isinstance(named, Law) else ():
+                source.unload_along(named)
         records = {source.definition.rule(self.unloading) for source in self._sources}  # each law must take the rule
         rule = records.pop() if records else RULES["elastic"]
         self.rule, self.state_names, self.rule_curve = rule.tag, rule.state, rule.curve
-        if self.springs and rule.name not in SLIP_RULES:
-            raise DemlawsError(f"shear={SLIP!r} needs unloading {', '.join(SLIP_RULES)}; the law has {rule.name!r}")
+        if self.springs and rule.springs is None:
+            raise DemlawsError(f"shear={SLIP!r} needs an unloading rule with springs, for instance 'hertz', not {rule.name!r}")
         if not self._make_records(entries, False) and not self._make_records(entries, True):
             raise DemlawsError("the pairs of surfaces need laws of one kind, or all tables")
         self.hashes = np.array([0] + [layout.label_hash(label) for label in self.surfaces], np.int64)

@@ -11,7 +11,7 @@ import yade
 from demlaws.errors import DemlawsError, EngineStopped
 from demlaws.units import LARGEST_OVERLAP, LARGEST_ROUGHNESS, SMALL_OVERLAP, outside
 from demlaws.yade import kernel, layout, native
-from demlaws.yade.contacts import is_ours
+from demlaws.yade.contacts import LOOKS, is_our_contact
 from demlaws.yade.shear import move_loop, relax_loop
 
 
@@ -41,9 +41,9 @@ class Held:
         return bodies[rows["tag"] > 0], rows[rows["tag"] > 0]
 
     def restore(self, bodies, saved, contacts):
-        """Hold the history that `saved` has of contacts of a scene that was loaded."""
+        """Hold the history that `saved` has of contacts of a loaded scene; not of those that were cleared and made again."""
         place_of = {pair: place for place, pair in enumerate(map(tuple, bodies.tolist()))}
-        mine = [contact for contact in contacts if (contact.id1, contact.id2) in place_of]
+        mine = [c for c in contacts if (c.id1, c.id2) in place_of and c.phys.prevU[1] != 0.0]
         self.keys, self.objects = [_key(contact) for contact in mine], []
         self.rows = saved[[place_of[contact.id1, contact.id2] for contact in mine]].copy()
 
@@ -55,7 +55,7 @@ class Held:
             self.rows["overlap"] = [geom.penetrationDepth for geom, _, _ in self.objects]
             return
         for contact in contacts:
-            if not is_ours(contact):
+            if not is_our_contact(contact):
                 raise DemlawsError(f"contact {contact.id1}+{contact.id2} is not described by MindlinPhys")
         self.rows = self._rows(contacts)
         self.keys, self.objects = keys, [(contact.geom, contact.phys, contact) for contact in contacts]
@@ -76,6 +76,8 @@ def step(binding):
     binding.guards += 1
     if binding.guards % 50 == 0:
         binding.judge_validity()
+    if binding.guards % 50 == 0 or binding.guards in LOOKS:
+        binding.check_bodies(thoroughly=True)
     memory, pairs, context = binding.memory, binding.pairs, binding.context
     memory.take(binding)
     rows = memory.rows

@@ -1,8 +1,11 @@
 """Memory of this process as numba records: a structured dtype is a view of an object at an address, `view(address, dtype)`, and
-its fields are read and written by name. The compiled code of an access is one load or store with the offset built in.
+its fields are read and written by name. The compiled code of an access is one load or store with the offset built in. Only this
+file accesses memory by address.
 
 Also what such code needs beside fields: sums that threads add to, and calls of functions at addresses.
 """
+
+import ctypes
 
 import numba
 import numpy as np
@@ -30,6 +33,11 @@ def record(fields):
     offsets = [offset for *_, offset in fields.values()]
     end = max(offset + np.dtype(kind).itemsize for kind, offset in zip(formats, offsets, strict=True))
     return np.dtype({"names": [*fields], "formats": formats, "offsets": offsets, "itemsize": -(-end // 8) * 8})
+
+
+def memory_at(address, kind=ctypes.c_uint64):
+    """The ctypes object of a kind at an address; `.value` reads and writes it."""
+    return kind.from_address(address)
 
 
 @intrinsic

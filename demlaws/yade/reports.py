@@ -6,7 +6,7 @@ import yade
 from demlaws.errors import did_you_mean
 from demlaws.units import RANGES, SMALL_OVERLAP, large_overlap, too_large_overlap
 from demlaws.yade import layout
-from demlaws.yade.contacts import real_contacts
+from demlaws.yade.contacts import radius_fault, real_contacts
 from demlaws.yade.pairs import NOT_SERVED
 
 O = yade.O  # noqa: E741  YADE's name
@@ -30,6 +30,9 @@ def unlisted_text(binding, bodies, missing):
 def fault_text(binding, kind, first, second, value, radius=None):
     """Message about a fault of the contact of two bodies; value: overlap or R [m], or E* [Pa]; radius: R [m]."""
     stones = [O.bodies[number].material for number in (first, second)]
+    wrong = next(filter(None, (radius_fault(O.bodies[number]) for number in (first, second))), None)
+    if wrong is not None:
+        return f": {wrong}"
     if kind in (layout.FLAT_GAP, layout.NO_CURVATURE):
         from demlaws.yade import curvature
 
@@ -64,9 +67,6 @@ def fault_text(binding, kind, first, second, value, radius=None):
     if kind == layout.TOO_DEEP:
         return f": {too_large_overlap(value, float(binding.context['deep_radius']) if radius is None else radius)}"
     if kind == layout.WRONG_MODULUS:
-        spheres = [O.bodies[number].shape.radius for number in (first, second) if hasattr(O.bodies[number].shape, "radius")]
-        if not all(size > 0.0 for size in spheres):
-            return f": a sphere has radius = {min(spheres):g} m: {RANGES['radius'].remedy}"
         of = ", ".join(f"{stone.label!r} young={stone.young:g} Pa, poisson={stone.poisson:g}" for stone in stones)
         return f": its materials make E* = {value:g} Pa; {RANGES['modulus'].remedy} Materials: {of}"
     if kind == layout.WRONG_CONTACT:
@@ -134,7 +134,16 @@ def stepper_text(label, former, bound, reach):
     """Message about a time stepper whose longest step [s] was changed; reach: `binding.REACH`."""
     return (
         f"GlobalStiffnessTimeStepper had no bound that is valid for law {label!r}: it uses the present "
-        "stiffness of contacts, and a young rough contact is soft until the step in which it is not. Its maxDt was "
+        "stiffness of contacts, and a young contact is soft until the step in which it is not. Its maxDt was "
         f"{former:.3g} s and is now {bound:.3g} s ({reach:g} PWaveTimeStep() of the bodies times its safety "
         "coefficient); give it a maxDt to choose another, or use demlaws.yade.engines(law, timestep=…)"
+    )
+
+
+def no_wave_text(label):
+    """Message about a time stepper without a longest step in a scene without spheres."""
+    return (
+        f"GlobalStiffnessTimeStepper has no bound that is valid for law {label!r}: it uses the present stiffness of contacts, "
+        "and a young contact is soft until the step in which it is not. Without spheres YADE has no PWaveTimeStep() to "
+        "compute a bound from: give it a maxDt"
     )

@@ -12,6 +12,7 @@ import yade
 from scipy.optimize import brentq
 from yade import utils
 
+from demlaws.contact import effective_modulus, effective_radius
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.units import SMALL_OVERLAP
 from demlaws.yade.binding import Binding
@@ -108,8 +109,8 @@ def _bounce(binding, lower, upper, mass, speed, en):
         ]
     )
     if _radius(lower):
-        radius = radius * _radius(lower) / (radius + _radius(lower))
-    modulus = 1.0 / sum((1 - body.material.poisson**2) / body.material.young for body in (lower, upper))
+        radius = effective_radius(radius, _radius(lower))
+    modulus = effective_modulus(lower.material, upper.material)
     O.dt = 2.87 * (mass**2 / (radius * modulus**2 * speed)) ** 0.2 / STEPS
     for _ in range(100 * STEPS):
         O.step()

@@ -8,11 +8,10 @@ loading and puts the law there. Without a guard YADE ends with an error; the nat
 
 import json
 import uuid
-import warnings
 
 import yade
 
-from demlaws.errors import DemlawsError, EngineStopped, TimeStepWarning
+from demlaws.errors import DemlawsError, EngineStopped, TimeStepWarning, warn
 from demlaws.yade import native
 from demlaws.yade.functor import Law2_ScGeom_MindlinPhys_Demlaws
 from demlaws.yade.omega import O, get_engines, set_engines
@@ -63,7 +62,7 @@ def law_functors(engines):
                 yield engine, dispatcher, functor
 
 
-def is_ours(functor):
+def is_our_law(functor):
     """Whether a functor is a law of this package."""
     return isinstance(functor, Law2_ScGeom_MindlinPhys_Demlaws)
 
@@ -75,7 +74,7 @@ def dummy_for(functor):
 
 def laws_here():
     """Label → functor of our laws in the current scene."""
-    return {functor.label: functor for _, _, functor in law_functors(get_engines()) if is_ours(functor)}
+    return {functor.label: functor for _, _, functor in law_functors(get_engines()) if is_our_law(functor)}
 
 
 def _runs(engine, command):
@@ -130,12 +129,12 @@ def set_functors(dispatcher, functors):
     """`dispatcher.functors = …` for users: a law that comes into the scene so gets its guard, too."""
     before, functors = list(dispatcher.functors), list(functors)
     here = any(native.address(one) == native.address(dispatcher) for engine in get_engines() for one in dispatchers(engine))
-    if not here or not any(is_ours(one) or dummy_for(one) for one in (*before, *functors)):
+    if not here or not any(is_our_law(one) or dummy_for(one) for one in (*before, *functors)):
         FUNCTORS.__set__(dispatcher, functors)
         return
     if O.interactions.countReal():
         raise DemlawsError(_switch_text())
-    old = [f for f in before if is_ours(f) and not any(f is other for other in functors)]
+    old = [f for f in before if is_our_law(f) and not any(f is other for other in functors)]
     try:
         FUNCTORS.__set__(dispatcher, functors)
         set_visible(get_visible())
@@ -165,7 +164,7 @@ def _refuse_integrator(engine):
     """An integrator that has the contacts computed at trial positions corrupts their history."""
     slaves = () if isinstance(engine, yade.ParallelEngine) else getattr(engine, "slaves", ())
     nested = [one for slave in slaves for one in (slave if isinstance(slave, list | tuple) else (slave,))]
-    if any(is_ours(functor) for _, _, functor in law_functors(nested)):
+    if any(is_our_law(functor) for _, _, functor in law_functors(nested)):
         raise DemlawsError(
             f"{type(engine).__name__} computes contacts several times per step, at trial positions that it may reject: the "
             "history of a law (largest overlap, shear) would be of positions that never occurred. Use NewtonIntegrator, with "
@@ -182,7 +181,7 @@ def _laws_in(engines, old):
         for dispatcher in dispatchers(engine):
             _refuse_rivals(dispatcher)
             live += [] if engine.dead else [dispatcher]
-    if len(live) > 1 and any(is_ours(f) or dummy_for(f) for dispatcher in live for f in dispatcher.functors):
+    if len(live) > 1 and any(is_our_law(f) or dummy_for(f) for dispatcher in live for f in dispatcher.functors):
         raise DemlawsError(
             f"{len(live)} engines of the list have law functors, one of them a demlaws law: each would compute every contact, "
             "and forces count more than once. Put all law functors into one InteractionLoop; demlaws laws that differ by pairs "
@@ -194,7 +193,7 @@ def _laws_in(engines, old):
             if label not in old:
                 raise DemlawsError(f"this InteractionLoop belongs to a law {label!r} that is not in the scene: make a new one")
             functor = old[label]
-        if not is_ours(functor):
+        if not is_our_law(functor):
             continue
         if laws.setdefault(functor.label, functor) is not functor:
             raise DemlawsError(f"two laws of the scene are labelled {functor.label!r}: give one of them another label=…")
@@ -210,7 +209,7 @@ def _refuse_rivals(dispatcher):
         return
     active = dispatcher.dispFunctor(*(getattr(yade, name)() for name in CONTACT))
     functors = {native.address(f): f for f in (*takers, active)}
-    if len(functors) > 1 and any(map(is_ours, functors.values())):
+    if len(functors) > 1 and any(map(is_our_law, functors.values())):
         raise DemlawsError(
             f"{type(dispatcher).__name__} was given {len(functors)} functors for the same contacts "
             f"({', '.join(map(str, functors.values()))}), of which YADE calls one only, possibly without its scene: give one"
@@ -237,7 +236,7 @@ def _refuse_public(engines, place, functor):
 
 def _refuse_other_physics(engine):
     """YADE would end the process at the first contact of a loop that makes another law's physics."""
-    if not isinstance(engine, yade.InteractionLoop) or not any(is_ours(f) for f in engine.lawDispatcher.functors):
+    if not isinstance(engine, yade.InteractionLoop) or not any(is_our_law(f) for f in engine.lawDispatcher.functors):
         return
     names = [type(f).__name__ for f in engine.physDispatcher.functors]
     if names and not any("Mindlin" in name for name in names):
@@ -258,7 +257,7 @@ def _refuse_switch(engines, before, laws, old):
     """YADE keeps the functor of each contact: only the same law may be assigned while contacts exist."""
 
     def others(engines):
-        return {native.address(f) for _, _, f in law_functors(visible(engines)) if not is_ours(f) and not dummy_for(f)}
+        return {native.address(f) for _, _, f in law_functors(visible(engines)) if not is_our_law(f) and not dummy_for(f)}
 
     if not (laws or old) or O.interactions.countReal() == 0:
         return
@@ -316,7 +315,7 @@ def completed(engines, laws, before):
 
 def _warn(line):
     if line is not None:
-        warnings.warn(line, TimeStepWarning, stacklevel=5)
+        warn(line, TimeStepWarning)
 
 
 # --- saving and loading
@@ -337,13 +336,13 @@ class as_saved:
     def __enter__(self):
         self.kept = []
         for _, dispatcher, functor in law_functors(get_engines()):
-            if is_ours(functor):
+            if is_our_law(functor):
                 O.tags[LAW.format(label=functor.label)] = functor.binding.as_text(functor.attributes())
                 O.tags[HISTORY.format(label=functor.label)] = functor.binding.history()
                 self.kept.append((dispatcher, list(dispatcher.functors)))
         self.runners = [(engine, engine.nDone) for engine in get_engines() if _runs(engine, GUARD_COMMAND)]
         for dispatcher, functors in self.kept:
-            FUNCTORS.__set__(dispatcher, [_placeholder(label=f.label) if is_ours(f) else f for f in functors])
+            FUNCTORS.__set__(dispatcher, [_placeholder(label=f.label) if is_our_law(f) else f for f in functors])
         for runner, _ in self.runners:
             runner.nDone = 0
 

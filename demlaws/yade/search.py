@@ -11,6 +11,7 @@ import numpy as np
 import yade
 
 from demlaws.errors import DemlawsError
+from demlaws.yade.records import memory_at
 
 LARGEST_OBJECT = 4096  # bytes; a larger block was not allocated by malloc
 
@@ -47,7 +48,7 @@ def window(thing):
 
 def read_memory(start, size, kind):
     """`size` bytes of this process from address `start`, as an array of a ctypes kind, not copied."""
-    return np.ctypeslib.as_array((kind * (size // ctypes.sizeof(kind))).from_address(start))
+    return np.ctypeslib.as_array(memory_at(start, kind * (size // ctypes.sizeof(kind))))
 
 
 def one_place(cls, name, things, matches):
@@ -70,7 +71,7 @@ def find_number(cls, name, kind=ctypes.c_double, values=(1.2345e33, 2.4691e33, 3
         return np.flatnonzero(read_memory(start, size, kind) == value_of[id(thing)]) * ctypes.sizeof(kind)
 
     place = one_place(cls, name, things, matches)
-    kind.from_address(window(things[-1])[0] + place).value = values[0]
+    memory_at(window(things[-1])[0] + place, kind).value = values[0]
     if (read(things[-1]) if read else getattr(things[-1], name)) != values[0]:
         raise BridgeUnavailable(f"{cls.__name__}.{name}: a number written at byte {place} does not read back")
     return place
@@ -96,7 +97,7 @@ def find_string(cls, name):
         words = read_memory(start, size, ctypes.c_uint64)
         here = start + 8 * np.arange(words.size)
         candidates = 8 * np.flatnonzero((words[:-1] == here[:-1] + 16) & (words[1:] == len(text)))
-        return [n for n in candidates.tolist() if ctypes.string_at(start + n + 16, len(text)) == text]
+        return [n for n in candidates.tolist() if memory_at(start + n + 16, ctypes.c_char * len(text)).raw == text]
 
     return one_place(cls, name, [cls(**{name: text}) for text in ("abcdefgh", "ijklmno", "pqrstu")], matches)
 
@@ -193,19 +194,6 @@ def find_quaternion(cls, name):
     return place
 
 
-def find_matrix(cls, name):
-    """Byte offset of a Matrix3: nine doubles, column by column."""
-
-    def make(value):
-        thing = cls()
-        thing.updateAttrs({name: yade.Matrix3(value, 2, 3, 4, 5, 6, 7, 8, 9)})
-        return thing
-
-    place = find_number(cls, name, make=make, read=lambda thing: getattr(thing, name)[0, 0])
-    _check_numbers(make(0.5), cls, name, place, lambda value: [value[row, column] for column in range(3) for row in range(3)])
-    return place
-
-
 def _check_numbers(thing, cls, name, place, components):
     """Raise unless the components of an attribute follow each other from `place` on."""
     expected = components(getattr(thing, name))
@@ -224,7 +212,7 @@ def find_word(thing, target):
 def first_word(cls):
     """Address of the table of virtual functions with which objects of a class begin."""
     thing = cls()  # referenced while it is read
-    first = ctypes.c_uint64.from_address(window(thing)[0]).value
+    first = memory_at(window(thing)[0]).value
     name = f"_ZTVN4yade{len(cls.__name__)}{cls.__name__}E"
     if symbol_at(first - 16) != name:
         raise BridgeUnavailable(f"{cls.__name__} does not begin with its table of virtual functions {name}")

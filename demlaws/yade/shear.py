@@ -15,14 +15,12 @@ from numba.extending import overload
 from demlaws.core.fastmath import sqrt
 from demlaws.core.levels import EMPTY
 from demlaws.core.numba_compat import INLINED, kernel, loop
-from demlaws.core.unloading import GIVEN
 from demlaws.yade import objects
 from demlaws.yade.mindlin import advance, follow, slide, trial_force, trial_of_one_spring, turned
 from demlaws.yade.records import assign, cross, dot, minus_scaled, pointee, scaled, vector, view
 
 SPRINGS = 12
-SLIP_RULES = ("elastic", "hertz", "thornton", GIVEN, "etsion", "jackson")
-"""Names of the rules that unload along a curve that does not depend on the history but for its place and its radius."""
+"""Springs of a contact with partial slip."""
 
 
 class Levels(NamedTuple):

@@ -7,8 +7,7 @@ from demlaws.core.dispatch import parts, virgin
 from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import INLINED, kernel
 from demlaws.core.slip import stretched
-from demlaws.core.unloading import Elastic, Given, Hertz, Thornton
-from demlaws.laws.etsion import Etsion, Jackson
+from demlaws.core.unloading import rule_of
 from demlaws.yade import objects
 from demlaws.yade.mindlin import advance, turned
 from demlaws.yade.records import assign, cross, dot, minus_scaled, pointee, scaled, vector, view
@@ -45,10 +44,10 @@ def spring_end(rule, p, ends, spring, reach, state, stiffness):
 
 @overload(spring_end, jit_options=INLINED)
 def _spring_end(rule, p, ends, spring, reach, state, stiffness):
-    kind = rule.instance_class
-    if kind is Hertz:
+    springs = rule_of(rule.instance_class).springs
+    if springs == "hertz":
         return lambda rule, p, ends, spring, reach, state, stiffness: legendre_of_hertz(p.hertz_coefficient, stiffness)
-    if kind in (Thornton, Etsion, Jackson):
+    if springs == "thornton":
         return lambda rule, p, ends, spring, reach, state, stiffness: legendre_of_hertz(
             p.hertz_coefficient * sqrt(state[2]), stiffness
         )
@@ -61,7 +60,7 @@ def _spring_end(rule, p, ends, spring, reach, state, stiffness):
         return value
 
     cached = kernel(cached)
-    if kind is Given:
+    if springs == "given":
         return lambda rule, p, ends, spring, reach, state, stiffness: cached(parts(p)[1], ends, spring, reach, stiffness)
     return lambda rule, p, ends, spring, reach, state, stiffness: cached(p, ends, spring, reach, stiffness)
 
@@ -72,7 +71,7 @@ def recoverable(rule, overlap, state):
 
 @overload(recoverable, jit_options=INLINED)
 def _recoverable(rule, overlap, state):
-    if rule.instance_class is Elastic:
+    if rule_of(rule.instance_class).springs == "own":
         return lambda rule, overlap, state: overlap
     return lambda rule, overlap, state: overlap - state[1]
 

@@ -58,7 +58,7 @@ def snapshot():
         "blocked": [[axis in body.state.blockedDOFs for axis in "xyzXYZ"] for body in bodies.values()],
         "dt": yade.O.dt,
         "rayleigh": min(
-            (rayleigh_step(b.shape.radius, b.mat.density, b.mat.young, b.mat.poisson) for b in grains), default=None
+            (rayleigh_step(b.shape.radius, b.mat.density, b.mat.young, poisson=b.mat.poisson) for b in grains), default=None
         ),
     }
 

@@ -114,7 +114,7 @@ class Packing:
     def run(self, steps, goal, feedback, fastest, drag, dt):
         """March by this many steps."""
         bead, law, goal = self.bead, self.law, np.array(goal, float)
-        rule, choice = law.unloads.rule.tag, CHOICES["elastic"].tag
+        rule, choice = law.unloading_parts.rule.tag, CHOICES["elastic"].tag
         given = (0.5 * bead.diameter, bead.mass, self.friction, bead.shear_ratio, drag, dt, feedback, fastest, self.skin)
         given = tuple(map(float, given))
         while steps > 0:

@@ -1,6 +1,6 @@
-"""Cycles of load on a bed, case by case; a row per kept cycle in `cycles.csv`. An interrupted case continues after its last part.
+"""Cycles of load on a bed; a row per kept cycle in `cycles.csv`. An interrupted case continues after its last part.
 
-A bed is deposited with little friction and pressed flat under 50 kPa, with smooth spheres and the default shear: all cases of one
+A bed is deposited with little friction and pressed flat under 50 kPa, with Hertz's law and the default shear: all cases of one
 seed begin with the same places. With its own law and friction it comes to rest, is loaded to 20 kPa, slowly to 200 kPa and back
 (cycle 1), and in cycles. At the end follow cycles from 20 kPa to other pressures: the resilient modulus over stress.
 """
@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.lammps import run
+from demlaws.laws.names import HERTZ, POHRT_POPOV
 from studies.assembly.study import append, read
 from studies.ballast import bed
 
@@ -30,7 +31,7 @@ class Case(NamedTuple):
     """A bed with a law."""
 
     grains: str = "spheres"
-    law: str = "hertz"
+    law: str = HERTZ
     sigma: float = 0.0  # combined roughness [µm]
     shear: str = "default"
     seed: int = 1
@@ -50,6 +51,13 @@ class Case(NamedTuple):
         return self.grains == "clumps"
 
 
+_BEGUN = Case(law=POHRT_POPOV, sigma=2.4, cycles=20)
+SENSITIVITY = {
+    "as in the study": _BEGUN,
+    "half the step": _BEGUN._replace(dt=7e-6),
+    "half the speed": _BEGUN._replace(period=0.07),
+}
+"""Cases of 20 cycles with other settings."""
 FIELDS = (
     *Case._fields,
     *(
@@ -87,12 +95,16 @@ def prepared(case, store=STORE):
         rows = bed.loose(case.count, case.seed, case.clumps)
         for name, more in (
             ("deposit", lambda top: bed.rest(200_000, slow=1e-7)),
-            ("press", lambda top: bed.load(50e3, 50e3, 1.0, 110_000, dt, top, width=bed.WIDTH)),
-            ("release", lambda top: bed.load(50e3, 0.0, 0.2, 10_000, dt, top, width=bed.WIDTH)),
+            ("press", lambda top: bed.load(50e3, 50e3, 1.0, 110_000, dt, top, width=bed.WIDTH, settled=False)),
+            ("release", lambda top: bed.load(50e3, 0.0, 0.2, 10_000, dt, top, width=bed.WIDTH, settled=False)),
         ):
             bed.write_data(work / "start.data", rows, case.clumps)
             top = float((rows[:, 5] + 0.5 * rows[:, 1]).max())
-            simulate(work, name, bed.ground(law, "read_data start.data", dt, friction, case.clumps) + more(top) + write)
+            simulate(
+                work,
+                name,
+                bed.ground(law, bed.from_data(case.clumps), dt, friction, case.clumps, settled=False) + more(top) + write,
+            )
             rows = bed.read_dump(work / "post" / "bed.txt")
         shutil.copy(work / "post" / "bed.txt", file)
     return bed.read_dump(file)
@@ -104,7 +116,7 @@ def begin(case, folder, store):
     case.contact.save(folder / "pair.tbl")
     bed.write_data(folder / "start.data", rows, case.clumps)
     top = float((rows[:, 5] + 0.5 * rows[:, 1]).max()) + 1e-4
-    text = bed.ground(case.contact, "read_data start.data", case.dt, clumps=case.clumps)
+    text = bed.ground(case.contact, bed.from_data(case.clumps), case.dt, clumps=case.clumps)
     text += bed.rest(round(0.15 / case.dt), drag=20.0)
     text += bed.load(0.0, LOW, 0.4, round(0.2 / case.dt), case.dt, top) + "write_restart 0.restart\n"
     log = simulate(folder, "begin", text)
@@ -160,7 +172,7 @@ def run_case(case, store=STORE, progress=lambda text: None):
         if number < state["part"]:
             continue
         began, steps = time.perf_counter(), round(period / case.dt)
-        text = bed.ground(case.contact, f"read_restart {number}.restart", case.dt, clumps=case.clumps)
+        text = bed.ground(case.contact, bed.from_restart(f"{number}.restart", case.clumps), case.dt, clumps=case.clumps)
         text += bed.load(LOW, high, steps * case.dt, cycles * steps, case.dt, state["top"], state["placed"])
         log = simulate(folder, "part", text + f"write_restart {number + 1}.restart\n")
         height = state["top"] + log["plate"][0], case.count
@@ -174,6 +186,19 @@ def run_case(case, store=STORE, progress=lambda text: None):
         (folder / f"{number}.restart").unlink()
         progress(f"{' '.join(map(str, case))}: cycle {state['done']}, {state['rows'][-1]['settlement_um']:.1f} µm")
     return state["rows"]
+
+
+def wanted():
+    """All cases, those first that the page needs most."""
+    hertz, rough = Case(), Case(law=POHRT_POPOV, sigma=2.4)
+    yield from (hertz, rough, hertz._replace(shear="mindlin"))
+    shorter, few = [case._replace(cycles=100) for case in (hertz, rough)], [case._replace(cycles=50) for case in (hertz, rough)]
+    yield from (shorter[1]._replace(shear="mindlin"), shorter[1]._replace(sigma=10.0), few[1]._replace(shear="slip"))
+    yield from (case._replace(grains="clumps") for case in few)
+    yield from SENSITIVITY.values()
+    for case in (*shorter, shorter[0]._replace(shear="mindlin"), shorter[1]._replace(sigma=10.0)):
+        yield case._replace(seed=2)
+    yield from (few[0]._replace(shear="slip"), few[1]._replace(sigma=0.5))
 
 
 def finished(path=RESULTS):

@@ -109,5 +109,5 @@ def fitted(observed):
     """The same two quantities of the contact test by `dl.fit`: a dict name → `Estimate`."""
     start = contact_of([3.0, 25.0])
     points = np.column_stack([1e-6 * observed, FORCES])
-    ranking = dl.fit(points, start, "pohrt-popov", "elastic", free=NAMES, displacement_noise=NOISE)
+    ranking = dl.fit(points, start, "pohrt-popov", unloading="elastic", free=NAMES, displacement_noise=NOISE)
     return ranking.best.parameters

@@ -243,7 +243,7 @@ def measure(case, paths=100_000, cycles=1_000_000, seed=1, quick=False):
             b, f = finite_loop(law.params, count, largest, max(share, 20_000), random)
             state = law.new_state(1).arrays
             deepest = np.minimum(0.5 * largest, _first_kinks(law, case, radius))
-            r, w, b2 = path_loop(law.rule, law.params, state, count, 1e-25 * radius, deepest, share, 12, random)
+            r, w, b2 = path_loop(law.rule_tag, law.params, state, count, 1e-25 * radius, deepest, share, 12, random)
             bad, falling, returned, done = bad + b + b2, falling + f, returned + r, done + share
             worst = min(worst, w)
         singles = _single_contacts(case)[: 1 if quick else 3]
@@ -251,7 +251,7 @@ def measure(case, paths=100_000, cycles=1_000_000, seed=1, quick=False):
         kink = max(_kink(law) for law in singles)
         again = max(_reload(law) for law in singles)
         broken = sum(
-            broken_loop(law.rule, law.params, law.new_state(1).arrays, float(share * law.contact.radius), 1000)
+            broken_loop(law.rule_tag, law.params, law.new_state(1).arrays, float(share * law.contact.radius), 1000)
             for law in singles
             for share in (1e-12, 1e-7, 1e-3)
         )
@@ -299,7 +299,7 @@ def _ratcheting(law, cycles):
         for size in (1e-15, 1e-12, 1e-6, 1e-2):
             overlap = top * float(law.contact.radius)
             state = law.new_state(1).arrays
-            worst = max(worst, cycle_loop(law.rule, law.params, state, overlap, overlap * (1.0 - size), cycles // 12))
+            worst = max(worst, cycle_loop(law.rule_tag, law.params, state, overlap, overlap * (1.0 - size), cycles // 12))
     return float(worst)
 
 
@@ -339,7 +339,7 @@ _UNRECORDED = np.empty((0, 3))
 def impact(law, mass, speed, dt, phase, limit):
     """Impact that begins a fraction `phase` of a step before touch: relative energy gained, peak overlap, velocity after it."""
     state = law.new_state(1).arrays
-    _, _, velocity, dissipated, peak = impact_loop(law.rule, law.params, state, mass, speed, dt, phase, limit, _UNRECORDED)
+    _, _, velocity, dissipated, peak = impact_loop(law.rule_tag, law.params, state, mass, speed, dt, phase, limit, _UNRECORDED)
     kinetic = 0.5 * mass * speed * speed
     return (0.5 * mass * velocity * velocity + dissipated - kinetic) / kinetic, peak, velocity
 
@@ -418,7 +418,7 @@ def _stable_step(law, mass, largest, share, promised, steps=20_000):
 def _growth(law, state, mass, load, overlap, kick, dt, steps, limit=math.inf):
     """`hold_loop` of a law whose contact is in `state`, which stays as it is."""
     arrays = tuple(a.copy() for a in state.arrays)
-    return hold_loop(law.rule, law.params, arrays, mass, load, overlap, kick, dt, steps, limit)
+    return hold_loop(law.rule_tag, law.params, arrays, mass, load, overlap, kick, dt, steps, limit)
 
 
 # --- output

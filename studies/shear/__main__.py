@@ -32,7 +32,10 @@ def parser():
     parser.add_argument(
         "--memory", action="store_true", help="shear force kept, and creep, of a contact whose overlap vibrates"
     )
-    parser.add_argument("--vibrate", choices=[*vibration.SCENES, "oedometer"], help="run a scene under a vibrating load")
+    parser.add_argument(
+        "--vibrate", choices=[*vibration.SCENES, "oedometer", "rest"], help="run a scene under a vibrating load, or at rest"
+    )
+    parser.add_argument("--shaken", type=int, nargs="+", default=[0], help="seeds of shaken grains, with --vibrate oedometer")
     parser.add_argument("--engines", nargs="+", choices=sorted(vibration.OWN), default=["liggghts"], help="with --vibrate")
     parser.add_argument("--models", nargs="+", choices=[*WORDS], default=[*WORDS], help="with --vibrate")
     parser.add_argument("--cycles", type=int, default=300, help="with --vibrate (default 300)")
@@ -63,7 +66,8 @@ def run(arguments):
         memory.print_table()
         return
     if arguments.vibrate:
-        vibration.run_all(arguments.vibrate, arguments.engines, arguments.models, arguments.cycles, arguments.out)
+        given = (arguments.vibrate, arguments.engines, arguments.models, arguments.cycles, arguments.shaken, arguments.out)
+        vibration.run_all(*given)
         return
     if arguments.springs:
         print_springs(arguments.springs)

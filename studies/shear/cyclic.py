@@ -45,12 +45,15 @@ jump            SELF cycling
 """
 
 
-def settlement(model, cycles, scale=0.25):
+def settlement(model, cycles, shaken=0, scale=0.25):
     """(height of the plate [m] at the full stress in each cycle, thickness of the packing [m]).
 
-    model: one of WORDS; "own" has the same normal law; scale: of the plate's speed.
+    model: one of WORDS; "own" has the same normal law; scale: of the plate's speed; shaken: seed of random
+    displacements of the grains by 1e-4 of their radii (0: none): scatter by chance.
     """
     radii, centres = packing(QUICK)
+    if shaken:
+        centres = centres + 1e-4 * radii[:, None] * np.random.default_rng(shaken).uniform(-1.0, 1.0, centres.shape)
     given = QUICK.given(radii, centres)
     case = Case("pohrt-popov", tuple(grains(given)), "hertz")
     words = WORDS[model]

@@ -27,9 +27,9 @@ def draw():
     for share, shade in ((0.4, 0.35), (0.7, 0.6), (0.95, 1.0)):
         sliding = FRICTION * dl.law("hertz", CONTACT).overlap(LOAD) / RATIO
         along = share * sliding * np.concatenate([np.linspace(a, b, 200) for a, b in itertools.pairwise(corners)])
-        path = sheared(law, np.full(along.size, overlap), along, RATIO, "slip", FRICTION, 200)
+        path = sheared(law, np.full(along.size, overlap), along, RATIO, "slip", friction=FRICTION, springs=200)
         left.plot(along * 1e9, path.shear_force, color=COLOURS["slip"], alpha=shade)
-    path = sheared(law, np.full(along.size, overlap), along, RATIO, "elastic", FRICTION)
+    path = sheared(law, np.full(along.size, overlap), along, RATIO, "elastic", friction=FRICTION)
     left.plot(along * 1e9, path.shear_force, color=COLOURS["elastic"], lw=1)
     left.axhline(FRICTION * LOAD, color="k", lw=0.8, ls=":")
     left.annotate("Coulomb's limit", (0.03, FRICTION * LOAD), xycoords=("axes fraction", "data"), va="bottom", fontsize=8)
@@ -58,13 +58,16 @@ def draw():
 RUNS = Path(__file__).with_name("vibration.jsonl")
 """Rows of `--vibrate` that docs/shear.md shows."""
 SHADES = {"1 level": "#9ecae1", "2 levels": "#4292c6", "3 levels": "#08519c", "slip": "#d62728", "own": "#999999"}
+SHADES |= {"ratio 0.3": "#74c476", "ratio 0.086": "#006d2c"}
+LABELS = {"own": "LIGGGHTS history", "3 levels": "3 levels (default)", "ratio 0.3": "3 levels, K_t/K = 0.3"}
+LABELS |= {"ratio 0.086": "3 levels, K_t/K = 0.086"}
 
 
 def runs(scene, engine):
-    """Model → rows of the longest run of `studies.shear.vibration`."""
-    lines = map(json.loads, RUNS.read_text().splitlines())
-    chosen = [line for line in lines if line["scene"] == scene and line["engine"] == engine]
-    return {line["model"]: np.array(line["rows"]) for line in sorted(chosen, key=lambda line: line["cycles"])}
+    """(model, whether the grains were shaken before, rows) of the runs of `studies.shear.vibration`."""
+    for line in map(json.loads, RUNS.read_text().splitlines()):
+        if line["scene"] == scene and line["engine"] == engine:
+            yield line["model"], line.get("shaken", 0) > 0, np.array(line["rows"])
 
 
 def draw_creep():
@@ -78,9 +81,9 @@ def draw_creep():
     left.set(xlabel="cycles of 1 % of the overlap (noise)", ylabel="displacement over that at rest", yscale="log")
     left.set(title="one contact at half of Coulomb's limit")
     left.legend()
-    for model, rows in runs("oedometer", "liggghts").items():
-        label = {"own": "LIGGGHTS history", "3 levels": "3 levels (default)"}.get(model, model)
-        right.plot(rows[:, 0], 1e6 * (rows[0, 2] - rows[:, 2]), color=SHADES[model], label=label)
+    for model, shaken, rows in runs("oedometer", "liggghts"):
+        style = {"lw": 0.8, "ls": "--"} if shaken else {"label": LABELS.get(model, model)}
+        right.plot(rows[:, 0], 1e6 * (rows[0, 2] - rows[:, 2]), color=SHADES[model], **style)
     right.set(xlabel="cycles from 50 to 500 kPa", ylabel="settlement since the first cycle (µm)", xscale="log")
     right.set(title="oedometer, 150 rough granite spheres")
     right.legend()

@@ -75,7 +75,7 @@ def creep(case, vibration, levels):
     law, overlap, stiffness = specimen(*case)
     load, tag, rows = 0.5 * FRICTION * LOAD, CHOICES[DEFAULT].tag, (np.zeros(levels), np.zeros((2, levels)))
     path, state = overlap * vibration.path(), law.new_state(1)
-    places = creep_loop(tag, law.rule, law.params, path, RATIO, load, state.arrays, *rows)
+    places = creep_loop(tag, law.rule_tag, law.params, path, RATIO, load, state.arrays, *rows)
     return places[99 :: 2 * PARTS] * stiffness / load
 
 

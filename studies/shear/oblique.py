@@ -86,7 +86,7 @@ def rebound(law, mass, friction, ratio, normal, sideways, model, steps=2000, spr
     number = 2 if isinstance(levels, int) else {"displacement kept": 0, "force kept": 1, "slip": 3}[model]
     levels, largest = levels if number == 2 else 1, 1.01 * float(law.stiffness(peak))
     return oblique_loop(
-        law.rule, law.params, mass, normal, sideways, ratio, friction, duration / steps, number, levels, springs, largest
+        law.rule_tag, law.params, mass, normal, sideways, ratio, friction, duration / steps, number, levels, springs, largest
     )
 
 

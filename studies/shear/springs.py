@@ -29,14 +29,14 @@ def mindlin(springs):
     limit, onset = FRICTION * LOAD, RATIO * law.stiffness(overlap)
     sliding = FRICTION * overlap / RATIO
     along = np.linspace(0.0, 1.2 * sliding, 1500)
-    force = sheared(law, np.full(along.size, overlap), along, RATIO, "slip", FRICTION, springs).shear_force
+    force = sheared(law, np.full(along.size, overlap), along, RATIO, "slip", friction=FRICTION, springs=springs).shear_force
     exact = limit * (1.0 - np.maximum(1.0 - 2.0 * onset * along / (3.0 * limit), 0.0) ** 1.5)
     losses = []
     for share in SHARES:
         left = 1.0 - share
         way = sliding * (1.0 - left ** (2 / 3))
         corners = np.concatenate([np.linspace(0, way, 1500), np.linspace(way, -way, 1500), np.linspace(-way, way, 1500)])
-        path = sheared(law, np.full(corners.size, overlap), corners, RATIO, "slip", FRICTION, springs)
+        path = sheared(law, np.full(corners.size, overlap), corners, RATIO, "slip", friction=FRICTION, springs=springs)
         # Johnson 1985, Eq. 7.57
         loss = 7.2 * limit**2 / onset * (1.0 - left ** (5 / 3) - 5.0 * share / 6.0 * (1.0 + left ** (2 / 3)))
         losses.append(float((path.work[-1] - path.work[1499]) / loss - 1.0))
@@ -72,7 +72,7 @@ def errors(name, rule, counts):
 
     def follow(path, springs):
         with quiet():
-            return sheared(law, unit[0] * path[:, 0], unit[1:] * path[:, 1:], RATIO, "slip", FRICTION, springs)
+            return sheared(law, unit[0] * path[:, 0], unit[1:] * path[:, 1:], RATIO, "slip", friction=FRICTION, springs=springs)
 
     largest = {}
     for kind, group in paths().items():

@@ -19,6 +19,7 @@ from demlaws.lammps.run import HEAD as LAMMPS_HEAD
 from demlaws.liggghts.run import HEAD as LIGGGHTS_HEAD
 from studies.engines import under_yade
 from studies.shear.cyclic import WORDS, settlement
+from studies.shear.rest import settle
 from studies.trade.liggghts_oedometer import data_text
 
 YOUNG, POISSON, DENSITY, FRICTION, RESTITUTION = 1e8, 0.25, 2600.0, 0.5, 0.5
@@ -180,17 +181,22 @@ def run(engine, name, model, cycles, rows=50):
     return np.stack([cycle, log["along"][kept], log["height"][kept]], 1)
 
 
-def run_all(name, engines, models, cycles, out):
-    """Append a line per engine and model to `out` (JSON lines) and print it; runs that it already has are left out."""
+def run_all(name, engines, models, cycles, shaken, out):
+    """Append a line per engine, model and seed to `out` (JSON lines) and print it; runs that it has are left out."""
     done = [json.loads(line) for line in out.read_text().splitlines()] if out.exists() else []
-    for engine, model in tqdm(list(itertools.product(engines, models)), disable=not sys.stderr.isatty()):
+    seeds = shaken if name == "oedometer" else [0]
+    for engine, model, seed in tqdm(list(itertools.product(engines, models, seeds)), disable=not sys.stderr.isatty()):
         case = {"scene": name, "engine": engine, "model": model, "cycles": cycles}
+        if name == "oedometer":
+            case["shaken"] = seed
         if any(case.items() <= row.items() for row in done):
             continue
         if name == "oedometer":
-            height, thickness = settlement(model, cycles)
+            height, thickness = settlement(model, cycles, seed)
             rows = np.stack([np.arange(1.0, height.size + 1.0), 0.0 * height, height], 1)
             case["thickness"] = thickness
+        elif name == "rest":
+            rows = settle(model)
         else:
             rows = run(engine, name, model, cycles)
         with open(out, "a") as file:
@@ -199,7 +205,10 @@ def run_all(name, engines, models, cycles, out):
 
 
 def describe(case, rows):
-    """One line: movement in nm in the first tenth, the last half and, per cycle, there."""
+    """One line: movement in nm in the first tenth, the last half and, per cycle, there; of a packing at rest what is left."""
+    if case["scene"] == "rest":
+        ends = [rows[np.searchsorted(rows[:, 0], end - 1e-9)] for end in (0.4, 0.8)]
+        return f"rest, {case['model']}: " + "; ".join(f"after {t:.1f} s energy {ke:.0e}, walls {f:.0e}" for t, ke, f in ends)
     cycle, place = rows[:, 0], 1e9 * rows[:, 1 if case["scene"] == "block" else 2]
     tenth, half = np.interp([0.1 * case["cycles"], 0.5 * case["cycles"]], cycle, place)
     late = cycle >= 0.5 * case["cycles"]

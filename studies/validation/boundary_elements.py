@@ -41,7 +41,10 @@ def spheres():
     yield "longest,seed,force,stiffness"
     for longest in (160e-6, 320e-6):
         for seed in range(1, 9):
-            shape = ball + self_affine(pixels, pixel, 0.8, roughness, seed, shortest=6 * pixel, longest=longest).heights
+            shape = (
+                ball
+                + self_affine(pixels, pixel, 0.8, roughness=roughness, seed=seed, shortest=6 * pixel, longest=longest).heights
+            )
             topography = Topography(shape, physical_sizes=(pixels * pixel,) * 2, periodic=False)
             system, top = make_system(substrate="free", surface=topography, young=modulus), float(shape.max())
             for overlap in np.geomspace(2e-6, 16e-6, 7):

@@ -20,7 +20,11 @@ def cases():
         ("flat; H = 0.8", 0.5e-6, 0.8, math.inf),
         ("flat; H = 0.5", 0.5e-6, 0.5, math.inf),
     ):
-        yield name, self_affine(PIXELS, PIXEL, hurst, roughness, 7, shortest=4e-6, longest=40e-6, periodic=True), radius
+        yield (
+            name,
+            self_affine(PIXELS, PIXEL, hurst, roughness=roughness, seed=7, shortest=4e-6, longest=40e-6, periodic=True),
+            radius,
+        )
 
 
 def model(heights, radius):

@@ -220,7 +220,7 @@ def pairwise_motions():
     )
     for name, overlap, displacement, stored in motions:
         overlap = np.broadcast_to(overlap, displacement.shape)
-        force = dl.driver.sheared(law, overlap, displacement, 0.5, "elastic", 0.5).shear_force
+        force = dl.driver.sheared(law, overlap, displacement, 0.5, "elastic", friction=0.5).shear_force
         difference = max(abs(force[place] - value) for place, value in stored.items())
         what = f"motion {name}: shear force, largest of {len(stored)} differences over the largest force"
         yield between(what, PYTHON, 0.0, 1e-11, difference / max(map(abs, stored.values())), "on-dem")

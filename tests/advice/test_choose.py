@@ -215,7 +215,7 @@ def test_the_template_names_every_key_and_reaches_yield(tmp_path, capsys):
     scene = dl.Scene.load(file)
     keys = {line.removeprefix("#- ").partition("=")[0].strip() for line in text.splitlines() if "=" in line}
     fields = {f.name for kind in (dl.Scene, dl.Material, dl.Surface) for f in dataclasses.fields(kind)}
-    assert fields - keys == {"materials", "surfaces", "reference_options", "edge_radius"}  # sections, refused
+    assert fields - keys == {"materials", "surfaces", "surface", "reference_options", "edge_radius"}  # sections, refused
     choices = dl.choose(scene, tables=False)
     assert choices.reference.name == "rough-plastic"
     elastic = next(c for c in choices if c.name == "pohrt-popov" and c.unloading == "hertz")

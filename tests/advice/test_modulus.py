@@ -139,7 +139,11 @@ def test_the_step_of_softer_grains_is_stable_at_their_own_density(kind):
     stiffness = float(law.shear_stiffness(law.overlap(advice.scene.force_range(contact)[1]), 1.0))
     masses = np.full(grains.radius.size, GRANITE.density * 4 / 3 * math.pi * 8e-3**3)
     ratio = shear_ratio(GRANITE, GRANITE)
-    assert advice.dt < from_contacts(grains.pairs, grains.normals, stiffness, ratio * stiffness, masses).exact < 2.5 * advice.dt
+    assert (
+        advice.dt
+        < from_contacts(grains.pairs, grains.normals, stiffness, shear_stiffness=ratio * stiffness, masses=masses).exact
+        < 2.5 * advice.dt
+    )
 
 
 def test_each_process_has_its_own_advice():

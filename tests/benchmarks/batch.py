@@ -94,7 +94,7 @@ def arrays_read(law, overlap, states):
             law.params,
         )
         result = [np.empty_like(overlap), np.empty_like(overlap), *(s.copy() for s in states)]
-        batch_loop(law.rule, params, overlap, tuple(result[2:]), UNBOUNDED, FINITE, result[0], result[1])
+        batch_loop(law.rule_tag, params, overlap, tuple(result[2:]), UNBOUNDED, FINITE, result[0], result[1])
         return np.concatenate(result)
 
     normal = run(None)

@@ -10,7 +10,7 @@ ALUMINIUM = ["--radius", "3.175mm", "inf", "--hardness", "0.24e9", "--young", "4
 
 @pytest.fixture
 def map_file(tmp_path):
-    return str(surface.write(tmp_path / "map.asc", self_affine(128, 2e-6, 0.8, 1.3e-6, 1, longest=60e-6)))
+    return str(surface.write(tmp_path / "map.asc", self_affine(128, 2e-6, 0.8, roughness=1.3e-6, seed=1, longest=60e-6)))
 
 
 def test_regime_of_one_contact(capsys, tmp_path):

@@ -75,7 +75,7 @@ def test_a_kernel_is_a_python_function_too():
     from demlaws.core.dispatch import step
 
     overlap = 2.0 * law.contact.roughness
-    force, stiffness, state = step(law.rule, law.params, overlap, (0.0, 0.0))
+    force, stiffness, state = step(law.rule_tag, law.params, overlap, (0.0, 0.0))
     path = law.follow([overlap])
     assert (force, stiffness) == pytest.approx((path[0].force, path[0].stiffness), rel=1e-12)
     assert state == pytest.approx((path[0].maximum_overlap, path[0].plastic_overlap), rel=1e-9)

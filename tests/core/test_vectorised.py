@@ -20,7 +20,7 @@ def vector_operations(law):
     compiled = numba.njit(**numba_compat.OPTIONS)(loops.batch_loop.py_func)
     at = np.linspace(1e-5, 1e-3, 64) * law.contact.radius
     state, out = law.new_state(at.size), (np.zeros(at.size), np.zeros(at.size))
-    compiled(law.rule, law.params, at, state.arrays, loops.UNBOUNDED, loops.FINITE, *out)
+    compiled(law.rule_tag, law.params, at, state.arrays, loops.UNBOUNDED, loops.FINITE, *out)
     (text,) = compiled.inspect_llvm().values()
     return len(re.findall(r"= f\w+ (?:\w+ )*<\d+ x double>", text))
 

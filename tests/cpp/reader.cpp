@@ -1,6 +1,6 @@
 // Reads tables and steps contacts as its input says, one answer a line; what tests compare with Python.
 //     rules                              names and state of the unloading rules
-//     table FILE MODULUS RADIUS ROUGHNESS -> "good VERSION FINGERPRINT ROWS" or "refused MESSAGE"; a virgin contact
+//     table FILE MODULUS RADIUS ROUGHNESS -> "good FINGERPRINT ROWS" or "refused MESSAGE"; a virgin contact
 //     contact MODULUS RADIUS ROUGHNESS   -> "served 0" or "served 1" by the table, or "refused MESSAGE"
 //     virgin                             another virgin contact, no answer
 //     overlap X                       -> force, stiffness, three values of state, stored, dissipated, outside (0 or 1)
@@ -20,8 +20,8 @@ int main() {
   while (std::cin >> word) {
     if (word == "rules") {
       for (int i = demlaws::ELASTIC; i < demlaws::RULES; i++) {
-        printf("%s", demlaws::unloading_name(i));
-        for (int k = 0; k < demlaws::state_size((demlaws::Unloading)i); k++) printf(" %s", demlaws::state_name(k));
+        printf("%s", demlaws::RULE_NAMES[i]);
+        for (int k = 0; k < demlaws::state_size((demlaws::Unloading)i); k++) printf(" %s", demlaws::STATE_NAMES[k]);
         printf("\n");
       }
     } else if (word == "table") {
@@ -34,7 +34,7 @@ int main() {
         table.reset(new demlaws::Table);
         table->parse(bytes, file);
         pair = demlaws::Pair(*table, modulus, roughness);
-        printf("good %d %u %s\n", table->version(), (unsigned)table->fingerprint(), table->text("rows").c_str());
+        printf("good %u %s\n", (unsigned)table->fingerprint(), table->text("rows").c_str());
       } catch (const std::exception &problem) {
         printf("refused %s\n", problem.what());
       }

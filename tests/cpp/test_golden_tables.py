@@ -1,7 +1,6 @@
 """Table files of tests/data/tables, read by Python and by the C++ header: one verdict, one line, one force.
 
-The files of OLD were written by earlier versions: they must always load. Bad files differ from a good one in one thing each,
-with check marks that fit; bad.csv has the line.
+Bad files differ from a good one in one thing each, with check marks that fit; bad.csv has the line.
 """
 
 import csv
@@ -9,12 +8,12 @@ import re
 import subprocess
 from pathlib import Path
 
+import facts
 import numpy as np
 import pytest
 from examples import sealed, shared
 
 import demlaws as dl
-from demlaws.curves import text as table_file
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
@@ -23,7 +22,6 @@ TABLES = HERE.parent / "data" / "tables"
 GOOD = sorted(path.stem for path in (TABLES / "good").glob("*.tbl"))
 with open(TABLES / "bad.csv", newline="") as file:
     BAD = {row["name"]: int(row["line"]) for row in csv.DictReader(file)}
-OLD = ("hertz-elastic", "greenwood-tripp-elastic", "yip-venart-table", "three-kinks-table")  # versions 1 and 2
 FEW = ("pohrt-popov-hertz", "rough-plastic-thornton")
 CHANGES = 300
 PYTHON_ONLY = tuple(prefix + key for prefix in (b"", b"unloading_") for key in (b"options", b"fractal_dimension", b"hardness"))
@@ -67,8 +65,7 @@ def test_good_tables_are_read_alike(name, reader):
     asked = [f"overlap {float(x * step)!r}" for x in overlap for step in STEPS]
     asked = [line for n in range(overlap.size) for line in ("virgin", *asked[3 * n : 3 * n + 3])]
     first, *answers = reader(opening, *asked)
-    version = int(path.read_bytes().split(b"\n")[0].split()[-1])
-    assert first == f"good {version} {table_fingerprint(path)} {table.nodes.u.size}"
+    assert first == f"good {table_fingerprint(path)} {table.nodes.u.size}"
     rows = np.array([answer.split() for answer in answers], float).reshape(-1, 3, 8)
     assert not rows[:, :, 7].any()
     state = table.new_state(overlap.size) if table.state_size else None
@@ -153,8 +150,7 @@ PRINTABLE = np.frombuffer(b' 0123456789.-+eE:,{}[]"abcxyz_\t\r\xc3\xff', np.uint
 
 def test_any_change_with_marks_that_fit_gives_one_verdict(reader, tmp_path, rng):
     """What a program that writes tables wrongly would write: both readers take it, or name the same line."""
-    good = [path for path in sorted((TABLES / "good").glob("*.tbl")) if path.stem not in OLD]
-    sources = [path for path in good if path.stat().st_size < 6000]
+    sources = [path for path in sorted((TABLES / "good").glob("*.tbl")) if path.stat().st_size < 6000]
     verdicts, questions, contents = [], [], []
     for n in range(CHANGES):
         first, *rest = sources[n % len(sources)].read_bytes().replace(b"\r\n", b"\n").splitlines()
@@ -179,20 +175,15 @@ def test_any_change_with_marks_that_fit_gives_one_verdict(reader, tmp_path, rng)
     assert verdicts.count("good") >= CHANGES // 20
 
 
-def test_old_tables_are_written_again_as_the_same_table(tmp_path):
-    """Versions 1 and 2 have the contact as JSON; the version written now has a line for each of its quantities."""
-    for name in OLD:
-        old = dl.Table.load(TABLES / "good" / f"{name}.tbl")
-        path = old.save(tmp_path / "again.tbl")
-        again = dl.Table.load(path)
-        assert path.read_text().startswith("# demlaws-table 3\n")
-        assert again.contact == old.contact
-        pairs = [(old, again)]
-        if old.unloading_law is not None:
-            pairs.append((old.unloading_law, again.unloading_law))
-        for one, other in pairs:
-            assert all(np.array_equal(a, b) for a, b in zip(one.nodes, other.nodes, strict=True))
-            assert one.curve.shape.grid.seat == other.curve.shape.grid.seat
+def test_a_table_is_written_again_as_the_same_table(tmp_path):
+    for name in GOOD:
+        one = dl.Table.load(TABLES / "good" / f"{name}.tbl")
+        other = dl.Table.load(one.save(tmp_path / f"{name}.tbl"))
+        assert other.contact == one.contact
+        pairs = [(one, other)] if one.unloading_law is None else [(one, other), (one.unloading_law, other.unloading_law)]
+        for a, b in pairs:
+            assert all(np.array_equal(x, y) for x, y in zip(a.nodes, b.nodes, strict=True))
+            assert a.curve.shape.grid.seat == b.curve.shape.grid.seat
 
 
 def test_a_curve_of_one_contact_is_not_lent(reader):
@@ -209,9 +200,8 @@ def test_a_curve_of_one_contact_is_not_lent(reader):
     assert reader(f"table {TABLES / 'good' / 'three-kinks.tbl'} {opening}", *asked)[1:] == ["served 1"] * 4
 
 
-def test_the_rules_of_the_header_are_those_of_python(reader):
-    in_cpp = sorted((rule for rule in table_file.rules().values() if rule.number is not None), key=lambda rule: rule.number)
-    assert [line.split() for line in reader("rules")] == [[rule.name, *rule.state] for rule in in_cpp]
+def test_the_facts_of_the_header_are_those_of_python():
+    assert facts.PATH.read_text() == facts.header(), "run `make facts`"
 
 
 @pytest.mark.parametrize("name", shared([name for name in GOOD if "bulk" not in name], FEW.__contains__))

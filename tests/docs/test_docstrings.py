@@ -58,3 +58,29 @@ def test_public_names_are_documented_in_numpydoc_form(name):
     """Checks of numpydoc's validator: every parameter, in order and described; Returns; order of the sections."""
     validate = pytest.importorskip("numpydoc.validate").validate
     assert [fault for fault in validate(f"demlaws.{name}")["errors"] if fault[0] in FAULTS] == []
+
+
+POSITIONAL = {"driver.impact": 4, "driver.sheared": 5}
+"""More than three arguments without a keyword, as documented from the start."""
+
+
+def public_functions():
+    """Public functions, also those of public modules, and the methods of public classes, by name."""
+    for name in dl.__all__:
+        value = importlib.import_module("demlaws.timestep") if name == "timestep" else getattr(dl, name)
+        if inspect.isfunction(value):
+            yield name, value
+            continue
+        for part in [part for part in dir(value) if not part.startswith("_")]:
+            function = getattr(value, part)
+            ours = isinstance(value, type) or getattr(function, "__module__", "") in (value.__name__, "demlaws.shear")
+            if ours and (inspect.isfunction(function) or inspect.ismethod(function)) and not hasattr(function, "py_func"):
+                yield f"{name}.{part}", function
+
+
+@pytest.mark.parametrize(("name", "function"), [*public_functions()])
+def test_arguments_beyond_the_third_have_keywords(name, function):
+    kinds = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    parameters = inspect.signature(function).parameters.values()
+    count = len([p for p in parameters if p.kind in kinds and p.name not in ("self", "cls")])
+    assert count <= POSITIONAL.get(name, 3)

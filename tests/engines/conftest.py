@@ -15,12 +15,14 @@ import demlaws as dl
 from demlaws.errors import DemlawsError
 from demlaws.lammps.run import executable as lammps
 from demlaws.liggghts.build import headers
+from demlaws.liggghts.run import built_in
 from demlaws.liggghts.run import executable as liggghts
 from demlaws.yade.run import executable as yade
 from demlaws.yade.run import modules_of
 
 HERE = Path(__file__).parent
-collect_ignore = [] if os.environ.get("DEMLAWS_LAMMPS_SOURCE") else ["lammps/test_source.py"]  # tests/machines
+ENGINES_WITH_MODELS = ("lammps", "liggghts")  # docs/machines.md
+collect_ignore = [f"{e}/test_source.py" for e in ENGINES_WITH_MODELS if not os.environ.get(f"DEMLAWS_{e.upper()}_SOURCE")]
 BESIDE = HERE.parents[1] / ".venv-lammps"
 if (BESIDE / "bin" / "lmp").exists():
     os.environ.setdefault("DEMLAWS_LAMMPS", str(BESIDE))
@@ -47,7 +49,12 @@ def _modules():
 os.environ["OMP_NUM_THREADS"] = "1"
 COMPILER = [] if shutil.which("g++") else ["g++"]
 ABSENT = {
-    "liggghts": [*_absent(liggghts), *_absent(headers), *COMPILER, *([] if shutil.which("mpirun") else ["mpirun"])],
+    "liggghts": [
+        *_absent(liggghts),
+        *_absent(lambda: built_in() or headers()),
+        *COMPILER,
+        *([] if shutil.which("mpirun") else ["mpirun"]),
+    ],
     "lammps": [*_absent(lammps), *COMPILER],
     "yade": _absent(_modules),
 }

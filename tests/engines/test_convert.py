@@ -163,9 +163,9 @@ def test_included_files_are_followed(tmp_path):
     assert converted.complete and "pair_coeff * * demlaws/table law.tbl ${E} 0.8 0.25\n" in out.read_text()
     for file in ("models.in", "absent.in"):
         path.write_text("\n".join([*lines, f"include {file}"]) + "\n")
-        assert [note.line for note in convert_file(path, "lammps", tmp_path / "law.tbl", out)[1].notes if not note.served] == [
-            6
-        ]
+        assert [
+            note.line for note in convert_file(path, "lammps", tmp_path / "law.tbl", out=out)[1].notes if not note.served
+        ] == [6]
 
 
 LAMMPS_HEAD = """\

@@ -99,7 +99,7 @@ def test_regime_figure():
 
 
 def test_surface_figure():
-    heights = self_affine(128, 1e-6, 0.8, 0.5e-6, 1)
+    heights = self_affine(128, 1e-6, 0.8, roughness=0.5e-6, seed=1)
     fig = surface.surface_figure(heights)
     assert f"Sq = {heights.sq * 1e6:.3g} µm" in fig.axes[0].get_title()
     np.testing.assert_array_equal(fig.axes[0].images[0].get_array(), heights.heights * 1e6)
@@ -108,7 +108,7 @@ def test_surface_figure():
 
 def test_contact_figure():
     pair = dl.Contact(radius=5e-3, modulus=50e9, hardness=1e9)
-    contact = RoughContact(self_affine(64, 1e-6, 0.8, 0.5e-6, 1), pair, flat=True)
+    contact = RoughContact(self_affine(64, 1e-6, 0.8, roughness=0.5e-6, seed=1), pair, flat=True)
     step = contact.load(0.02)
     left, right, *_ = surface.contact_figure(contact, step).axes
     assert len(left.collections[0].get_offsets()) == sum(len(xy) for xy in lines(right)) == len(step.micro)

@@ -165,7 +165,7 @@ def random_case(k, rng):
     else:
         stretch = rng.uniform(0.2, 5) if k % 4 == 1 else 1.0
         heights = self_affine(
-            (rows, columns), pixel, rng.uniform(0.05, 1), roughness, k, anisotropy=stretch, periodic=k % 4 == 2
+            (rows, columns), pixel, rng.uniform(0.05, 1), roughness=roughness, seed=k, anisotropy=stretch, periodic=k % 4 == 2
         )
     pair = dl.Contact(
         radius=10 ** rng.uniform(-4, -1.5), modulus=10 ** rng.uniform(9, 11.7), hardness=10 ** rng.uniform(8, 10.3)
@@ -216,7 +216,7 @@ def test_one_sphere_after_unloading():
 
 
 def test_missing_pixels_do_not_touch():
-    heights = self_affine(64, 1e-6, 0.8, 0.5e-6, 1)
+    heights = self_affine(64, 1e-6, 0.8, roughness=0.5e-6, seed=1)
     holes = heights.heights.copy()
     holes[20:40, 20:40] = np.nan
     pair = dl.Contact(radius=5e-3, modulus=50e9, hardness=1e9)
@@ -241,7 +241,7 @@ def test_bulk_yield_and_edge_are_warned_about():
     "call",
     [
         lambda heights, pair: RoughContact(heights, pair).load(-1),
-        lambda heights, pair: RoughContact(heights, pair).load(1.0, tolerance=2.0),
+        lambda heights, pair: RoughContact(heights, pair).load(1.0, rtol=2.0),
         lambda heights, pair: RoughContact(heights, pair, plastic_factor=0.1),
         lambda heights, pair: RoughContact(heights, pair, memory="all"),
         lambda heights, pair: RoughContact(heights, pair.with_values(radius=np.array([1e-3, 2e-3]))),
@@ -253,7 +253,7 @@ def test_bulk_yield_and_edge_are_warned_about():
 )
 def test_bad_input(call):
     with pytest.raises(dl.DemlawsError):
-        call(self_affine(32, 1e-6, 0.8, 0.5e-6, 1), dl.Contact(radius=5e-3, modulus=50e9, hardness=1e9))
+        call(self_affine(32, 1e-6, 0.8, roughness=0.5e-6, seed=1), dl.Contact(radius=5e-3, modulus=50e9, hardness=1e9))
 
 
 # --- an elastic boundary-element solution

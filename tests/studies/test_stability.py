@@ -49,7 +49,9 @@ def test_no_table_of_straight_branches_returns_work():
     """Where k2 = k1 a force that the table has 2e-9 too large was returned: 1.5e-9 of the energy held."""
     law = Case("luding", "linear", "table").bind(GRANITE, 0.9)
     ends = np.array([1e-20 * GRANITE.radius]), np.array([0.1 * GRANITE.radius])
-    returned, worst, _ = path_loop(law.rule, law.params, law.new_state(1).arrays, 1, *ends, 2000, 12, np.random.default_rng(0))
+    returned, worst, _ = path_loop(
+        law.rule_tag, law.params, law.new_state(1).arrays, 1, *ends, 2000, 12, np.random.default_rng(0)
+    )
     assert (returned, worst) == (0, 0.0)
 
 

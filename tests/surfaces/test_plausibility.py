@@ -15,7 +15,7 @@ from demlaws.errors import MapWarning
 from demlaws.surface import HeightMap, self_affine
 from demlaws.surfaces import plausibility
 
-ROUGH = self_affine(128, 1e-6, 0.7, 0.5e-6, 3, longest=40e-6)
+ROUGH = self_affine(128, 1e-6, 0.7, roughness=0.5e-6, seed=3, longest=40e-6)
 
 
 def changed(count, height, seed=0):
@@ -28,7 +28,7 @@ def changed(count, height, seed=0):
 def test_plausible_maps_pass():
     """Self-affine maps of all Hurst exponents, with form, with missing pixels; a ground groove pattern; two levels."""
     x = np.arange(128) * 1e-6
-    maps = [self_affine(128, 1e-6, hurst, 0.1e-6, 1) for hurst in (0.2, 0.5, 0.8, 1.0)]
+    maps = [self_affine(128, 1e-6, hurst, roughness=0.1e-6, seed=1) for hurst in (0.2, 0.5, 0.8, 1.0)]
     cap = HeightMap(ROUGH.heights - (x**2 + x[:, None] ** 2) / 2e-3, 1e-6)
     maps += [cap, changed(500, np.nan), HeightMap(np.tile(1e-6 * np.sin(x / 5e-6), (128, 1)), 1e-6)]
     step = HeightMap(np.where(x < 64e-6, 0.0, 1e-6) * np.ones((128, 1)), 1e-6)

@@ -43,13 +43,6 @@ private:
   }
 };
 
-// The number of this rank's particle at place i.
-inline long long tag_of(void *lmp, long i) {
-  const void *const tags = Stock::get().atom(lmp, "id");
-  if (!tags) return i;
-  return Stock::get().setting(lmp, "tagint") == 8 ? ((const long long *)tags)[i] : ((const int *)tags)[i];
-}
-
 // Error::all (every rank comes here) or Error::one; they throw or end the process.
 [[noreturn]] void raise(void *error, bool every_rank, const std::string &what) {
   LAMMPS_NS::Error *const of = (LAMMPS_NS::Error *)error;

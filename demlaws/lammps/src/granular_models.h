@@ -66,7 +66,6 @@ template <class ABI> struct Granular {
     };
     enum { COEFFICIENTS_0_2 = LEVELS }; // of restart files of 0.2.0, whose contacts have one level
     enum { MAXIMUM, PLASTIC, STORED, DISSIPATED, STIFFNESS, OUTPUTS }; // p13 to p17 of compute pair/local
-    enum { MOST_STATE = 3 };
     // LAMMPS writes a sub-model's numbers into restart files, and nothing else of it: after the coefficients comes the
     // name of the file, BYTES of it in each number, which are exact in a double.
     enum { BYTES = 6, NUMBERS = COEFFICIENTS + 64 };
@@ -95,12 +94,12 @@ template <class ABI> struct Granular {
       // have other sizes than those of another pair to the wrong place.
       // The state, and the mark of the law.
       marked_ = !Range::of(of.lmp).unmarked;
-      this->size_history = MOST_STATE + 1;
+      this->size_history = demlaws::MOST_STATE + 1;
       // the state is the same seen from either particle: the default factor -1 is not for it
       this->nondefault_history_transfer = 1;
-      this->transfer_history_factor = new double[MOST_STATE + 1];
-      std::fill(this->transfer_history_factor, this->transfer_history_factor + MOST_STATE + 1, 1.);
-      if (!marked_) this->size_history = MOST_STATE;
+      this->transfer_history_factor = new double[demlaws::MOST_STATE + 1];
+      std::fill(this->transfer_history_factor, this->transfer_history_factor + demlaws::MOST_STATE + 1, 1.);
+      if (!marked_) this->size_history = demlaws::MOST_STATE;
       coeffs[TOLERANCE] = 0.01;
       coeffs[SHEAR] = demlaws::ELASTIC_SHEAR;
       coeffs[SPRINGS] = 12.;
@@ -203,7 +202,7 @@ template <class ABI> struct Granular {
       coeffs[LEVELS] = 1.;
       Range::of(of.lmp).unmarked = true;
       marked_ = false;
-      this->size_history = MOST_STATE;
+      this->size_history = demlaws::MOST_STATE;
     }
 
     // GranularModel::calculate_forces for a pair of particles, where nothing but this law, a damping and a tangential
@@ -231,7 +230,7 @@ template <class ABI> struct Granular {
       if (__builtin_expect(m->contact_type > LAST_TYPE, 0)) refuse_contact();
       if (__builtin_expect(now.outside | law_.watch.sees(m->delta, m->Reff), 0)) examine(now);
       if (__builtin_expect(!law_.pair.serves(m->Reff, coeffs[TOLERANCE]), 0)) refuse_radius();
-      if (__builtin_expect(marked_ && m->history[history_index + MOST_STATE] != law_.mark, 0)) claim();
+      if (__builtin_expect(marked_ && m->history[history_index + demlaws::MOST_STATE] != law_.mark, 0)) claim();
       stiffness_ = now.stiffness;
       shear_stiffness_ =
           demlaws::shear_stiffness<RULE>(shear_, law_.pair, m->Reff, m->delta, now, m->history + history_index);
@@ -267,7 +266,7 @@ template <class ABI> struct Granular {
       if (!ledger_.busy) return;
       const bool wall = m->contact_type != PAIR;
       if (wall) ledger_.meet();
-      if (m->history_update && !std::equal(before, before + MOST_STATE, state)) {
+      if (m->history_update && !std::equal(before, before + demlaws::MOST_STATE, state)) {
         double earlier = 0.;
         demlaws::stored_and_dissipated(pair, m->Reff, m->delta, before, none, earlier);
         ledger_.take(m->vi, wall ? NULL : m->vj, dissipated - earlier);
@@ -319,7 +318,7 @@ template <class ABI> struct Granular {
     }
     // A contact that begins, or that another law has marked.
     __attribute__((noinline, cold)) void claim() const {
-      double &mark = gm->history[history_index + MOST_STATE];
+      double &mark = gm->history[history_index + demlaws::MOST_STATE];
       if (mark != 0.) raise(*of.error, false, who() + demlaws::other_law());
       if (gm->history_update) mark = law_.mark;
     }
@@ -352,9 +351,9 @@ template <class ABI> struct Granular {
     __attribute__((noinline, cold)) double watched() {
       Model *const m = this->gm;
       double *const state = m->history + this->history_index;
-      const double before[Table::MOST_STATE] = {state[0], state[1], state[2]};
+      const double before[demlaws::MOST_STATE] = {state[0], state[1], state[2]};
       const double found = force();
-      double now[Table::MOST_STATE] = {state[0], state[1], state[2]};
+      double now[demlaws::MOST_STATE] = {state[0], state[1], state[2]};
       if (!m->history_update) demlaws::step_rule<RULE>(this->law_.pair, m->Reff, m->delta, now, true);
       this->account(before, state, now);
       return found;

@@ -13,6 +13,13 @@ const char *const MIXED_SIZES =
     "neighbour lists are rebuilt; give every pair of types demlaws/table (Hertz is a table, too) and the same "
     "tangential, rolling and twisting models";
 
+// The number of this rank's particle at place i.
+inline long long tag_of(void *lmp, long i) {
+  const void *const tags = Stock::get().atom(lmp, "id");
+  if (!tags) return i;
+  return Stock::get().setting(lmp, "tagint") == 8 ? ((const long long *)tags)[i] : ((const int *)tags)[i];
+}
+
 // Whether delete_atoms, with these words, leaves the particles their numbers.
 inline bool keeps_numbers(int count, char **arg) {
   bool keeps = false;

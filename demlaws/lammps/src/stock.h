@@ -157,13 +157,6 @@ private:
 
 inline void *error_of(void *object) { return *((void ***)object)[3]; }
 
-// The number of this rank's particle at place i.
-inline long long tag_of(void *lmp, long i) {
-  const void *const tags = Stock::get().atom(lmp, "id");
-  if (!tags) return i;
-  return Stock::get().setting(lmp, "tagint") == 8 ? ((const long long *)tags)[i] : ((const int *)tags)[i];
-}
-
 // Error::all (every rank comes here) or Error::one; they throw.
 __attribute__((noinline, cold, noreturn)) void raise(void *error, bool every_rank, const std::string &what) {
   const Stock &stock = Stock::get();

@@ -10,9 +10,8 @@
 namespace demlaws {
 
 // Most values that a contact keeps, and what they are called in LIGGGHTS.
-static const int MOST_STATE = 3;
-static const char *const STATE_NAMES[MOST_STATE] = {"demlaws_maximumOverlap", "demlaws_plasticOverlap",
-                                                    "demlaws_radiusRatio"};
+static const char *const HISTORY_NAMES[MOST_STATE] = {"demlaws_maximumOverlap", "demlaws_plasticOverlap",
+                                                      "demlaws_radiusRatio"};
 
 struct TypePair : Law {
   double damping;            // -2 sqrt(5/6) beta
@@ -78,8 +77,8 @@ public:
     reserved_ = now_.files.empty() ? demlaws::MOST_STATE : state_size_;
     marked_ = (reserved_ > 0 || shear_keeps_) && !instance_->unmarked;
     for (int i = 0; i < reserved_; i++) {
-      const int at = setup->add_history_value(demlaws::STATE_NAMES[i], "0"); // the same seen from either particle
-      base->add_history_offset(demlaws::STATE_NAMES[i], at);
+      const int at = setup->add_history_value(demlaws::HISTORY_NAMES[i], "0"); // the same seen from either particle
+      base->add_history_offset(demlaws::HISTORY_NAMES[i], at);
       if (i == 0) offset_ = at;
     }
     if (marked_) mark_at_ = setup->add_history_value("demlaws_law", "0");

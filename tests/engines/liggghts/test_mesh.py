@@ -160,6 +160,6 @@ def test_passive_shear_at_walls(tmp_path, tables, shear, support):
     rows = simulate(tmp_path, tiled(), (-0.5e-6, 0.0, RADIUS), commands, tables / "granite.tbl", **own)
     force, x, height = rows[:, 0], rows[:, 3], rows[:, 5]
     assert x.min() < -1e-7 and x.max() > 1e-7
-    path = sheared(law, RADIUS - height, x - x[0], 2 * (1 - 0.25) / (2 - 0.25), shear, 0.5, 1000)
+    path = sheared(law, RADIUS - height, x - x[0], 2 * (1 - 0.25) / (2 - 0.25), shear, friction=0.5, springs=1000)
     np.testing.assert_allclose(-force, path.shear_force, atol=2e-2 * 0.5 * path.force.max())
     assert np.abs(force).max() > 0.1 * path.force.max()

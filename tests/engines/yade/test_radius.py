@@ -212,6 +212,15 @@ def test_flat_on_flat_has_no_curvature(omega, tmp_path, bridge):
     assert type(pairs).from_text(pairs.as_text()).radii.choice == dy.Curvature(largest=0.02)
 
 
+def test_a_stepper_without_spheres_has_no_bound(omega):
+    """YADE computes its P-wave step from spheres only; without one it is 1 s."""
+    cubes(law("body"))
+    omega.engines = [*omega.engines, yade.GlobalStiffnessTimeStepper()]
+    with pytest.warns(dl.errors.TimeStepWarning, match="no bound .* give it a maxDt"):
+        advance(3)
+    assert omega.engines[-1].maxDt > 1e300
+
+
 def test_polyhedra_take_an_edge_radius_and_no_curvature(omega):
     if not has_polyhedra():
         return  # nothing to serve; a skipped engine test would stop continuous integration

@@ -10,6 +10,8 @@ import pytest
 from yade_scenes import (
     GRANITE,
     MODULUS,
+    OVERLAP,
+    acting,
     advance,
     cloud,
     functor,
@@ -116,6 +118,20 @@ def test_auto_falls_back_visibly(omega, monkeypatch):
     two_spheres(law)
     advance(300)
     assert omega.interactions[0, 1].phys.normalForce.norm() == pytest.approx(law.contacts().force[0], rel=1e-13)
+
+
+@pytest.mark.parametrize("way", ["native", "public"])
+def test_contacts_that_are_cleared_after_loading_begin_again(omega, tmp_path, way):
+    """The public way gave a contact that was cleared and made again the largest overlap of the saved one."""
+    law = acting(functor(bridge=way))
+    omega.save(str(tmp_path / "x.yade"))
+    omega.reset()
+    omega.load(str(tmp_path / "x.yade"))
+    omega.interactions.clear()
+    omega.bodies[1].state.pos = (0, 0, 0.02 - 0.5 * OVERLAP)
+    advance(2)
+    state = law.contacts()
+    assert state.branch.tolist() == [0] and state.maximum_overlap == pytest.approx([0.5 * OVERLAP], rel=1e-9)
 
 
 def test_public_way_saved_and_loaded(omega, tmp_path):

@@ -2,6 +2,7 @@
 
 import json
 import math
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -10,8 +11,12 @@ from shear_paths import GRANITE_RATIO, PATHS, overlaps_at
 from yade_scenes import GRANITE, POISSON, YOUNG, functor, material, set_engines, sphere, yade
 
 import demlaws as dl
+from demlaws.core.dispatch import bind, kernels_of
 from demlaws.core.slip import SAMPLES, slip_loop
+from demlaws.core.unloading import RULES, Hertz, Rule, own_rule
 from demlaws.driver import sheared
+from demlaws.laws import registry
+from demlaws.laws.definition import Advice
 from demlaws.make import example
 from demlaws.yade.shear import SPRINGS
 from studies.validation import engines
@@ -295,7 +300,7 @@ def slip_along(law, overlaps, displacements, friction, springs):
     largest = float(np.max(law.shear_stiffness(overlaps, 1.0, "elastic")))
     still = np.zeros(len(overlaps))
     state = law.new_state(1).arrays
-    slip_loop(law.rule, law.params, overlaps, displacements, still, GRANITE_RATIO, friction, largest, state, *rows, results)
+    slip_loop(law.rule_tag, law.params, overlaps, displacements, still, GRANITE_RATIO, friction, largest, state, *rows, results)
     return results[2]
 
 
@@ -334,3 +339,20 @@ def test_partial_slip_of_a_contact_that_grows(omega):
     reached, _, shear, _ = taken_along(functor(bridge="native", shear="slip"), overlaps, displacements, friction=0.5)
     limit = sheared(one, reached, displacements, GRANITE_RATIO, "slip", friction=0.5, springs=1000)
     assert -shear == pytest.approx(limit.shear_force, abs=0.02 * 0.5 * max(forces))
+
+
+class Twin(NamedTuple):
+    """Hertz's rule under another name."""
+
+
+def test_a_rule_of_ones_own_with_springs_slips(omega, registered_here):
+    bind(Twin, **kernels_of(Hertz))
+    rule = own_rule(Rule("twin", Twin(), RULES["hertz"].state, "law", None, "as hertz", springs="hertz"))
+    law = registry.find("pohrt-popov")._replace(name="twins", unloading=("elastic", "twin"), rules=(rule,), advice=Advice())
+    dl.register(law)
+    overlaps, sideways = 1e-5 * np.array([1.0, 1.0, 0.9, 0.8, 0.95]), 1e-5 * np.array([0.0, 0.2, 0.1, 0.3, 0.0])
+    found = []
+    for name, unloading in (("twins", "twin"), ("pohrt-popov", "hertz")):
+        law = functor(name, unloading, {"granite": GRANITE}, bridge="native", shear="slip")
+        found.append(taken_along(law, overlaps, sideways, friction=0.5)[2])
+    assert np.any(found[0] != 0.0) and found[0] == pytest.approx(found[1], rel=1e-12)

@@ -66,7 +66,8 @@ def limits_of(omega):
     from demlaws.yade.snapshot import snapshot
 
     scene = snapshot()
-    found = from_contacts(scene["pairs"], scene["normals"], *np.transpose(scene["springs"]), scene["masses"])
+    normal, shear = np.transpose(scene["springs"])
+    found = from_contacts(scene["pairs"], scene["normals"], normal, shear_stiffness=shear, masses=scene["masses"])
     stiffness = 1.5 * FORCE / HERTZ.overlap(FORCE)
     mass = 4.0 / 3.0 * math.pi * RADIUS**3 * GRANITE.density
     number = 2.0 * len([i for i in omega.interactions if i.isReal]) / len(omega.bodies)

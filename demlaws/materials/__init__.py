@@ -64,7 +64,7 @@ class Typical(Tabular):
 def _read() -> dict[str, dict[str, Value]]:
     """Material → quantity → value."""
     found: dict[str, dict[str, Value]] = {}
-    with open(Path(__file__).with_suffix(".csv"), encoding="utf-8", newline="") as file:
+    with open(Path(__file__).with_name("materials.csv"), encoding="utf-8", newline="") as file:
         for row in csv.DictReader(file):
             factor = UNITS.get(row["unit"], 1.0)
             first, low, high = (float(row[key]) * factor if row[key] else None for key in ("value", "low", "high"))

@@ -1,0 +1,60 @@
+"""`python -m studies.ballast`: settlement of a bed of ballast under cyclic load, its tables and picture."""
+
+import sys
+from pathlib import Path
+
+from demlaws import plots
+from demlaws.cli import Parser, example, execute
+from demlaws.cli.output import output
+from studies.assembly.study import read
+from studies.ballast import beds, cycles, report
+
+QUICK = [cycles.Case(law=law, sigma=sigma, cycles=5, count=80) for law, sigma in (("hertz", 0.0), ("pohrt-popov", 2.4))]
+
+
+def parser():
+    """The command line."""
+    parser = Parser(
+        prog="python -m studies.ballast",
+        description="A bed of granite under a plate with cyclic load, in LAMMPS; missing runs are added.",
+        **example("  python -m studies.ballast --report --figure ballast.png\n  python -m studies.ballast --quick"),
+    )
+    parser.add_argument("--results", type=Path, default=cycles.RESULTS, help="file of results")
+    parser.add_argument("--store", type=Path, default=cycles.STORE, help="folder of beds and of interrupted runs")
+    parser.add_argument("--quick", action="store_true", help="two cases of 80 spheres and 5 cycles, a minute")
+    parser.add_argument("--beds", action="store_true", help="beds deposited and loaded with each shear model")
+    parser.add_argument("--report", action="store_true", help="tables only, from the runs in the file")
+    parser.add_argument("--figure", type=output, help="picture of settlement, resilient modulus and loss")
+    parser.set_defaults(func=run)
+    return parser
+
+
+def run(arguments):
+    """Run what is missing, then print the tables."""
+
+    def progress(text):
+        print(text, file=sys.stderr, flush=True)
+
+    if arguments.beds:
+        if not arguments.report:
+            beds.run_beds(store=arguments.store, progress=progress)
+        print(beds.table())
+        return
+    if not arguments.report:
+        cycles.run_cases(QUICK if arguments.quick else cycles.wanted(), arguments.results, arguments.store, progress)
+    rows = read(arguments.results)
+    settings = {"least": QUICK[0].cycles, "count": QUICK[0].count} if arguments.quick else {}
+    print(report.table(rows, **settings))
+    if not arguments.quick:
+        print("\n" + report.effects(rows) + "\n\n" + report.sensitivity(rows))
+    if arguments.figure is not None:
+        print(plots.save(report.draw(rows), arguments.figure))
+
+
+def main(arguments=None):
+    """Run with these arguments (default: the command line's); the exit status."""
+    return execute(parser, arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

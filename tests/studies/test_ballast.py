@@ -1,0 +1,80 @@
+"""A bed of ballast under cyclic load: known fits, a short run that continues after an interruption, kept results."""
+
+import numpy as np
+import pytest
+
+from studies.assembly.study import read
+from studies.ballast import beds, cycles, report
+from studies.ballast.__main__ import QUICK, main
+
+
+def rows_of(settled, last=200):
+    number = np.unique(np.round(np.geomspace(1, last, 40)))
+    return [{"cycle": n, "cycles": last, "settlement_um": settled(n)} for n in number]
+
+
+def test_laws_of_settlement_are_found():
+    logarithmic = report.fit(rows_of(lambda n: 50.0 + 120.0 * np.log10(n)))
+    assert logarithmic.slope == pytest.approx(120.0) and logarithmic.logarithmic < 1e-9 < 1e-2 < logarithmic.power
+    power = report.fit(rows_of(lambda n: 40.0 * n**0.3))
+    assert power.exponent == pytest.approx(0.3) and power.power < 1e-9 < 1e-2 < power.logarithmic
+
+
+def test_the_exponent_of_a_known_modulus_is_found():
+    pressures = 1e-3 * np.array(cycles.STAGES)
+    stages = [
+        {"cycle": 201, "cycles": 200, "high_kPa": p, "peak_kPa": p, "least_kPa": 20.0, "height_mm": 300.0}
+        | {"resilient_um": 300.0 * (p - 20.0) / (10.0 * p**0.4)}
+        for p in pressures
+    ]
+    assert report.modulus_exponent(stages) == pytest.approx(0.4)
+
+
+def test_solid_share_of_spheres_in_a_layer():
+    """A sphere inside, one that the layer's lower face halves, one above."""
+    grains = np.array([[n, 0.04, 2650.0, 0.1 * n, 0.0, z] for n, z in enumerate((0.1, 0.03, 0.3))])
+    volume = np.pi / 6 * 0.04**3
+    assert beds.solid(grains) == pytest.approx(1.5 * volume / (0.11 * 0.3**2))
+
+
+@pytest.fixture(scope="module")
+def quick(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("ballast")
+    line = ["--quick", "--results", str(folder / "cycles.csv"), "--store", str(folder)]
+    assert main(line) == 0
+    return line, folder
+
+
+@pytest.mark.lammps
+def test_the_plate_carries_its_load_and_energy_is_lost(quick):
+    rows = read(quick[1] / "cycles.csv")
+    assert {row["law"] for row in rows} == {"hertz", "pohrt-popov"}
+    for row in rows:
+        assert row["peak_kPa"] == pytest.approx(row["high_kPa"], rel=0.05)
+        assert row["least_kPa"] == pytest.approx(20.0, abs=4.0)
+        if row["high_kPa"] == 200.0:
+            assert row["work_J"] > row["loss_J"] > 0.0
+    for beds_of_kind in report.series(rows, least=5, count=80).values():
+        for one in beds_of_kind.values():
+            assert 0.1 < report.modulus_exponent(one) < 0.6
+
+
+@pytest.mark.lammps
+def test_an_interrupted_case_continues_with_the_same_result(quick, monkeypatch):
+    line, folder = quick
+    before, file = (folder / "cycles.csv").read_text(), folder / "cycles.csv"
+    assert main(line) == 0 and file.read_text() == before  # nothing is missing, nothing is run
+
+    def stop(text):
+        if "cycle 5," in text:
+            raise KeyboardInterrupt
+
+    case = QUICK[0]
+    (folder / "-".join(map(str, case)) / "state.json").unlink()
+    with pytest.raises(KeyboardInterrupt):
+        cycles.run_case(case, folder, stop)
+    parts = []
+    again = cycles.run_case(case, folder, parts.append)
+    assert len(parts) == len(cycles.STAGES)  # those that the interruption left
+    kept = [row for row in read(file) if row["law"] == "hertz"]
+    assert [row["settlement_um"] for row in again] == pytest.approx([row["settlement_um"] for row in kept], rel=1e-4)
