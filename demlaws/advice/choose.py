@@ -304,7 +304,7 @@ def _range_problem(law, smallest, largest, reasons):
 
 
 _ONE_SIZE = "one table per pair of sizes"
-_NO_TABLE = "no table: its curve depends on the radius; list grain sizes as classes"
+_NO_TABLE = "its curve depends on the radius; list grain sizes as classes"
 
 
 class _Judge:
@@ -354,7 +354,7 @@ class _Judge:
             return plan.bind(contact)
         if not find(plan.name).collapses:
             if np.ptp(contact.radius) > 0.0:
-                raise NeedsClasses(_NO_TABLE)
+                raise NeedsClasses(f"no table: {_NO_TABLE}")
             contact = contact.with_values(radius=float(contact.radius[0]))
         return plan.bind(contact, self.max_force)
 
