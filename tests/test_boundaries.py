@@ -223,9 +223,6 @@ def test_type_checkers_see_the_public_names():
     assert (PACKAGE / "py.typed").is_file()
 
 
-def test_the_citation_has_the_version_of_the_package():
-    assert f"\nversion: {demlaws.__version__}\n" in (PROJECT / "CITATION.cff").read_text()
-
 
 def test_import_loads_neither_numba_nor_numpy():
     code = """
