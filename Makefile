@@ -31,7 +31,7 @@ APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
 # liggghts-doc: LIGGGHTS's own tutorials, which a test converts and runs
 ENGINES := yade liggghts liggghts-doc libliggghts-dev libopenmpi-dev openmpi-bin g++
 
-.PHONY: facts granite test test-all lammps-source bench stability trade validation experiment docs docs-measure dist release readme-check mutations lint plugins plugin-liggghts plugin-lammps engines clean bench-scale bench-shear
+.PHONY: facts granite test test-all lammps-source bench stability trade validation experiment docs docs-measure dist readme-check mutations lint plugins plugin-liggghts plugin-lammps engines clean bench-scale bench-shear release
 
 granite: $(VENV)/.plots
 	$(BIN)/demlaws granite --out granite
@@ -110,12 +110,12 @@ dist: $(VENV)/.test
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check build
 	$(BIN)/python tests/machines/dist.py
 
+facts: $(VENV)/.test
+	PYTHONPATH=tests $(BIN)/python tests/cpp/facts.py
+
 # RELEASE= options of the script, as --out FOLDER
 release: dist docs
 	$(BIN)/python tests/machines/release.py $(RELEASE)
-
-facts: $(VENV)/.test
-	PYTHONPATH=tests $(BIN)/python tests/cpp/facts.py
 
 size: $(VENV)/.test
 	PYTHONPATH=tests $(BIN)/python tests/size.py

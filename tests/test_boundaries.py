@@ -223,7 +223,6 @@ def test_type_checkers_see_the_public_names():
     assert (PACKAGE / "py.typed").is_file()
 
 
-
 def test_import_loads_neither_numba_nor_numpy():
     code = """
         import sys

@@ -46,7 +46,7 @@ def run(arguments):
     settings = {"least": QUICK[0].cycles, "count": QUICK[0].count} if arguments.quick else {}
     print(report.table(rows, **settings))
     if not arguments.quick:
-        print("\n" + report.effects(rows) + "\n\n" + report.sensitivity(rows))
+        print("\n" + report.effects(rows) + "\n\n" + report.sensitivity(rows) + "\n\n" + report.course(rows))
     if arguments.figure is not None:
         print(plots.save(report.draw(rows), arguments.figure))
 

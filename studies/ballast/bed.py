@@ -81,7 +81,11 @@ fix             drive all ave/time 1 1 1 v_{chosen} ave running
 thermo_style    custom step v_load v_carried v_plate c_contacts c_moves
 thermo_modify   norm no format float %.12g
 thermo          {every}
-run             {steps}
+{until}run             {steps}
+"""
+CARRIED = """\
+variable        lacks equal abs(v_load-v_carried)/v_load+1e4*c_moves
+fix             rest all halt 500 v_lacks < 0.02 error continue
 """
 
 
@@ -137,7 +141,10 @@ def rest(steps, drag=0.0, slow=1e-10):
 
 
 def load(low, high, period, steps, dt, top, placed=0.0, width=PLATE, settled=True, stiffness=9e5, rows=40):
-    """Pressure on the plate [Pa] from `low` to `high` and back in `period` [s]; top: height of its lower face [m]."""
+    """Pressure on the plate [Pa] from `low` to `high` and back in `period` [s], or constant until it is carried.
+
+    top: height of its lower face [m].
+    """
     area = width * WIDTH
     mean, swing = 0.5 * (high + low) * area, 0.5 * (high - low) * area
     return LOAD.format(
@@ -156,6 +163,7 @@ def load(low, high, period, steps, dt, top, placed=0.0, width=PLATE, settled=Tru
         placed=placed,
         half=0.5 * width,
         stiffness=stiffness,
+        until=CARRIED if low == high else "",
         every=max(1, round(period / dt / rows)),
     )
 

@@ -6,8 +6,11 @@ import numpy as np
 
 from demlaws.laws.names import HERTZ, POHRT_POPOV
 from studies.assembly.report import spread
+from studies.ballast.bed import DENSITY
 from studies.ballast.cycles import SENSITIVITY, STAGES, Case
 
+EXPONENTS = np.linspace(0.001, 0.999, 999)
+MEAN = 40e-3  # diameter of a mean grain [m]
 KEY = ("grains", "law", "sigma", "shear")
 
 
@@ -24,7 +27,12 @@ class Kind(NamedTuple):
         return f"{self.grains}, {self.law}{rough}, {self.shear}"
 
 
-def series(rows, least=50, **settings):
+def order(kind):
+    """Spheres first, smooth first, then by roughness and shear model."""
+    return kind.grains != "spheres", kind.sigma, kind.shear
+
+
+def series(rows, least=30, **settings):
     """`Kind` → seed → rows in order of the cycle, of cases with these settings (default: those of `Case`)
 
     and at least `least` cycles; of two cases of a seed the longer one.
@@ -34,7 +42,7 @@ def series(rows, least=50, **settings):
         if row["cycles"] >= least and all(row[name] == value for name, value in wanted.items()):
             beds = found.setdefault(Kind(*(row[name] for name in KEY)), {})
             beds.setdefault(int(row["seed"]), {}).setdefault(row["cycles"], []).append(row)
-    return {kind: {seed: list(cases.values())[-1] for seed, cases in beds.items()} for kind, beds in found.items()}
+    return {kind: {seed: list(cases.values())[-1] for seed, cases in found[kind].items()} for kind in sorted(found, key=order)}
 
 
 def main_cycles(rows):
@@ -62,8 +70,7 @@ def fit(rows):
         shape = number**exponent
         return settled - shape * (shape @ settled) / (shape @ shape)
 
-    exponents = np.linspace(0.001, 1.0, 1000)
-    best = min(exponents, key=lambda exponent: np.sum(power(exponent) ** 2))
+    best = min(EXPONENTS, key=lambda exponent: np.sum(power(exponent) ** 2))
     rms = [
         float(np.sqrt(np.mean(off**2)) / settled[-1]) for off in (settled - constant - slope * np.log10(number), power(best))
     ]
@@ -85,20 +92,31 @@ def modulus_exponent(rows):
     return float(np.polyfit(*np.log(moduli(rows)), 1)[0])
 
 
+def tangent_exponent(rows):
+    """m of a tangent modulus ∝ p^m with the strains of the last cycles of all stages, ∝ p^(1-m) - p0^(1-m).
+
+    M has a smaller exponent, because it is a secant from p0 = 20 kPa.
+    """
+    last = {row["high_kPa"]: row for row in rows if row["cycle"] > row["cycles"]}.values()
+    peak, least, strain = (np.array([row[name] for row in last]) for name in ("peak_kPa", "least_kPa", "resilient_um"))
+    off = [np.std(np.log((peak ** (1 - m) - least ** (1 - m)) / strain)) for m in EXPONENTS]
+    return float(EXPONENTS[np.argmin(off)])
+
+
 def settlement(rows, cycle):
     """Settlement [µm] after a cycle (between kept ones by interpolation in log N); NaN beyond the last."""
     number, settled = main_cycles(rows)
     return float(np.interp(np.log(cycle), np.log(number), settled)) if cycle <= number[-1] else np.nan
 
 
-def loss(rows, first=25, last=50):
+def loss(rows, first=15, last=30):
     """Loss per cycle over the work of loading, mean of the kept cycles from `first` to `last`."""
     return float(np.mean([row["loss_J"] / row["work_J"] for row in rows if first <= row["cycle"] <= min(last, row["cycles"])]))
 
 
 COLUMNS = {
     "settled (µm), N = 1": lambda rows: settlement(rows, 1),
-    "50": lambda rows: settlement(rows, 50),
+    "30": lambda rows: settlement(rows, 30),
     "100": lambda rows: settlement(rows, 100),
     "200": lambda rows: settlement(rows, 200),
     "b (µm)": lambda rows: fit(rows).slope,
@@ -107,8 +125,9 @@ COLUMNS = {
     "off, % ": lambda rows: 100.0 * fit(rows).power,
     "M (MPa)": lambda rows: moduli(rows)[1][-1],
     "n": modulus_exponent,
+    "m": tangent_exponent,
     "loss/work, N = 2": lambda rows: loss(rows, 2, 2),
-    "25 to 50": loss,
+    "15 to 30": loss,
 }
 
 
@@ -143,7 +162,14 @@ EFFECTS = {
     "shape: clumps for spheres, hertz": (BASE, BASE._replace(grains="clumps")),
     "shape: clumps for spheres, pohrt-popov": (ROUGH, ROUGH._replace(grains="clumps")),
 }
-MEASURES = {"settlement, 50 cycles": COLUMNS["50"], "M": COLUMNS["M (MPa)"], "n": modulus_exponent, "loss": loss}
+MEASURES = {
+    "settlement, N = 1": lambda rows: settlement(rows, 1),
+    "N = 1 to 30": lambda rows: settlement(rows, 30) - settlement(rows, 1),
+    "M": COLUMNS["M (MPa)"],
+    "n": modulus_exponent,
+    "m": tangent_exponent,
+    "loss": loss,
+}
 
 
 def scatter(found, function):
@@ -154,15 +180,15 @@ def scatter(found, function):
 
 
 def effects(rows):
-    """Text: changes in percent by law, roughness, shear and shape, marked where they are clear of the scatter."""
+    """Text: changes in percent, of the same seeds; bold: more than twice the scatter of packings."""
     found = series(rows)
     off = {name: scatter(found, function) for name, function in MEASURES.items()}
     lines = ["| change (%) | " + " | ".join(MEASURES) + " |", "|---" * (1 + len(MEASURES)) + "|"]
     for what, (before, after) in EFFECTS.items():
-        if before in found and after in found:
-            cells = []
+        common, cells = found.get(before, {}).keys() & found.get(after, {}).keys(), []
+        if common:
             for name, function in MEASURES.items():
-                old, new = (np.mean([function(one) for one in found[kind].values()]) for kind in (before, after))
+                old, new = (np.mean([function(found[kind][seed]) for seed in common]) for kind in (before, after))
                 text = f"{100.0 * (new / old - 1.0):+.0f}"
                 cells.append(f"**{text}**" if abs(new / old - 1.0) > 2.0 * off[name] else text)
             lines.append(f"| {what} | " + " | ".join(cells) + " |")
@@ -170,15 +196,43 @@ def effects(rows):
     return "\n".join(lines)
 
 
+def secant(rows, cycle):
+    """Resilient modulus [MPa] of a cycle between 20 and 200 kPa."""
+    (row,) = (row for row in rows if row["cycle"] == cycle)
+    return (row["peak_kPa"] - row["least_kPa"]) * row["height_mm"] / row["resilient_um"]
+
+
 def sensitivity(rows):
-    """Text: the first cycles of one bed with other settings."""
-    lines = ["| settings | settled (µm) | resilient modulus (MPa) | loss over work |", "|---|---|---|---|"]
+    """Text: the first 18 cycles of one bed with other settings."""
+    lines = ["| settings | settled (µm), N = 1 | N = 18 | M, N = 18 (MPa) | loss/work, N = 9 to 18 |", "|---|---|---|---|---|"]
     for name, case in SENSITIVITY.items():
         chosen = [row for row in rows if all(row[key] == value for key, value in case._asdict().items())]
         if chosen:
-            found = main_cycles(chosen)[1][-1], moduli(chosen)[1][-1], loss(chosen, 10, 20)
+            found = settlement(chosen, 1), settlement(chosen, 18), secant(chosen, 18), loss(chosen, 9, 18)
             lines.append(f"| {name} | " + " | ".join(f"{value:.3g}" for value in found) + " |")
     return "\n".join(lines)
+
+
+def inertial(rows):
+    """Largest inertial number of cycles 2 and later: rate of strain × d √(ρ/p), both amid a swing of the load."""
+    return max(
+        np.pi
+        * row["resilient_um"]
+        * 1e-3
+        / row["height_mm"]
+        / row["period"]
+        * MEAN
+        * np.sqrt(DENSITY / (500.0 * row["high_kPa"]))
+        for row in rows
+        if row["cycle"] > 1
+    )
+
+
+def course(rows):
+    """Text: inertial number, time per cycle."""
+    seconds = [row["seconds"] for row in rows if row["cycle"] > 1]
+    text = f"inertial number at most {inertial(rows):.1g}; {np.median(seconds):.2g} s per cycle (median, {min(seconds):.2g} to"
+    return f"{text} {max(seconds):.2g})"
 
 
 def draw(rows):
@@ -194,16 +248,21 @@ def draw(rows):
         for n, one in enumerate(beds.values()):
             more = {"ls": styles[kind.shear], "color": colours[kind[:3]], "lw": 1.6 if n == 0 else 0.6}
             label = {"label": str(kind)} if n == 0 else {}
-            axes[0].plot(*main_cycles(one), **more)
+            axes[0].plot(*main_cycles(one), **more, **label)
             axes[1].plot(*moduli(one), marker="o" if n == 0 else ".", ms=3, **more)
             losses = [(r["cycle"], r["loss_J"] / r["work_J"]) for r in one if 1 < r["cycle"] <= r["cycles"]]
-            axes[2].plot(*np.array(losses).T, **more, **label)
+            axes[2].plot(*np.array(losses).T, **more)
     pressure = 1e-3 * np.array(STAGES)[[0, -1]]
-    for exponent, style in ((1 / 3, "-"), (0.5, "--")):
-        axes[1].plot(pressure, 60 * (pressure / pressure[0]) ** exponent, color="0.6", lw=1, ls=style)
-        axes[1].annotate(f"p^{exponent:.2g}", (pressure[1], 60 * (pressure[1] / pressure[0]) ** exponent), fontsize=8)
+    for m, style in ((1 / 3, "-"), (0.5, "--")):  # secants of tangent moduli ∝ p^m
+        way = np.geomspace(*pressure)
+        secant_of = (way - 20.0) / (way ** (1 - m) - 20.0 ** (1 - m))
+        axes[1].plot(way, 120.0 * secant_of / secant_of[0], color="0.6", lw=1, ls=style, label=f"secant, tangent ∝ p^{m:.2g}")
+    axes[1].legend(fontsize=7)
     axes[0].set(xscale="log", xlabel="cycle", ylabel="settlement (µm)")
     axes[1].set(xscale="log", yscale="log", xlabel="largest pressure (kPa)", ylabel="resilient modulus (MPa)")
     axes[2].set(xscale="log", xlabel="cycle", ylabel="loss over work of a cycle", ylim=(0, None))
-    fig.legend(loc="outside lower center", ncols=3, fontsize=8)
+    for axis in (axes[1].xaxis, axes[1].yaxis):
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter("{x:g}")
+    axes[0].legend(fontsize=7)
     return fig

@@ -2,10 +2,10 @@
 
 demlaws yade run -x studies/shear/yade_balance.py: a second.
 
-YADE multiplies the relative velocity of two spheres by (r1 + r2)/(r1 + r2 - δ), so that grains that roll to and fro do not
-creep (`avoidGranularRatcheting`); of a wall it takes r as the lever arm, too (`noRatch`). The forces act at the contact point: the
-work of the springs of shear then exceeds the work done on the bodies by a share of about δ/(r1 + r2), whatever the step is. [our
-derivation]
+YADE multiplies the relative velocity of two spheres by (r1 + r2)/(r1 + r2 - δ), so that grains that roll to and fro do
+not creep (`avoidGranularRatcheting`); of a wall it takes r as the lever arm, too (`noRatch`). The forces act at the
+contact point: the work of the springs of shear then exceeds the work done on the bodies by a share of about δ/(r1 +
+r2), whatever the step is. [our derivation]
 """
 
 import math

@@ -28,6 +28,9 @@ def test_the_exponent_of_a_known_modulus_is_found():
         for p in pressures
     ]
     assert report.modulus_exponent(stages) == pytest.approx(0.4)
+    for row in stages:
+        row["resilient_um"] = row["peak_kPa"] ** 0.55 - 20.0**0.55
+    assert report.tangent_exponent(stages) == pytest.approx(0.45)
 
 
 def test_solid_share_of_spheres_in_a_layer():
