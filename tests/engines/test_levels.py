@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from inputs import refused, simulate
+from inputs import ENERGY, moves_of, refused, simulate
 from spheres import DIAMETER, RATIO, STEP, both, continued, save_law, spheres
 
 import demlaws as dl
@@ -85,6 +85,18 @@ def of_0_2(tmp_path, engine):
 def test_a_restart_file_of_0_2_goes_on_with_one_level(engine, of_0_2):
     log = simulate(engine, of_0_2, continued(engine, spheres(engine, "levels 1", PRESSED), LATER))
     np.testing.assert_allclose([log["force"][-1], log["side"][-1]], [17.512497752116072, 0.8309616529579674], rtol=1e-12)
+
+
+@pytest.mark.parametrize("engine", ["liggghts"])
+def test_the_energy_of_a_restart_file_of_0_2_goes_on(engine, of_0_2):
+    """Its sum is what was dissipated, that of now the work of shear; the contact stores energy of shear in the file."""
+    text = spheres(engine, "levels 1", PRESSED, **ENERGY)
+    whole = simulate(engine, of_0_2, text + moves_of(LATER))
+    rest = simulate(engine, of_0_2, continued(engine, text, LATER))
+    rows = rest["Step"].size
+    np.testing.assert_array_equal(rest["Step"], whole["Step"][-rows:])
+    for column in ("e[1]", "e[2]"):
+        np.testing.assert_allclose(rest[column], whole[column][-rows:], rtol=1e-9)
 
 
 WALLS = {

@@ -87,7 +87,12 @@ public:
     look_across();
     pre_force(vflag);
   }
-  void pre_force(int) { instance_->ledger.forget_walls(); }
+  void pre_force(int) {
+    Ledger &ledger = instance_->ledger;
+    ledger.forget_walls();
+    ledger.begins = ledger.begins && update->ntimestep <= update->firststep + 1;
+    ledger.lacks = ledger.begins && update->ntimestep == update->firststep;
+  }
   void post_run() {
     double *const number = numbers();
     for (int i = 0; number && i < atom->nlocal; i++) number[i] = atom->tag[i];
@@ -106,6 +111,7 @@ public:
       for (const auto &print : owner.second)
         text << print.first.first << ' ' << print.first.second << ' ' << print.second << ' ' << owner.first << '\n';
     if (!instance_->unmarked) text << "contacts marked all\n";
+    text << "work booked all\n";
     for (const auto &shear : instance_->shears) text << shear.second << ' ' << shear.first << '\n';
     const std::string written = text.str();
     const int size = (int)written.size() + 1;
@@ -124,9 +130,10 @@ public:
       instance_->stored[owner][types] = fingerprint;
     text.clear();
     std::string word, number;
-    instance_->unmarked = true;
+    instance_->unmarked = instance_->ledger.begins = true;
     while (text >> word >> number && std::getline(text >> std::ws, owner))
       if (number == "marked") instance_->unmarked = false;
+      else if (number == "booked") instance_->ledger.begins = false;
       else instance_->stored_shears[owner] = word + ' ' + number;
     for (const auto &one : instance_->stored)
       if (instance_->unmarked && !instance_->stored_shears.count(one.first))

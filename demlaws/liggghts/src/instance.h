@@ -33,13 +33,18 @@ struct PairSettings {
 };
 
 // Energy of this rank that no pair contact holds: `taken` is what plastic flow took in pair contacts that have ended
-// and in all wall contacts. A mesh drops contacts, and hands them from triangle to triangle, without notice to the
-// model; so the dissipation of walls is added up while it happens, not when a contact ends.
+// and in all wall contacts, and the work of shear. A mesh drops contacts, and hands them from triangle to triangle,
+// without notice to the model; so the dissipation of walls is added up while it happens, not when a contact ends. The
+// energy of shear that contacts still store is subtracted on request: in each step it would cost more than the work.
 struct Ledger {
   double taken = 0.;
+  // After a restart file of 0.2.0: its sum lacks the energy of shear that contacts store until their first step.
+  bool begins = false, lacks = false;
   int readers = 0;                            // computes that will ask for what walls store
-  double wall_stored = 0., wall_pending = 0.; // pending: taken by plastic flow, but not booked by a step yet
+  double wall_stored = 0., wall_pending = 0.; // pending: what was taken, less what was booked
   bigint step = -1;                           // of these
+  // Of the energy of shear that a contact stores: what is in `taken`.
+  double booked(double stored) const { return lacks ? 0. : stored; }
   void forget_walls() { wall_stored = wall_pending = 0.; }
   void enter(bigint now, double stored, double pending) {
     if (now != step) forget_walls();
@@ -47,7 +52,7 @@ struct Ledger {
     wall_stored += stored;
     wall_pending += pending;
   }
-  // What flow took from a pair contact whose second particle is j.
+  // Of a pair contact whose second particle is j.
   void take(double energy, int j, int nlocal) {
     taken += j < nlocal ? energy : 0.5 * energy;
   } // the other rank has the rest

@@ -90,7 +90,7 @@ public:
     surface.surfacesIntersect(d, i, j);
     normal.template touch<IS_WALL>(d, i, j);
     if (__builtin_expect(cohesion.model() != NULL, 0)) cohesion.pull(d, normal.overlap_as_wide(d), i, j);
-    tangential.surfacesIntersect(d, i, j);
+    shear<IS_WALL>(tangential, d, i, j);
     rolling.surfacesIntersect(d, i, j);
   }
   void endSurfacesIntersect(SurfacesIntersectData &d, class TriMesh *mesh, ForceData &i, ForceData &) {
@@ -103,10 +103,13 @@ public:
     tangential.surfacesClose(d, i, j);
     rolling.surfacesClose(d, i, j);
   }
-  // Energy of a contact: what normal and shear force store, and what its plastic flow took.
+  // Energy of a contact: what normal and shear force store; what its plastic flow took, less the part of the booked
+  // work of shear that is stored.
   void energies(const SurfacesCloseData &data, double overlap, double &stored, double &dissipated) const {
     normal.energies(data, overlap, stored, dissipated);
-    stored += shear_energy(tangential, data);
+    const double shear = shear_energy(tangential, data);
+    stored += shear;
+    dissipated -= normal.instance().ledger.booked(shear);
   }
   bool contact_match(const std::string kind, const std::string name) {
     Factory &known = Factory::instance();
@@ -124,6 +127,12 @@ private:
   void join(Passive &passive) {
     passive.connect(normal);
     normal.connect_shear();
+  }
+  template <bool, class OTHER> static void shear(OTHER &other, SurfacesIntersectData &d, ForceData &i, ForceData &j) {
+    other.surfacesIntersect(d, i, j);
+  }
+  template <bool IS_WALL> static void shear(Passive &passive, SurfacesIntersectData &d, ForceData &i, ForceData &j) {
+    passive.template touch<IS_WALL>(d, i, j);
   }
   template <class OTHER> static double shear_energy(const OTHER &, const SurfacesCloseData &) { return 0.; }
   static double shear_energy(const Passive &passive, const SurfacesCloseData &data) { return passive.stored(data); }

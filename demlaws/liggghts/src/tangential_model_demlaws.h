@@ -77,6 +77,10 @@ public:
   }
 
   inline void surfacesIntersect(const SurfacesIntersectData &data, ForceData &on_i, ForceData &on_j) {
+    if (data.is_wall) touch<true>(data, on_i, on_j);
+    else touch<false>(data, on_i, on_j);
+  }
+  template <bool WALL> inline void touch(const SurfacesIntersectData &data, ForceData &on_i, ForceData &on_j) {
     if (data.contact_flags) *data.contact_flags |= CONTACT_TANGENTIAL_MODEL;
     const bool keep = data.computeflag && data.shearupdate;
     const double dt = keep ? update->dt : 0., limit = friction_[data.itype][data.jtype] * fabs(data.Fn);
@@ -84,17 +88,20 @@ public:
     double copy[demlaws::SpringRow::MOST_SIZE], *const kept = data.contact_history + offset_;
     if (!keep) std::copy(kept, kept + size(), copy);
     double *const numbers = keep ? kept : copy;
+    if (__builtin_expect(keep && instance_->ledger.begins, 0)) take(energy(kept, data), data);
     demlaws::ShearStep step;
     if (slips_) {
       const double ratio = normal_->shear_ratio(data);
       step = demlaws::SpringRow(numbers, (int)springs_)
                  .step(data.kt / ratio, ratio, limit, normal_->compression(data), data.en, displacement);
     } else step = demlaws::shear_step((int)levels_, data.kt, limit, data.en, displacement, numbers);
-    if (keep) take(step.lost(), data);
-    if (wall_ && data.computeflag && instance_->ledger.readers)
-      instance_->ledger.enter(update->ntimestep, step.energy, 0.);
+    if (keep) take(step.work, data);
+    if (WALL && data.computeflag && instance_->ledger.readers) {
+      const double stored = energy(numbers, data);
+      instance_->ledger.enter(update->ntimestep, stored, -instance_->ledger.booked(stored));
+    }
 
-    const double damping = step.slides ? 0. : data.gammat, share = data.is_wall ? data.area_ratio : 1.;
+    const double damping = step.slides ? 0. : data.gammat, share = WALL ? data.area_ratio : 1.;
     const double relative[3] = {data.vtr1, data.vtr2, data.vtr3};
     double force[3], moment[3];
     for (int k = 0; k < 3; k++) force[k] = -step.force[k] - damping * relative[k];
@@ -102,7 +109,7 @@ public:
     for (int k = 0; k < 3; k++) {
       on_i.delta_F[k] += share * force[k];
       on_i.delta_torque[k] -= share * data.cri * moment[k];
-      if (data.is_wall) continue;
+      if (WALL) continue;
       on_j.delta_F[k] -= force[k];
       on_j.delta_torque[k] -= data.crj * moment[k];
     }
@@ -113,7 +120,6 @@ public:
     if (!data.contact_history) return;
     double *const kept = data.contact_history + offset_;
     if (kept[slips_ ? 0 : (int)levels_ - 1] == 0.) return; // its stiffness
-    take(stored(data), data);
     std::fill(kept, kept + size(), 0.);
   }
   void beginPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
@@ -121,16 +127,17 @@ public:
 
   // Energy that the shear of a contact stores.
   double stored(const SurfacesCloseData &data) const {
-    if (!data.contact_history) return 0.;
-    double *const kept = data.contact_history + offset_;
-    if (!slips_) return demlaws::Levels<0>(kept, (int)levels_).energy();
-    return demlaws::SpringRow(kept, (int)springs_).energy(normal_->shear_ratio(data));
+    return data.contact_history ? energy(data.contact_history + offset_, data) : 0.;
   }
 
 private:
-  void take(double lost, const SurfacesCloseData &data) {
-    if (data.is_wall) instance_->ledger.taken += lost;
-    else instance_->ledger.take(lost, data.j, atom->nlocal);
+  double energy(double *numbers, const SurfacesCloseData &data) const {
+    if (!slips_) return demlaws::Levels<0>(numbers, (int)levels_).energy();
+    return demlaws::SpringRow(numbers, (int)springs_).energy(normal_->shear_ratio(data));
+  }
+  void take(double work, const SurfacesCloseData &data) {
+    if (data.is_wall) instance_->ledger.taken += work;
+    else instance_->ledger.take(work, data.j, atom->nlocal);
   }
   int size() const { return slips_ ? demlaws::SpringRow::size((int)springs_) : demlaws::levels_size((int)levels_); }
 
