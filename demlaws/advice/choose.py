@@ -303,8 +303,8 @@ def _range_problem(law, smallest, largest, reasons):
     return next((f"loads of {b}" for b in law.breaches(smallest, largest) if b.reason not in reasons), None)
 
 
-_ONE_SIZE = "its curve depends on the radius, so that it needs one table for each pair of sizes"
-_NO_TABLE = f"{_ONE_SIZE}, and radii is a range: if the grains come in a few sizes, give them as classes"
+_ONE_SIZE = "one table per pair of sizes"
+_NO_TABLE = "its curve depends on the radius; list grain sizes as classes"
 
 
 class _Judge:
@@ -354,7 +354,7 @@ class _Judge:
             return plan.bind(contact)
         if not find(plan.name).collapses:
             if np.ptp(contact.radius) > 0.0:
-                raise NeedsClasses(_NO_TABLE)
+                raise NeedsClasses(f"no table: {_NO_TABLE}")
             contact = contact.with_values(radius=float(contact.radius[0]))
         return plan.bind(contact, self.max_force)
 

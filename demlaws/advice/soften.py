@@ -205,7 +205,7 @@ class Softening:
             ("overlap, plastic and tangential ones too; energy", f"{overlap:.4g}", "s^(2/3)"),
             ("stiffness", f"{self.stiffness:.4g}", "s^(-2/3)"),
             ("stable time step", f"{step:.4g}", "s^(1/3)"),
-            ("lost: geometry, at the order of overlap over diameter, which grows by", f"{overlap:.4g}", "s^(2/3)"),
+            ("geometric error, of the order of overlap over diameter", f"{overlap:.4g}", "s^(2/3)"),
         ]
 
     def report(self, law: Law, force: float) -> "Report":

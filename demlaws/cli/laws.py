@@ -54,7 +54,7 @@ def run(arguments):
     for line in lines:
         print(f"    {line}")
     if definition.unloading:
-        print(f"  unloading: {', '.join(definition.offered())} (those that are passive with it)")
+        print(f"  unloading: {', '.join(definition.offered())} (except those that would create energy)")
         print(f"  default: {definition.default_unloading}")
     for rule in definition.rules:
         print(f"  {rule.name}, a rule of this law only: {rule.description}")

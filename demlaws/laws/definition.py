@@ -67,7 +67,7 @@ def elastic_bulk(conditions: Conditions, fits: bool = True, reason: str = "") ->
 def elastic_asperities(conditions: Conditions, fits: bool = True, reason: str = "") -> tuple[bool, str]:
     """As `elastic_bulk`, of a law of rough surfaces whose asperities stay elastic."""
     fits, reason = elastic_bulk(conditions, fits, reason)
-    return fits, f"{reason}; if the asperities are elastic: roughness alone does not decide that" if fits else reason
+    return fits, f"{reason}; possible, if the asperities stay elastic" if fits else reason
 
 
 def yielding_bulk(conditions: Conditions) -> tuple[bool, str]:
@@ -87,7 +87,7 @@ def plastic_from_the_start(conditions: Conditions) -> tuple[bool, str]:
 def plastic_asperities(conditions: Conditions) -> tuple[bool, str]:
     """Advice of a law whose asperities yield at the hardness while the bulk stays elastic."""
     fits, reason = elastic_bulk(conditions, conditions.contact.hardness is not None, "needs a hardness")
-    return fits, f"{reason}; if the asperities yield: roughness alone does not decide that" if fits else reason
+    return fits, f"{reason}; possible, if the asperities yield" if fits else reason
 
 
 # --- fits

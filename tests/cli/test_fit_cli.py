@@ -117,7 +117,7 @@ def test_choose_writes_no_table_that_cannot_serve(tmp_path, capsys):
     scene, table = tmp_path / "scene.toml", tmp_path / "law.tbl"
     scene.write_text(SCENE)
     assert main(["choose", str(scene), "--out", str(table)]) == 2
-    assert "give them as classes" in capsys.readouterr().err
+    assert "list grain sizes as classes" in capsys.readouterr().err
     assert not table.exists()
     best = dl.choose(dl.Scene.load(scene)).best
     assert best.name == "rough-plastic"
