@@ -155,6 +155,7 @@ BASE = Kind("spheres", HERTZ, 0.0, "default")
 ROUGH = BASE._replace(law=POHRT_POPOV, sigma=2.4)
 EFFECTS = {
     "law: pohrt-popov, σ = 2.4 µm, for hertz": (BASE, ROUGH),
+    "the same, clumps": (BASE._replace(grains="clumps"), ROUGH._replace(grains="clumps")),
     "roughness: σ = 10 µm for 2.4 µm": (ROUGH, ROUGH._replace(sigma=10.0)),
     "roughness: σ = 0.5 µm for 2.4 µm": (ROUGH, ROUGH._replace(sigma=0.5)),
     "shear: mindlin for default, hertz": (BASE, BASE._replace(shear="mindlin")),
@@ -268,5 +269,6 @@ def draw(rows):
     axes[1].set_xticks([], minor=True)
     for form in (axes[1].yaxis.set_major_formatter, axes[1].yaxis.set_minor_formatter):
         form("{x:g}")
+    axes[0].set_ylim(0, 1.4 * axes[0].get_ylim()[1])
     axes[0].legend(fontsize=7)
     return fig
