@@ -42,7 +42,10 @@ def series(rows, least=30, **settings):
         if row["cycles"] >= least and all(row[name] == value for name, value in wanted.items()):
             beds = found.setdefault(Kind(*(row[name] for name in KEY)), {})
             beds.setdefault(int(row["seed"]), {}).setdefault(row["cycles"], []).append(row)
-    return {kind: {seed: list(cases.values())[-1] for seed, cases in found[kind].items()} for kind in sorted(found, key=order)}
+    return {
+        kind: {seed: list(cases.values())[-1] for seed, cases in sorted(found[kind].items())}
+        for kind in sorted(found, key=order)
+    }
 
 
 def main_cycles(rows):
@@ -119,15 +122,14 @@ COLUMNS = {
     "30": lambda rows: settlement(rows, 30),
     "100": lambda rows: settlement(rows, 100),
     "200": lambda rows: settlement(rows, 200),
-    "b (µm)": lambda rows: fit(rows).slope,
+    "a + b log N: b (µm)": lambda rows: fit(rows).slope,
     "off (%)": lambda rows: 100.0 * fit(rows).logarithmic,
-    "d": lambda rows: fit(rows).exponent,
-    "off, % ": lambda rows: 100.0 * fit(rows).power,
+    "N^d: d": lambda rows: fit(rows).exponent,
+    "off, %": lambda rows: 100.0 * fit(rows).power,
     "M (MPa)": lambda rows: moduli(rows)[1][-1],
     "n": modulus_exponent,
     "m": tangent_exponent,
-    "loss/work, N = 2": lambda rows: loss(rows, 2, 2),
-    "15 to 30": loss,
+    "loss/work": loss,
 }
 
 
@@ -153,6 +155,7 @@ BASE = Kind("spheres", HERTZ, 0.0, "default")
 ROUGH = BASE._replace(law=POHRT_POPOV, sigma=2.4)
 EFFECTS = {
     "law: pohrt-popov, σ = 2.4 µm, for hertz": (BASE, ROUGH),
+    "the same, clumps": (BASE._replace(grains="clumps"), ROUGH._replace(grains="clumps")),
     "roughness: σ = 10 µm for 2.4 µm": (ROUGH, ROUGH._replace(sigma=10.0)),
     "roughness: σ = 0.5 µm for 2.4 µm": (ROUGH, ROUGH._replace(sigma=0.5)),
     "shear: mindlin for default, hertz": (BASE, BASE._replace(shear="mindlin")),
@@ -229,10 +232,11 @@ def inertial(rows):
 
 
 def course(rows):
-    """Text: inertial number, time per cycle."""
+    """Text: inertial number, load carried, time per cycle."""
+    carried = [np.median([row[name] for row in rows if row["high_kPa"] == 200.0]) for name in ("least_kPa", "peak_kPa")]
     seconds = [row["seconds"] for row in rows if row["cycle"] > 1]
     text = f"inertial number at most {inertial(rows):.1g}; {np.median(seconds):.2g} s per cycle (median, {min(seconds):.2g} to"
-    return f"{text} {max(seconds):.2g})"
+    return f"{text} {max(seconds):.2g}); the plate carries {carried[0]:.0f} to {carried[1]:.0f} kPa (median)"
 
 
 def draw(rows):
@@ -261,8 +265,10 @@ def draw(rows):
     axes[0].set(xscale="log", xlabel="cycle", ylabel="settlement (µm)")
     axes[1].set(xscale="log", yscale="log", xlabel="largest pressure (kPa)", ylabel="resilient modulus (MPa)")
     axes[2].set(xscale="log", xlabel="cycle", ylabel="loss over work of a cycle", ylim=(0, None))
-    for axis in (axes[1].xaxis, axes[1].yaxis):
-        axis.set_major_formatter("{x:g}")
-        axis.set_minor_formatter("{x:g}")
+    axes[1].set_xticks(1e-3 * np.array(STAGES), [f"{1e-3 * p:g}" for p in STAGES])
+    axes[1].set_xticks([], minor=True)
+    for form in (axes[1].yaxis.set_major_formatter, axes[1].yaxis.set_minor_formatter):
+        form("{x:g}")
+    axes[0].set_ylim(0, 1.4 * axes[0].get_ylim()[1])
     axes[0].legend(fontsize=7)
     return fig

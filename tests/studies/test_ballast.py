@@ -81,3 +81,36 @@ def test_an_interrupted_case_continues_with_the_same_result(quick, monkeypatch):
     assert len(parts) == len(cycles.STAGES)  # those that the interruption left
     kept = [row for row in read(file) if row["law"] == "hertz"]
     assert [row["settlement_um"] for row in again] == pytest.approx([row["settlement_um"] for row in kept], rel=1e-4)
+
+
+def test_what_the_page_claims():
+    """σ acts in cycle 1, shape later; the law, σ and the shear model stay within the scatter then."""
+    found = report.series(read(cycles.RESULTS))
+    off = {name: report.scatter(found, function) for name, function in report.MEASURES.items()}
+    first, later = "settlement, N = 1", "N = 1 to 30"
+
+    def change(what, name):
+        before, after = (report.MEASURES[name](found[kind][1]) for kind in report.EFFECTS[what])
+        return after / before - 1.0
+
+    for what, (before, after) in report.EFFECTS.items():
+        if before in found and after in found and "shape" not in what:
+            clear = {name for name in report.MEASURES if abs(change(what, name)) > 2.0 * off[name]}
+            assert clear == {"roughness: σ = 10 µm for 2.4 µm": {first}, "the same, clumps": {first, later}}.get(what, set()), (
+                what
+            )
+    assert change("roughness: σ = 10 µm for 2.4 µm", first) > 2.0
+    assert change("shape: clumps for spheres, hertz", later) < -0.8
+    for kind in (report.BASE, report.ROUGH):
+        fit = report.fit(found[kind][1])
+        assert fit.power < 0.05 < fit.logarithmic and 0.4 < fit.exponent < 0.5
+        assert 0.35 < report.tangent_exponent(found[kind][1]) < 0.4
+
+
+def test_beds_differ_by_their_state():
+    """From one state both models sink alike; a bed deposited with the default is looser."""
+    kept = {(row["deposited"], row["loaded"]): row for row in read(beds.RESULTS)}
+    assert kept["default", "default"]["solid"] < kept["mindlin", "mindlin"]["solid"]
+    for deposited in beds.LOADED:
+        sunk = [kept[deposited, loaded]["sunk_mm"] for loaded in beds.LOADED]
+        assert max(sunk) < 1.25 * min(sunk)
