@@ -113,8 +113,9 @@ def settlement(rows, cycle):
 
 
 def loss(rows, first=15, last=30):
-    """Loss per cycle over the work of loading, mean of the kept cycles from `first` to `last`."""
-    return float(np.mean([row["loss_J"] / row["work_J"] for row in rows if first <= row["cycle"] <= min(last, row["cycles"])]))
+    """Loss per cycle over the work of loading, mean of the kept cycles from `first` to `last`; NaN without them."""
+    chosen = [row["loss_J"] / row["work_J"] for row in rows if first <= row["cycle"] <= min(last, row["cycles"])]
+    return float(np.mean(chosen)) if chosen else np.nan
 
 
 COLUMNS = {

@@ -55,10 +55,10 @@ def test_the_plate_carries_its_load_and_energy_is_lost(quick):
     for row in rows:
         assert row["peak_kPa"] == pytest.approx(row["high_kPa"], rel=0.05)
         assert row["least_kPa"] == pytest.approx(20.0, abs=4.0)
-        if row["high_kPa"] == 200.0:
-            assert row["work_J"] > row["loss_J"] > 0.0
+        assert row["work_J"] > abs(row["loss_J"])
     for beds_of_kind in report.series(rows, least=5, count=80).values():
         for one in beds_of_kind.values():
+            assert sum(row["loss_J"] for row in one) > 0.0
             assert 0.1 < report.modulus_exponent(one) < 0.6
 
 
