@@ -28,6 +28,9 @@ def parser():
     parser.add_argument("--store", type=Path, default=study.STORE, help="folder of initial packings")
     parser.add_argument("--quick", action="store_true", help="four series of 200 spheres, two minutes")
     parser.add_argument("--probe", action="store_true", help="compare moduli with small strains in LAMMPS")
+    parser.add_argument(
+        "--ratios", type=float, nargs="+", metavar="K_t/K", help="moduli of rough granite at 100 kPa with these"
+    )
     parser.add_argument("--sensitivity", action="store_true", help="three series with other settings of the compression")
     parser.add_argument("--report", action="store_true", help="tables only, from the runs in the file")
     parser.add_argument("--figure", type=output, help="picture of the exponents")
@@ -41,6 +44,10 @@ def run(arguments):
     def progress(text):
         print(text, file=sys.stderr, flush=True)
 
+    if arguments.ratios:
+        for ratio, constrained, shear in study.at_ratios(arguments.ratios, arguments.grains, arguments.store):
+            print(f"K_t/K = {ratio:g}: M = {1e-6 * constrained:.1f} MPa, G = {1e-6 * shear:.1f} MPa")
+        return
     if arguments.probe:
         probe.run_probes(arguments.grains, store=arguments.store, progress=progress)
         print(probe.table())

@@ -140,6 +140,15 @@ def stiffnesses(series, contacts, size, first):
     return row
 
 
+def at_ratios(ratios, count, store=STORE):
+    """(K_t/K, M, G [Pa]) of rough granite spheres (σ = 2 µm) at 100 kPa, isotropic, for each ratio."""
+    series = Series(bead="granite", law="pohrt-popov", sigma=2.0, count=count)
+    ((_, packing),) = states(series, (1e5,), store)
+    for ratio in ratios:
+        found = moduli(packing.carrying(), packing.size, ratio)
+        yield ratio, found.longitudinal, found.shear
+
+
 def frozen(series, law, contacts, size, pressure):
     """M and G with these contacts, their forces in proportion to the pressure."""
     bead, along = BEADS[series.bead], series.path == "oedometric"

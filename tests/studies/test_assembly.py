@@ -94,6 +94,15 @@ def test_a_state_is_in_balance_under_its_law(tmp_path):
 
 @pytest.mark.lammps
 @pytest.mark.slow
+def test_moduli_of_other_shear_stiffness(tmp_path):
+    """At the ratio of ν those of the state itself; a smaller ratio leaves less of the shear modulus than of M."""
+    full = study.BEADS["granite"].shear_ratio
+    (_, first, across), (_, less, turned) = study.at_ratios((full, 0.3), 60, tmp_path)
+    (row,) = study.rows(study.Series(bead="granite", law="pohrt-popov", sigma=2.0, count=60), (1e5,), tmp_path)
+    assert (first, across) == pytest.approx((row["M"], row["G"]))
+    assert 0.3 / full < turned / across < less / first < 1.0
+
+
 def test_moduli_agree_with_small_strains_in_lammps(tmp_path):
     probe.run_probes(200, tmp_path / "probes.csv", tmp_path, [study.Series(law="pohrt-popov", sigma=0.5)])
     for row in study.read(tmp_path / "probes.csv"):
