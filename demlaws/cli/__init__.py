@@ -94,7 +94,7 @@ class Parser(argparse.ArgumentParser):
         while below := next((a for a in parser._actions if isinstance(a, argparse._SubParsersAction)), None):
             parser = below.choices[getattr(namespace, below.dest)]
         if unknown:
-            parser.error(f"unrecognized argument {unknown[0]!r}{similar(unknown[0], parser._option_string_actions)}")
+            parser.error(f"unrecognized argument {unknown[0]!r:.200}{similar(unknown[0], parser._option_string_actions)}")
         namespace.json = getattr(namespace, "json", False)
         outputs = [
             (action.type, getattr(namespace, action.dest)) for action in parser._actions if isinstance(action.type, Output)

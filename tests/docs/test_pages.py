@@ -50,7 +50,8 @@ def follow(page, folder):
     assert wrong == [], "\n".join(f"$ {command}\n{printed}" for command, printed in wrong)
     for drawn in folder.rglob("*.png"):
         kept = DOCS / "pictures" / drawn.name
-        assert not kept.exists() or difference(drawn, kept) < 0.005, f"{kept} is not what {page.name} draws"
+        if f"pictures/{drawn.name})" in page.read_text():
+            assert difference(drawn, kept) < 0.005, f"{kept} is not what {page.name} draws"
 
 
 @pytest.mark.parametrize("page", PLAIN, ids=lambda page: page.stem)

@@ -155,7 +155,7 @@ def test_peak_force_and_rebound_agree_in_all_four(engine, tmp_path):
 
 
 SMALL = {
-    "liggghts": {"half": 0.015, "height": 0.14, "count": 600, "settle": 100000},
+    "liggghts": {"half": 0.015, "height": 0.14, "count": 600, "settle": 200000},
     "lammps": {"half": 0.012, "height": 0.056, "settle": 140000},
 }
 
