@@ -44,9 +44,6 @@ def _modules():
         sys.path.append(str(found))
 
 
-# One thread in the test process: two add forces in changing order, and trajectories of a packing part from rounding.
-# What two threads do is tested in processes of its own.
-os.environ["OMP_NUM_THREADS"] = "1"
 COMPILER = [] if shutil.which("g++") else ["g++"]
 ABSENT = {
     "liggghts": [
@@ -77,6 +74,7 @@ def pytest_collection_modifyitems(items):
 def omega():
     import yade
 
+    assert yade.O.numThreads == 1, "OpenMP was loaded before tests/conftest.py set its threads"
     yade.O.reset()
     yield yade.O
     yade.O.reset()
