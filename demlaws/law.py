@@ -233,10 +233,10 @@ def _adapted(unloading, contact, curve):
 
 def resolve(unloading: "str | os.PathLike | Law", definition: Definition) -> Unloading:
     """`Unloading` of a rule's name, of a law or a table to follow, or of the path of a table, for a law of this definition."""
-    unloading = read_unloading(unloading)
-    if isinstance(unloading, Law):
-        return Unloading(definition.rule(GIVEN), unloading.curve, unloading.contact)
-    return Unloading(definition.rule(unloading))  # type: ignore[arg-type]
+    given = read_unloading(unloading)
+    if isinstance(given, Law):
+        return Unloading(definition.rule(GIVEN), given.curve, given.contact)
+    return Unloading(definition.rule(given))
 
 
 def read_unloading(unloading: Any) -> Any:

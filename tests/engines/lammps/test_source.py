@@ -10,13 +10,12 @@ import numpy as np
 import pytest
 from inputs import ENERGY, LOAD_UNLOAD, energy_error_of, said_in, save
 from inputs_for_lammps import HEAD, TABLE, continued, refused, simulate, two_spheres
-from spheres import ROUGH, SHEARED, save_law, spheres
+from spheres import ROUGH, save_law
+from twins import LAWS, PLUGIN, SHEARS, SOURCE, assert_checked, assert_sheared_alike, built, chooser
 
 import demlaws as dl
 import demlaws.lammps as lm
 
-BUILT = os.environ.get("DEMLAWS_LAMMPS_SOURCE", "")
-PLUGIN, SOURCE = "plugin", "source"
 DAMPED = "tangential demlaws 1.0 0.5 rolling sds 1e3 1.0 0.3 damping demlaws/tangent"
 PACKING = f"""{HEAD}processors      1 1 *
 boundary        p p f
@@ -46,17 +45,7 @@ DUMP = "write_dump all custom end.dump id x y z fx fy fz tqx tqy tqz modify sort
 
 @pytest.fixture
 def use(monkeypatch):
-    """A function that has runs take LAMMPS with the plugin, or with the models in it, from then on."""
-    plugin = os.environ.get("DEMLAWS_LAMMPS")
-
-    def choose(name):
-        if name == SOURCE or plugin:
-            monkeypatch.setenv("DEMLAWS_LAMMPS", BUILT if name == SOURCE else plugin)
-        else:
-            monkeypatch.delenv("DEMLAWS_LAMMPS", raising=False)
-        assert lm.versions().built_in == (name == SOURCE)
-
-    return choose
+    return chooser(monkeypatch, "lammps", lambda: lm.versions().built_in)
 
 
 def end_of(folder, text, ranks=1):
@@ -64,7 +53,7 @@ def end_of(folder, text, ranks=1):
     return log, np.loadtxt(folder / "end.dump", skiprows=9)
 
 
-def assert_close(found, expected, rtol):
+def assert_atoms_close(found, expected, rtol):
     """Positions, forces and moments, each to their largest one."""
     for columns in (slice(1, 4), slice(4, 7), slice(7, 10)):
         scale = np.abs(expected[:, columns]).max()
@@ -73,23 +62,13 @@ def assert_close(found, expected, rtol):
 
 def test_it_passes_the_check_without_a_plugin(use):
     use(SOURCE)
-    lines = []
-    lm.check(lines.append)
-    assert "no plugin" in lines[1] and lines[-1] == "all good"
+    assert_checked(lm.check)
 
 
-@pytest.mark.parametrize("shear", ["elastic", "loading", "slip", "elastic levels 5 shear_ratio 0.6"])
-@pytest.mark.parametrize("name", ["rough elastic", "rough", "thornton", "yielded"])
+@pytest.mark.parametrize("shear", SHEARS)
+@pytest.mark.parametrize("name", LAWS)
 def test_a_sheared_contact_is_the_plugins_to_rounding(tmp_path, use, name, shear):
-    save_law(tmp_path, name)
-    logs = []
-    for way in (PLUGIN, SOURCE):
-        use(way)
-        logs.append(simulate(tmp_path, spheres("lammps", f"shear {shear}", SHEARED, restitution=0.8, every=2, **ENERGY)))
-    for column in ("force", "side", "e[1]", "e[2]"):
-        plugin, source = (log[column] for log in logs)
-        scale = np.abs(plugin).max()
-        assert scale > 0 and np.abs(source - plugin).max() <= 1e-10 * scale, column
+    assert_sheared_alike(use, "lammps", tmp_path, name, shear, every=2)
 
 
 @pytest.mark.parametrize(
@@ -104,7 +83,7 @@ def test_a_packing_is_the_plugins(tmp_path, use, words):
         use(way)
         ends.append(end_of(tmp_path, text + "run 200\n"))
     (plugin_log, plugin), (source_log, source) = ends
-    assert_close(source, plugin, 1e-9)
+    assert_atoms_close(source, plugin, 1e-9)
     for column in ("e[1]", "e[2]"):
         np.testing.assert_allclose(source_log[column], plugin_log[column], rtol=1e-9, err_msg=column)
     assert plugin_log["e[2]"][-1] > 0
@@ -116,7 +95,7 @@ def test_ranks_give_the_same_packing(tmp_path, use, ranks):
     save_law(tmp_path, "rough")
     text = PACKING.replace("WORDS", "") + "run 200\n"
     (one_log, one), (log, several) = end_of(tmp_path, text), end_of(tmp_path, text, ranks)
-    assert_close(several, one, 1e-9)
+    assert_atoms_close(several, one, 1e-9)
     np.testing.assert_allclose(log["e[2]"], one_log["e[2]"], rtol=1e-9)
 
 
@@ -124,7 +103,7 @@ def releases():
     """Pairs that a restart file can go between: LAMMPS itself loses contacts' histories between some of its releases."""
     with pytest.MonkeyPatch.context() as patch:
         plugin = lm.versions().date
-        patch.setenv("DEMLAWS_LAMMPS", BUILT)
+        patch.setenv("DEMLAWS_LAMMPS", built("lammps"))
         both = [(PLUGIN, SOURCE), (SOURCE, PLUGIN)]
         return [(SOURCE, SOURCE), *(both if lm.versions().date == plugin else [])]
 
@@ -262,7 +241,7 @@ def surfaces():
     """Programs with package GRANSURF."""
     found = []
     with pytest.MonkeyPatch.context() as patch:
-        for name, program in ((PLUGIN, os.environ.get("DEMLAWS_LAMMPS")), (SOURCE, BUILT)):
+        for name, program in ((PLUGIN, os.environ.get("DEMLAWS_LAMMPS")), (SOURCE, built("lammps"))):
             if program:
                 patch.setenv("DEMLAWS_LAMMPS", program)
                 found += [name] if "GRANSURF" in lm.versions().packages else []
@@ -349,7 +328,7 @@ def test_a_sphere_on_triangles_that_are_particles(tmp_path, use, monkeypatch, wa
 
 def tree():
     """The source that the program was built from."""
-    cache = Path(BUILT).with_name("CMakeCache.txt").read_text()
+    cache = Path(built("lammps")).with_name("CMakeCache.txt").read_text()
     return Path(re.search(r"CMAKE_HOME_DIRECTORY:INTERNAL=(.*)", cache).group(1)).parent
 
 

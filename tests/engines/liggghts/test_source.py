@@ -1,56 +1,31 @@
 """LIGGGHTS with the models built in (DEMLAWS_LIGGGHTS_SOURCE names it) beside the stock one with the plugin."""
 
-import os
-
 import numpy as np
 import pytest
 from inputs import ENERGY, LOAD_UNLOAD, moves_of, simulate
-from spheres import SHEARED, continued, gas, save_law, spheres
+from spheres import continued, gas, save_law, spheres
+from twins import LAWS, PLUGIN, SHEARS, SOURCE, assert_checked, assert_close, assert_sheared_alike, chooser
 
 import demlaws.liggghts as lg
 from demlaws.liggghts.run import built_in
 
-BUILT = os.environ.get("DEMLAWS_LIGGGHTS_SOURCE", "")
-PLUGIN, SOURCE = "plugin", "source"
 ENGINE = "liggghts"
 
 
 @pytest.fixture
 def use(monkeypatch):
-    """A function that has runs take LIGGGHTS with the plugin, or with the models in it, from then on."""
-
-    def choose(way):
-        if way == SOURCE:
-            monkeypatch.setenv("DEMLAWS_LIGGGHTS", BUILT)
-        else:
-            monkeypatch.delenv("DEMLAWS_LIGGGHTS", raising=False)
-        assert built_in() == (way == SOURCE)
-
-    return choose
-
-
-def assert_close(found, expected, columns, rtol):
-    for column in columns:
-        scale = np.abs(expected[column]).max()
-        assert scale > 0 and np.abs(found[column] - expected[column]).max() <= rtol * scale, column
+    return chooser(monkeypatch, ENGINE, built_in)
 
 
 def test_it_passes_the_check_without_a_plugin(use):
     use(SOURCE)
-    lines = []
-    lg.check(lines.append)
-    assert "no plugin" in lines[1] and lines[-1] == "all good"
+    assert_checked(lg.check)
 
 
-@pytest.mark.parametrize("shear", ["elastic", "loading", "slip", "elastic levels 5 shear_ratio 0.6"])
-@pytest.mark.parametrize("name", ["rough elastic", "rough", "thornton", "yielded"])
+@pytest.mark.parametrize("shear", SHEARS)
+@pytest.mark.parametrize("name", LAWS)
 def test_a_sheared_contact_is_the_plugins_to_rounding(tmp_path, use, name, shear):
-    save_law(tmp_path, name)
-    logs = []
-    for way in (PLUGIN, SOURCE):
-        use(way)
-        logs.append(simulate(ENGINE, tmp_path, spheres(ENGINE, f"shear {shear}", SHEARED, restitution=0.8, **ENERGY)))
-    assert_close(logs[1], logs[0], ("force", "side", "e[1]", "e[2]"), 1e-10)
+    assert_sheared_alike(use, ENGINE, tmp_path, name, shear)
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
