@@ -33,7 +33,7 @@ def parser():
         "--memory", action="store_true", help="shear force kept, and creep, of a contact whose overlap vibrates"
     )
     parser.add_argument(
-        "--vibrate", choices=[*vibration.SCENES, "oedometer", "rest"], help="run a scene under a vibrating load, or at rest"
+        "--vibrate", choices=[*vibration.SCENES, *vibration.IN_LIGGGHTS], help="run a scene under a vibrating load, or at rest"
     )
     parser.add_argument("--shaken", type=int, nargs="+", default=[0], help="seeds of shaken grains, with --vibrate oedometer")
     parser.add_argument("--engines", nargs="+", choices=sorted(vibration.OWN), default=["liggghts"], help="with --vibrate")

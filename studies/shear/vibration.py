@@ -15,6 +15,7 @@ from tqdm import tqdm
 
 import demlaws as dl
 from demlaws import lammps, liggghts
+from demlaws.errors import DemlawsError
 from demlaws.lammps.run import HEAD as LAMMPS_HEAD
 from demlaws.liggghts.run import HEAD as LIGGGHTS_HEAD
 from studies.engines import under_yade
@@ -108,6 +109,8 @@ def heap():
 
 
 SCENES = {"block": block, "heap": heap}
+IN_LIGGGHTS = ("oedometer", "rest")
+"""Scenes that run there only."""
 
 
 def _contacts(engine, model, scene):
@@ -183,6 +186,8 @@ def run(engine, name, model, cycles, rows=50):
 
 def run_all(name, engines, models, cycles, shaken, out):
     """Append a line per engine, model and seed to `out` (JSON lines) and print it; runs that it has are left out."""
+    if name in IN_LIGGGHTS and engines != ["liggghts"]:
+        raise DemlawsError(f"--vibrate {name} runs in LIGGGHTS only, got --engines {' '.join(engines)}")
     done = [json.loads(line) for line in out.read_text().splitlines()] if out.exists() else []
     seeds = shaken if name == "oedometer" else [0]
     for engine, model, seed in tqdm(list(itertools.product(engines, models, seeds)), disable=not sys.stderr.isatty()):
