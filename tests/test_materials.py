@@ -1,4 +1,4 @@
-"""Typical values: records with sources, contacts made of them, and quantities that nobody knows."""
+"""Typical values: records with sources, contacts made of them, and unknown quantities."""
 
 import pytest
 

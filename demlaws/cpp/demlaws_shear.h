@@ -125,7 +125,7 @@ private:
     bound_[last] = now;
     return held / both;
   }
-  // The two nearest of the old levels become one; the new level stands on top.
+  // The two nearest of the old levels become one; the new level is the top one.
   __attribute__((noinline)) static void join(double *numbers, int count, double now) {
     Levels(numbers, count).join(now);
   }

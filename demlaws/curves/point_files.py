@@ -154,7 +154,7 @@ def read_points(path):
     Columns are split by commas, semicolons, tabs or blanks; unless by commas, decimal commas are read. Lines that begin
     with #, % or // are comments (the titles may be in one). Lines of words before the titles and further columns are left
     aside. Of several that may be the
-    force or the displacement the one named so alone is taken. The units may also stand in a line below the titles. "-" is
+    force or the displacement the one named so alone is taken. A line below the titles may contain the units. "-" is
     standard input. Raises DemlawsError that names the file and the line.
     """
     path = Path(path)

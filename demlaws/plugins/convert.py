@@ -82,7 +82,7 @@ _VARIABLE = re.compile(r"\$(?:\{(\w+)\}|(\w))")
 
 
 class _Word(str):
-    """A word with the values of variables; `raw` is how it stands in the input, None where it is a part of a value."""
+    """A word with the values of variables; `raw` is its text in the input, None where it is a part of a value."""
 
     raw: "str | None"
     __slots__ = ("raw",)

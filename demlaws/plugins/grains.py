@@ -131,7 +131,7 @@ class Case:
 
     @property
     def shear_words(self):
-        """Words of demlaws/table for shear, where they are not its defaults."""
+        """Words of demlaws/table for shear; empty for its defaults."""
         values = {"shear_ratio": self.shear_ratio, "levels": self.levels}
         return "".join(f" {name} {value:.12g}" for name, value in values.items() if value is not None)
 

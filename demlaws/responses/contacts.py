@@ -44,7 +44,7 @@ SHORT = {"maximum_overlap": "largest (m)", "plastic_overlap": "plastic (m)", "sh
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Contacts(Tabular):
-    """Contacts: arrays with one entry per contact, SI units; `COLUMNS` describes them. What is not known is NaN, or None.
+    """Contacts: arrays with one entry per contact, SI units; `COLUMNS` describes them. Unknown values are NaN, or None.
 
     `len` is the number of contacts; `contacts[3]`, a slice, numbers or a mask give some of them. `print`, `to_dataframe()` give
     a row for each, `save` lines for ParaView. centre1, centre2: (n, 3), of the bodies; the point of contact on a wall.

@@ -1,1 +1,1 @@
-"""A bed of ballast under a plate with cyclic load: what the contact law, roughness and the shear model change (see `bed`)."""
+"""A bed of ballast under a plate with cyclic load: effects of the contact law, roughness and the shear model (see `bed`)."""

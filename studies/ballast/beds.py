@@ -1,8 +1,7 @@
 """Beds deposited with each shear model, and loaded with the same and with another one; rows in `beds.csv`.
 
-Why do beds differ that come to rest with different shear models: because of the state in which they come to rest, or because of
-what the model does under load? The beds of LOADED are loaded
-from their places, without shear forces, with both, the others with their own.
+Beds that come to rest with different shear models differ. Is the state at rest the reason, or the model under load? The beds of
+LOADED are loaded from their places, without shear forces, with both models, the others with their own.
 """
 
 import itertools

@@ -1,4 +1,4 @@
-"""600 granite spheres that fell into a box, in LIGGGHTS: what is left of motion under each model of shear."""
+"""600 granite spheres that fell into a box, in LIGGGHTS: kinetic energy and wall forces with each model of shear."""
 
 import tempfile
 from pathlib import Path

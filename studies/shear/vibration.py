@@ -98,7 +98,7 @@ def block():
 
 
 def heap():
-    """330 grains of 4 mm between walls, on a floor of fixed grains; gravity swings by ±20 %."""
+    """330 grains of 4 mm between walls, on a base of fixed grains; gravity swings by ±20 %."""
     size, generator = 0.004, np.random.default_rng(7)
     places = np.array([(x, y, z) for z in range(19) for y in range(2) for x in range(9)])[:330] * 1.06 * size
     places = places + np.array([-4.24 * size, 0.0036, 0.006]) + generator.uniform(-1e-4, 1e-4, places.shape)

@@ -42,7 +42,7 @@ LAWS = ["--law", "hertz", "--law", "goddard", "--law", "rough-plastic", "--law",
 
 
 def test_the_table_of_a_fit(file, capsys):
-    """Before: rows of up to 315 characters, a footnote per row, no contact; 4.5e+08 Pa stood beside GPa."""
+    """Before: rows of up to 315 characters, a footnote per row, no contact; 4.5e+08 Pa was printed beside GPa."""
     assert main(["fit", str(file), *CONTACT, "--fractal-dimension", "2.22", *LAWS]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == ECHO

@@ -1,4 +1,4 @@
-"""Pictures of docs/pictures are those that their scripts draw; on the site they are drawn anew."""
+"""Pictures of docs/pictures are those that their scripts draw; on the site they are drawn again."""
 
 import os
 import shutil

@@ -106,7 +106,7 @@ def test_what_is_not_served_stays_and_is_listed(engine, line, tmp_path, capsys):
     ],
 )
 def test_granular_lines_alone_that_stay(engine, lines, named, tmp_path, capsys):
-    """These were "nothing to convert", or no word of them was said."""
+    """These were "nothing to convert", or they were not mentioned."""
     text = "\n".join(["units si", *lines]) + "\n"
     (tmp_path / "in.case").write_text(text)
     (tmp_path / "law.tbl").write_text("")

@@ -1,4 +1,4 @@
-"""`tests/machines/release.py`: what is uploaded, from made-up results of `make dist` and `make docs`."""
+"""`tests/machines/release.py`: files of a release, from made-up results of `make dist` and `make docs`."""
 
 import importlib.util
 import re

@@ -1,4 +1,4 @@
-"""Height maps that are hardly the measured surface: named with the remedy; plausible maps pass without a word."""
+"""Height maps that are hardly the measured surface: named with the remedy; plausible maps pass silently."""
 
 import json
 import struct

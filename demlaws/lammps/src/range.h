@@ -35,7 +35,7 @@ struct Range {
   bool unmarked = false;     // a restart file of 0.2.0: its contacts do not keep which law they began under
   bool has_contacts = false; // forces were computed, or a restart file was read
   long long checked = -1;    // the step in which positions were checked
-  int of_restart = 0;        // until the first run: what the tangential models of a restart file keep per contact
+  int of_restart = 0;        // until the first run: values per contact of the tangential models of a restart file
 
   static Range &of(void *lmp) {
     static std::map<void *, Range> all;

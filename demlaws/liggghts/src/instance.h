@@ -41,9 +41,9 @@ struct Ledger {
   // After a restart file of 0.2.0: its sum lacks the energy of shear that contacts store until their first step.
   bool begins = false, lacks = false;
   int readers = 0;                            // computes that will ask for what walls store
-  double wall_stored = 0., wall_pending = 0.; // pending: what was taken, less what was booked
+  double wall_stored = 0., wall_pending = 0.; // pending: taken less booked
   bigint step = -1;                           // of these
-  // Of the energy of shear that a contact stores: what is in `taken`.
+  // The part of a contact's stored energy of shear that `taken` contains.
   double booked(double stored) const { return lacks ? 0. : stored; }
   void forget_walls() { wall_stored = wall_pending = 0.; }
   void enter(bigint now, double stored, double pending) {

@@ -153,7 +153,7 @@ def test_errors_name_what_is_wrong(folder, use, granite_pair):
 
 
 def test_walls_alone(tmp_path, use):
-    """No pair style reads a table: what a run needs beside the wall's model is there all the same."""
+    """No pair style reads a table; a run has all that it needs beside the wall's model."""
     use(SOURCE)
     dl.law("hertz", ROUGH).tabulate().save(tmp_path / "law.tbl")
     wall = f"fix wall all wall/gran granular demlaws/table law.tbl 60.6e9 1.0 0.25 {DAMPED} xplane -1e-6 NULL\n"
