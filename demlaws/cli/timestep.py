@@ -204,7 +204,20 @@ def frames(arguments):
     missing = [name for name in ("id", *_PLACES) if name not in atoms]
     if missing:
         raise DemlawsError(f"{arguments.snapshot} lacks the columns {', '.join(missing)}")
+    if not len(atoms["id"]):
+        raise DemlawsError(f"{arguments.snapshot}: its last frame has no grains")
+    needed = ("id", *_PLACES, "mass", "density")
+    _check_finite(arguments.snapshot, {name: atoms[name] for name in needed if name in atoms})
     return atoms, lengths, entries, resolution
+
+
+def _check_finite(path, columns):
+    """Raise where a value is NaN or infinite: its contacts would be left out."""
+    import numpy as np
+
+    for name, values in columns.items():
+        for row in np.flatnonzero(~np.isfinite(values))[:1]:
+            raise DemlawsError(f"{path}: {name} of row {row + 1} is {values[row]}: has the run diverged?")
 
 
 def _from_dumps(arguments):
@@ -250,6 +263,7 @@ def contacts_of_dump(arguments, atoms, lengths, entries):
         raise DemlawsError(
             f"{arguments.contacts} has the columns {' '.join(entries)}: name those needed with --columns, --largest-overlap"
         )
+    _check_finite(arguments.contacts, {name: entries[name] for k, name in enumerate(entries, 1) if k in needed})
     first, second, *force = (list(entries.values())[column - 1] for column in columns)
     number = {int(name): place for place, name in enumerate(atoms["id"])}
     try:
@@ -264,6 +278,12 @@ def contacts_of_dump(arguments, atoms, lengths, entries):
     if np.any(np.abs(distance / atoms["radius"][pairs].sum(axis=1) - 1.0) > 0.5):
         raise DemlawsError(f"{arguments.contacts}: grains in contact are far apart or one and the same; check --columns")
     force = np.abs(np.sum(between * np.stack(force, axis=1), axis=1)) / distance
+    each, times = np.unique(np.sort(pairs[force > 0.0], axis=1), axis=0, return_counts=True)
+    for a, b in each[times > 1][:1]:
+        raise DemlawsError(
+            f"{arguments.contacts}: the contact of grains {atoms['id'][a]:.0f} and {atoms['id'][b]:.0f} is listed twice: dump "
+            "each contact once, and use a box of at least three grains across"
+        )
     largest = None if history is None else list(entries.values())[history - 1]
     if largest is not None and np.any(largest[force > 0.0] <= 0.0):
         if arguments.largest_overlap is not None:
