@@ -94,7 +94,7 @@ def closed_elastic(line):
 
 
 STABILITY = """Random load paths at extreme sizes, materials and overlaps test every law with every rule. If a check fails, the
-line above states it. [Accuracy and cost](../trade.md#extremes) summarises the results. One row per law, unloading rule and
+line above states it. [Accuracy and cost](../trade.md#measured-rows) summarises the results. One row per law, unloading rule and
 evaluation (closed form or table):
 
 - *not fin.*: forces that are not finite or that decrease on first loading; *returns work*: paths that return more work
