@@ -3,7 +3,7 @@
 from demlaws.cli import example
 from demlaws.cli.arguments import force, plain
 from demlaws.cli.contact import add_law_arguments, law_from
-from demlaws.cli.output import record
+from demlaws.cli.output import record, say
 
 
 def register(add):
@@ -45,7 +45,11 @@ def run(arguments):
         if isinstance(value, int | float):
             unit = law.definition.options[name].unit if name in law.definition.options else ""
             print(f"{name + (f' [{unit}]' if unit else ''):34}{value:14.6g}{report.law.options[name]:18.6g}")
-    print(f"\n{'effect':72}{'×':>10}")
+    print(f"\n{'effect':66}{'×':>10}")
     for quantity, times, power in softening.effects():
-        print(f"{quantity:72}{times:>10}  {power}")
-    print("\n" + "\n".join(report.lines()))
+        if len(power) > 20:
+            say(f"{quantity}: {power}")
+        else:
+            print(f"{quantity:66}{times:>10}  {power}")
+    print()
+    say("\n".join(report.lines()))
