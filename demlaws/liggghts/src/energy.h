@@ -40,7 +40,8 @@ public:
     instance_->ledger.readers++;
   }
   ~ComputeEnergy() {
-    instance_->ledger.readers--;
+    Ledger &ledger = instance_->ledger;
+    if (!--ledger.readers) ledger.taken = 0., ledger.books = false;
     delete[] vector;
   }
   void init() {
@@ -90,8 +91,10 @@ public:
   void pre_force(int) {
     Ledger &ledger = instance_->ledger;
     ledger.forget_walls();
-    ledger.begins = ledger.begins && update->ntimestep <= update->firststep + 1;
-    ledger.lacks = ledger.begins && update->ntimestep == update->firststep;
+    const bool moves = update->ntimestep > update->firststep, lacks = ledger.readers && !ledger.books;
+    ledger.begins = lacks && moves;
+    ledger.lacks = lacks && !moves;
+    if (moves) ledger.books = ledger.readers;
   }
   void post_run() {
     double *const number = numbers();
@@ -111,7 +114,7 @@ public:
       for (const auto &print : owner.second)
         text << print.first.first << ' ' << print.first.second << ' ' << print.second << ' ' << owner.first << '\n';
     if (!instance_->unmarked) text << "contacts marked all\n";
-    text << "work booked all\n";
+    if (instance_->ledger.books) text << "work booked all\n";
     for (const auto &shear : instance_->shears) text << shear.second << ' ' << shear.first << '\n';
     const std::string written = text.str();
     const int size = (int)written.size() + 1;
@@ -130,10 +133,10 @@ public:
       instance_->stored[owner][types] = fingerprint;
     text.clear();
     std::string word, number;
-    instance_->unmarked = instance_->ledger.begins = true;
+    instance_->unmarked = true;
     while (text >> word >> number && std::getline(text >> std::ws, owner))
       if (number == "marked") instance_->unmarked = false;
-      else if (number == "booked") instance_->ledger.begins = false;
+      else if (number == "booked") instance_->ledger.books = true;
       else instance_->stored_shears[owner] = word + ' ' + number;
     for (const auto &one : instance_->stored)
       if (instance_->unmarked && !instance_->stored_shears.count(one.first))
