@@ -88,7 +88,6 @@ public:
     double copy[demlaws::SpringRow::MOST_SIZE], *const kept = data.contact_history + offset_;
     if (!keep) std::copy(kept, kept + size(), copy);
     double *const numbers = keep ? kept : copy;
-    if (__builtin_expect(keep && instance_->ledger.begins, 0)) take(energy(kept, data), data);
     demlaws::ShearStep step;
     if (slips_) {
       const double ratio = normal_->shear_ratio(data);
@@ -98,7 +97,7 @@ public:
     if (keep) take(step.work, data);
     if (WALL && data.computeflag && instance_->ledger.readers) {
       const double stored = energy(numbers, data);
-      instance_->ledger.enter(update->ntimestep, stored, -instance_->ledger.booked(stored));
+      instance_->ledger.enter(update->ntimestep, stored, -stored);
     }
 
     const double damping = step.slides ? 0. : data.gammat, share = WALL ? data.area_ratio : 1.;
