@@ -73,8 +73,7 @@ struct Instance {
   EnergySource *source = NULL;
   std::map<std::string, Fingerprints> used, stored;         // by owner: of this run, of the restart file
   std::map<std::string, std::string> shears, stored_shears; // 'levels N' or 'springs N', likewise
-  bool unmarked = false;       // a restart file of 0.2.0: its contacts do not keep which law they began under
-  std::set<std::string> walls; // IDs of the walls whose model is demlaws/table
+  std::set<std::string> walls;                              // IDs of the walls whose model is demlaws/table
 
   static std::shared_ptr<Instance> of(LAMMPS *lmp) {
     std::weak_ptr<Instance> &slot = all()[lmp];
