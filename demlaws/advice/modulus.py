@@ -248,7 +248,7 @@ def predict(
     part: float = STANDARD,
 ) -> Advice:
     """Predicted error of the scene's quantity with grains softer by `factor`, at inertial number `inertial`, in steps of `part`
-    of the stability limit, which is estimated (`packing_limit`).
+    of the stability limit, which is estimated (`packing_estimate`).
 
     The quantity is that of a packing under the scene's largest pressure. Raises DemlawsError without a pressure, for
     restitution, which is no packing's, or for a law that cannot be softened.

@@ -75,7 +75,7 @@ public:
     }
     settle();
     reserved_ = now_.files.empty() ? demlaws::MOST_STATE : state_size_;
-    marked_ = (reserved_ > 0 || shear_keeps_) && !instance_->unmarked;
+    marked_ = reserved_ > 0 || shear_keeps_;
     for (int i = 0; i < reserved_; i++) {
       const int at = setup->add_history_value(demlaws::HISTORY_NAMES[i], "0"); // the same seen from either particle
       base->add_history_offset(demlaws::HISTORY_NAMES[i], at);
