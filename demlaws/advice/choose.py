@@ -24,8 +24,8 @@ from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, NeedsClasses, NotPassive, quiet
 from demlaws.law import Law, Table
+from demlaws.laws import HERTZ
 from demlaws.laws.definition import bulk_yield
-from demlaws.laws.names import HERTZ
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
 from demlaws.make import rebound

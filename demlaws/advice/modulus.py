@@ -21,7 +21,7 @@ from demlaws.advice.scene import PROCESSES, Scene, stable_step, unloading_rule
 from demlaws.advice.soften import Softening, soften
 from demlaws.contact import DENSITY
 from demlaws.errors import DemlawsError, quiet
-from demlaws.laws.names import USUAL
+from demlaws.laws import USUAL
 from demlaws.make import law as bind_law
 from demlaws.make import rebound
 from demlaws.timestep import STEP_SAFETY

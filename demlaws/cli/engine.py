@@ -10,7 +10,7 @@ from demlaws.cli.arguments import density, force, law_name, length, plain, press
 from demlaws.cli.contact import law_of_unloading
 from demlaws.cli.output import output, record
 from demlaws.errors import DemlawsError
-from demlaws.laws.names import USUAL
+from demlaws.laws import USUAL
 
 EXPORT_EXAMPLE = """\
   demlaws {name} export case --law pohrt-popov --radius 0.004 0.005 --roughness 1.7e-6 --fractal-dimension 2.22

@@ -13,6 +13,11 @@ from demlaws.core.fastmath import cbrt, sqrt
 from demlaws.core.numba_compat import kernel, loop
 from demlaws.core.unloading import Elastic, Given, Hertz, Thornton
 
+DEFAULT_LEVELS = 3
+"""Levels of springs (`levels`)."""
+EMPTY = 1e-9
+"""Of K_t: a level of less stiffness counts as empty; otherwise a rise by rounding would join two levels."""
+
 
 class ElasticShear(NamedTuple):
     """The stiffness with which the contact would unload now, on whatever branch it is: continuous through a reversal."""

@@ -9,7 +9,7 @@ from demlaws.errors import quiet
 from demlaws.files import save_csv
 from demlaws.granite import claims
 from demlaws.granite import figures as pictures
-from demlaws.laws.names import POHRT_POPOV, ROUGH_PLASTIC
+from demlaws.laws import POHRT_POPOV, ROUGH_PLASTIC
 from demlaws.laws.registry import find
 
 STAGE_TITLES = (

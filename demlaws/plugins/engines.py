@@ -439,7 +439,7 @@ def self_test(report, log, path, name, limit):
 def laws_to_check():
     """(law, tolerance of its table, allowed error, name) of the self-tests: one contact of two granite spheres of 17.4 mm."""
     from demlaws.contact import Contact
-    from demlaws.laws.names import USUAL
+    from demlaws.laws import USUAL
     from demlaws.make import law
 
     contact = Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22)

@@ -13,7 +13,7 @@ from demlaws.contact import DENSITY, Contact, Material, Surface, surface_of
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
-from demlaws.laws.names import USUAL
+from demlaws.laws import USUAL
 from demlaws.make import known_unloading, rebound, unloading_of_case
 from demlaws.make import law as make_law
 from demlaws.timestep import timestep

@@ -11,7 +11,7 @@ import yade
 from demlaws.errors import DemlawsError, EngineStopped
 from demlaws.units import LARGEST_OVERLAP, LARGEST_ROUGHNESS, SMALL_OVERLAP, outside
 from demlaws.yade import kernel, layout, native
-from demlaws.yade.contacts import LOOKS, is_our_contact
+from demlaws.yade.omega import LOOKS, is_our_contact
 from demlaws.yade.shear import move_loop, relax_loop
 
 

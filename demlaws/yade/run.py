@@ -39,12 +39,6 @@ def python_of(yade):
     return tuple(int(part) for part in version) if len(version) == 2 and all(part.isdigit() for part in version) else None
 
 
-def modules_of(yade):
-    """Folder of YADE's Python modules that a yade start script puts on the path, or None where it does not say."""
-    match = re.search(r"^sys\.path\.insert\(\d+, *'([^']+)'\)", Path(yade).read_text(errors="replace"), re.M)
-    return Path(match.group(1)) if match else None
-
-
 def numpy_built_for(folder="/usr/lib/python3/dist-packages"):
     """Major version of the numpy that the system's Python packages, YADE among them, are built for; None if there is none."""
     versions = [d.version for d in importlib.metadata.distributions(name="numpy", path=[folder])]
