@@ -527,7 +527,7 @@ def _blend_error(model, low, high, reference_force, highest):
     return max(np.abs(f / forces - 1).max(), np.abs(k / middle.evaluate(u)[1] - 1).max())
 
 
-def family(model, low, high, rtol=1e-4, reference_force=1e-4, highest=1e6):
+def family(model, low, high, *, rtol=1e-4, reference_force=1e-4, highest=1e6):
     """Geometrically spaced parameters low..high whose curves, blended linearly in ln A, meet rtol in force and stiffness.
 
     What is blended is s = (3f/4)^(2/3) at equal overlap x = U - U(f_ref), where f_ref is one dimensionless force for all

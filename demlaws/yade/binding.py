@@ -262,7 +262,7 @@ class Binding:
         elif self.pairs.roughnesses[number] > LARGEST_ROUGHNESS * radius:
             kind = layout.TOO_ROUGH
         if kind:
-            raise EngineStopped(f"contact {bodies[0]}+{bodies[1]}{self.fault_text(kind, *bodies, radius)}")
+            raise EngineStopped(f"contact {bodies[0]}+{bodies[1]}{self.fault_text(kind, bodies, radius)}")
         return radius
 
     def warn_of_shapes(self):
@@ -320,14 +320,14 @@ class Binding:
         """Raise the last fault of native code: a contact that the law does not serve."""
         fault = self.context.take_fault()
         if fault is not None:
-            kind, first, second, value = fault
-            raise EngineStopped(f"contact {first}+{second}{self.fault_text(kind, first, second, value)}")
+            kind, *bodies, value = fault
+            raise EngineStopped(f"contact {bodies[0]}+{bodies[1]}{self.fault_text(kind, bodies, value)}")
 
-    def fault_text(self, kind, first, second, value, radius=None):
+    def fault_text(self, kind, bodies, value, *, radius=None):
         """Message about a fault of the contact of two bodies; value: overlap or R [m], or E* [Pa]; radius: R [m]."""
         from demlaws.yade.reports import fault_text  # loaded only for a run that stops
 
-        return fault_text(self, kind, first, second, value, radius)
+        return fault_text(self, kind, bodies, value=value, radius=radius)
 
     def roughness_text(self, first, second, radius):
         """Finding of `judge` on the roughness of a pair of materials' labels, with that of each surface; None: nothing."""

@@ -116,12 +116,12 @@ class LawSource:
     @property
     def needs_span(self):
         """Whether the law's curve must be solved for the contacts that occur: their range must be known beforehand."""
-        return self._is("solved")
+        return self._any_states("solved")
 
     @property
     def needs_one_contact(self):
         """Whether the law's curve is solved for one R and E* alone: a height map's."""
-        return self._is("needs_map")
+        return self._any_states("needs_map")
 
     def definitions(self):
         """Those that take part: the law's, its loading's, the unloading curve's. (A table stands for itself.)"""
@@ -129,7 +129,7 @@ class LawSource:
         taking_part = [self.definition, *([find(loading)] if isinstance(loading, str) else [])]
         return (taking_part if self.table is None else []) + (self.curve.definitions() if self.curve is not None else [])
 
-    def _is(self, fact):
+    def _any_states(self, fact):
         """Whether a definition that takes part says so of itself."""
         return any(getattr(definition, fact) for definition in self.definitions())
 

@@ -118,8 +118,8 @@ def step(binding):
 
 
 def _stop(binding, bodies, kind, value, radius=None):
-    first, second = bodies[:2]
-    raise EngineStopped(f"contact {first}+{second}{binding.fault_text(kind, first, second, value, radius)}")
+    text = binding.fault_text(kind, bodies[:2], value, radius=radius)
+    raise EngineStopped(f"contact {bodies[0]}+{bodies[1]}{text}")
 
 
 def initialise_contact(binding, contact, row):

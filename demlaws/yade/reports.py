@@ -27,10 +27,11 @@ def unlisted_text(binding, bodies, missing):
     )
 
 
-def fault_text(binding, kind, first, second, value, radius=None):
+def fault_text(binding, kind, bodies, *, value, radius=None):
     """Message about a fault of the contact of two bodies; value: overlap or R [m], or E* [Pa]; radius: R [m]."""
-    stones = [O.bodies[number].material for number in (first, second)]
-    wrong = next(filter(None, (radius_fault(O.bodies[number]) for number in (first, second))), None)
+    first, second = bodies
+    stones = [O.bodies[number].material for number in bodies]
+    wrong = next(filter(None, (radius_fault(O.bodies[number]) for number in bodies)), None)
     if wrong is not None:
         return f": {wrong}"
     if kind in (layout.FLAT_GAP, layout.NO_CURVATURE):

@@ -74,7 +74,7 @@ def environment():
     return {**os.environ, **registry.environment(), "PYTHONPATH": os.pathsep.join([*folders, *([old] if old else [])])}
 
 
-def command(script, arguments=(), threads=1, gui=False, batch=None, *, stay=False, options=()):
+def command(script, arguments=(), threads=1, *, gui=False, batch=None, stay=False, options=()):
     """The command line that runs `script`.
 
     gui: with the graphical interface; batch: a parameter table for yade-batch; stay: keep the interpreter when the script has
@@ -102,10 +102,10 @@ FAILED = re.compile(r"#\d+ \(.*\) FAILED ")
 """How a line of yade-batch about a job that failed begins; its own exit status is 0 nevertheless."""
 
 
-def run(script, arguments=(), threads=1, gui=False, batch=None, stay=False, yade_options=(), **options):
+def run(script, arguments=(), threads=1, *, gui=False, batch=None, stay=False, yade_options=(), **options):
     """Run a script under YADE; returns the `subprocess.CompletedProcess`, whatever its exit status (a batch of which a job has
     failed: 1)."""
-    line = command(script, arguments, threads, gui, batch, stay=stay, options=yade_options)
+    line = command(script, arguments, threads, gui=gui, batch=batch, stay=stay, options=yade_options)
     if batch is None or options:
         return subprocess.run(line, env=environment(), check=False, **options)
     failed = 0

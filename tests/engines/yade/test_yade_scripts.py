@@ -122,8 +122,8 @@ def test_command_lines(tmp_path, monkeypatch):
     )
     assert main(["yade", "run", "--gui", "--cores=0,1", "-f5", "s.py", "-x", "--threads"]) == 3  # YADE's own status
     arguments, options = seen[0]
-    assert arguments == ("s.py", ["-x", "--threads"], 1, True, None)
-    assert options == {"stay": True, "yade_options": ["--cores=0,1", "-f5"]}
+    assert arguments == ("s.py", ["-x", "--threads"], 1)
+    assert options == {"gui": True, "batch": None, "stay": True, "yade_options": ["--cores=0,1", "-f5"]}
     script = tmp_path / "s.py"
     script.write_text("")
     line = run.command(script, gui=True, stay=True, options=["--cores=0,1"])
