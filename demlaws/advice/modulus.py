@@ -52,7 +52,7 @@ STANDARD = HALF * STUDY_STEP
 """The same as a part of the stability limit."""
 PARTS = (STANDARD, STEP_SAFETY)
 """Parts of the stability limit that are advised. In the study, with damping, 0.95 was accurate; at 1.2 grains vibrate however
-slow the loading (docs/trade.md)."""
+slow the loading (docs/softening.md)."""
 WAYS = tuple((factor, rate, part) for factor in FACTORS for rate in INERTIAL for part in PARTS)
 """(factor, I, part of the stability limit) of which the fastest within the tolerance is advised."""
 MARGIN = 1.15
@@ -249,7 +249,7 @@ def predict(
     part: float = STANDARD,
 ) -> Advice:
     """Predicted error of the scene's quantity with grains softer by `factor`, at inertial number `inertial`, in steps of `part`
-    of the stability limit, which is estimated (`packing_limit`).
+    of the stability limit, which is estimated (`packing_estimate`).
 
     The quantity is that of a packing under the scene's largest pressure. Raises DemlawsError without a pressure, for
     restitution, which is no packing's, or for a law that cannot be softened.

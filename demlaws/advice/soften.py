@@ -280,10 +280,10 @@ class Report:
 
     def lines(self) -> list[str]:
         """As text."""
-        lines = [f"{'at ' + format(self.force, 'g') + ' N':34}{'overlap (m)':>14}{'stiffness (N/m)':>18}{'overlap/R':>12}"]
+        lines = [f"{'at ' + format(self.force, 'g') + ' N':34}{'overlap (µm)':>14}{'stiffness (N/µm)':>18}{'overlap/R':>12}"]
         names = ("as it is", "softened, all scaled", "softened, E alone (not to be done)")
         for name, at in zip(names, (self.before, self.after, self.left_alone), strict=True):
-            lines.append(f"{name:34}{at.overlap:14.4g}{at.stiffness:18.4g}{at.over_radius:12.3g}")
+            lines.append(f"{name:34}{at.overlap * 1e6:14.4g}{at.stiffness * 1e-6:18.4g}{at.over_radius:12.3g}")
         lines.append(
             f"stiffness times s^(2/3) against the contact as it is: {self.stiffness_error:+.1e} with all scaled, "
             f"{100 * self.left_alone_error:+.1f} % with E alone"

@@ -8,7 +8,7 @@ import numpy as np
 import yade
 import yade.utils
 
-from demlaws.errors import CoefficientWarning, DemlawsError, EngineStopped, LargeOverlap, ShapeWarning, warn
+from demlaws.errors import DemlawsError, EngineStopped, LargeOverlap, ShapeWarning, warn
 from demlaws.units import LARGE_RADIUS, LARGE_ROUGHNESS, LARGEST_ROUGHNESS, SMALL_OVERLAP, judge
 from demlaws.yade import layout, native
 from demlaws.yade.omega import LOOKS, is_our_contact, radius_fault, real_contacts, with_overlaps
@@ -185,7 +185,7 @@ class Binding:
         self.judge_unlisted(self.context.take_unlisted())
         self.judge_shapes()
         self.warn_of_joints()
-        self.warn_of_changes()
+        self.refuse_changes()
         if self.context.take("deep"):
             rows = self.rows(real_contacts())
             self.warn_of_deep(rows[rows["tag"] > 0])
@@ -200,7 +200,7 @@ class Binding:
     def verify(self):
         """Raise unless every contact of the law's class has this law's mark, and materials are admissible.
 
-        Coefficients are not compared: engines of YADE may scale them (TriaxialStressController with internalCompaction).
+        kn and ks are not compared: engines of YADE may scale them (TriaxialStressController with internalCompaction).
         """
         contacts = real_contacts()
         touching = [O.bodies[number] for number in {n for contact in contacts for n in (contact.id1, contact.id2)}]
@@ -281,12 +281,13 @@ class Binding:
 
             warn(f"law {self.label!r}: {joint_text(*self.context.bodies('shared'))}", ShapeWarning)
 
-    def warn_of_changes(self):
-        """Warn once where something else has changed the coefficients of a contact."""
-        if self.context.take("changed"):
+    def refuse_changes(self):
+        """Raise where something else has changed the coefficients of a contact."""
+        if self.context["changed"]:
             from demlaws.yade.reports import changed_text
 
-            warn(f"law {self.label!r}: {changed_text(*self.context.bodies('changed'))}", CoefficientWarning)
+            self.context["changed"] = layout.UNSEEN
+            raise EngineStopped(f"law {self.label!r}: {changed_text(*self.context.bodies('changed'))}")
 
     def warn_of_deep(self, rows):
         """Warn of the contacts beyond SMALL_OVERLAP of their R among rows of `layout.CONTACT`."""

@@ -114,7 +114,7 @@ def step(binding):
     rows["shear"] = stiffness
     memory.tangents = answer["tangent"].tolist()
     binding.warn_of_shapes()
-    binding.warn_of_changes()
+    binding.refuse_changes()
 
 
 def _stop(binding, bodies, kind, value, radius=None):

@@ -6,12 +6,12 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 
 FACTORS = (3, 10, 100, 1000)
-with open(Path(__file__).parents[1] / "trade-softening.csv", encoding="utf-8") as file:
+with open(Path(__file__).parents[1] / "tables" / "trade-softening.csv", encoding="utf-8") as file:
     ROWS = {row["packing"]: row for row in csv.DictReader(file)}
 
 
 def errors(kind, engine):
-    """Error (%) of the first stiffness at E/1, E/3 ... in docs/trade-softening.csv, of an engine."""
+    """Error (%) of the first stiffness at E/1, E/3 ... in docs/tables/trade-softening.csv, of an engine."""
     cells = [ROWS[f"E/{factor}, σ {kind}"][engine].replace("−", "-") for factor in FACTORS]
     return [0.0, *(float(cell.split("/")[0]) for cell in cells)]
 

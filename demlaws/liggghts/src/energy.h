@@ -40,7 +40,8 @@ public:
     instance_->ledger.readers++;
   }
   ~ComputeEnergy() {
-    instance_->ledger.readers--;
+    Ledger &ledger = instance_->ledger;
+    if (!--ledger.readers) ledger.taken = 0., ledger.books = false;
     delete[] vector;
   }
   void init() {
@@ -85,7 +86,14 @@ public:
     look_across();
     pre_force(vflag);
   }
-  void pre_force(int) { instance_->ledger.forget_walls(); }
+  void pre_force(int) {
+    Ledger &ledger = instance_->ledger;
+    ledger.forget_walls();
+    const bool moves = update->ntimestep > update->firststep, lacks = ledger.readers && !ledger.books;
+    ledger.begins = lacks && moves;
+    ledger.lacks = lacks && !moves;
+    if (moves) ledger.books = ledger.readers;
+  }
   void post_run() {
     double *const number = numbers();
     for (int i = 0; number && i < atom->nlocal; i++) number[i] = atom->tag[i];
@@ -104,6 +112,7 @@ public:
       for (const auto &print : owner.second)
         text << print.first.first << ' ' << print.first.second << ' ' << print.second << ' ' << owner.first << '\n';
     text << "contacts marked all\n";
+    if (instance_->ledger.books) text << "work booked all\n";
     for (const auto &shear : instance_->shears) text << shear.second << ' ' << shear.first << '\n';
     const std::string written = text.str();
     const int size = (int)written.size() + 1;
@@ -125,6 +134,7 @@ public:
     bool marked = false;
     while (text >> word >> number && std::getline(text >> std::ws, owner))
       if (number == "marked") marked = true;
+      else if (number == "booked") instance_->ledger.books = true;
       else instance_->stored_shears[owner] = word + ' ' + number;
     if (!marked)
       error->all(FLERR, "model demlaws/table: the restart file is of a former version of demlaws; begin anew from "

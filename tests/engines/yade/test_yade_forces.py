@@ -1,7 +1,5 @@
 """The force that native YADE applied against the law, every step, in every geometry."""
 
-import warnings
-
 import numpy as np
 import pytest
 from examples import ALIKE, rules_of, shared, telling
@@ -26,7 +24,6 @@ from yade_scenes import (
 )
 
 import demlaws as dl
-from demlaws import yade as dy
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.laws.registry import find
 from demlaws.make import example
@@ -155,20 +152,19 @@ def test_rows_of_contacts_that_end_are_used_again(omega):
 
 @pytest.mark.parametrize("way", ["native", "public"])
 def test_coefficients_that_a_script_changes(omega, way):
-    """Each way warns once, and the force stays that of the law; a run without such a script does not warn."""
-    law = functor(bridge=way)
-    still(law)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", dy.CoefficientWarning)
-        advance(5)
-    phys = yade.O.interactions[0, 1].phys
-    for name in ("kno", "kso"):
+    """Each way stops, for each change; radius= is the factor of one contact (Chung & Ooi)."""
+    still(functor(bridge=way))
+    advance(5)
+    for name in ("kno", "kso", "kno"):
+        phys = yade.O.interactions[0, 1].phys
         setattr(phys, name, 1.5 * getattr(phys, name))
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
-            advance(3)
-        assert [one.category for one in caught] == [dy.CoefficientWarning] * (name == "kno")
+        stops(r"(?s)kno or kso of contact 0\+1.*radius=.*shear_ratio=", 3)
+        advance(1)
         assert force() == expected()
+    omega.reset()
+    still(functor("hertz", "elastic", None, radius=lambda contact: 1.5**2 * 0.005, bridge=way))
+    advance(5)
+    assert force() == pytest.approx(1.5 * dl.law("hertz", dl.Contact(0.005, MODULUS)).force(OVERLAP), rel=1e-9)
 
 
 def test_bodies_come_and_go(omega, monkeypatch):
