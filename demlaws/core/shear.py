@@ -13,8 +13,10 @@ from demlaws.core.fastmath import cbrt, sqrt
 from demlaws.core.numba_compat import kernel, loop
 from demlaws.core.unloading import Elastic, Given, Hertz, Thornton
 
-DEFAULT_LEVELS = 3
+DEFAULT_LEVELS, MOST_LEVELS = 3, 8
 """Levels of springs (`levels`)."""
+LARGEST_SHEAR_RATIO = 4.0 / 3.0
+"""Largest K_t/K: 2(1-ν)/(2-ν) at ν = -1."""
 EMPTY = 1e-9
 """Of K_t: a level of less stiffness counts as empty; otherwise a rise by rounding would join two levels."""
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from demlaws.contact import Contact, Material, Surface, surface_of
 from demlaws.core.loops import clamped_roughness, loading_part, scale_contact
-from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, SLIP
+from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, LARGEST_SHEAR_RATIO, MOST_LEVELS, SLIP
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.errors import DemlawsError, did_you_mean, quiet
 from demlaws.files import names_a_file
@@ -26,9 +26,6 @@ from demlaws.yade.shear import MODES, SPRINGS, Levels
 EVERY = "*"
 """In place of a label: every material whose label is not listed."""
 FLATS = ("yade", "plane")
-MOST_LEVELS = 8
-LARGEST_SHEAR_RATIO = 4.0 / 3.0
-"""K_t/K of Poisson's ratio -1."""
 NOMINAL = {"radius": (5e-3, 5e-3), "modulus": (30e9, 30e9)}
 """Effective radius [m] and modulus [Pa] with which a law is made and checked where YADE's contacts are not known yet."""
 

@@ -115,7 +115,8 @@ template <class ABI> struct Granular {
             "-1 to 0.5");
       if (!demlaws::SpringRow::may_have(coeffs[SPRINGS])) refuse("springs must be an even number from 2 to 30");
       if (!demlaws::may_have_levels(coeffs[LEVELS])) refuse("levels must be a whole number from 1 to 8");
-      if (!(coeffs[RATIO] >= 0. && coeffs[RATIO] <= 4. / 3.)) refuse("shear_ratio must be above 0, at most 4/3");
+      if (!(coeffs[RATIO] >= 0. && coeffs[RATIO] <= demlaws::LARGEST_SHEAR_RATIO))
+        refuse("shear_ratio must be above 0, at most 4/3");
       this->num_coeffs = NUMBERS;
       if (coeffs[FINGERPRINT] != (double)table_.fingerprint())
         refuse("this is not the table that the restart file was written with: bring that file back, or begin anew from "
