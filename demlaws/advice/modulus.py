@@ -75,7 +75,7 @@ class Numbers(NamedTuple):
     branch: float  # relative error of stiffness if σ, hardness and yield pressure are left alone, at weak contacts
 
 
-class Curve(NamedTuple):
+class ErrorCurve(NamedTuple):
     """Measured errors against what causes them, made monotone: a power law between neighbours."""
 
     place: np.ndarray
@@ -93,25 +93,25 @@ class Curve(NamedTuple):
         return float(self.error[0] * (place / self.place[0]) ** min(max(power, 0.5), 1.0))
 
 
-class Curves(NamedTuple):
+class ErrorCurves(NamedTuple):
     """What the study measured of a quantity in a process."""
 
-    geometry: Curve  # over x
+    geometry: ErrorCurve  # over x
     chance: float  # scatter of one copy at full modulus
-    unbalanced: Curve  # unbalanced force over the mean force, over the same as `rate`
-    rate: Curve | None = None  # over y, in shear over I, at full modulus; None: the process has no rate
-    soft_rate: Curve | None = None  # the same of softer grains, against the same grains at `STEADY`
-    step: Curve | None = None  # over the step in the study's unit, against HALF; None: no other was run
+    unbalanced: ErrorCurve  # unbalanced force over the mean force, over the same as `rate`
+    rate: ErrorCurve | None = None  # over y, in shear over I, at full modulus; None: the process has no rate
+    soft_rate: ErrorCurve | None = None  # the same of softer grains, against the same grains at `STEADY`
+    step: ErrorCurve | None = None  # over the step in the study's unit, against HALF; None: no other was run
 
 
 @functools.cache
-def curves(process: str, quantity: str, unloads: bool) -> Curves:
-    """`Curves` of a quantity in a process, as `make trade` fitted them to runs in YADE."""
+def curves(process: str, quantity: str, unloads: bool) -> ErrorCurves:
+    """`ErrorCurves` of a quantity in a process, as `make trade` fitted them to runs in YADE."""
     data = kept()["curves"][process]
     entries = data["+".join(n for n in MEASURED[process][quantity] if unloads or n != "unloading")]
     points = {"unbalanced": data["unbalanced"], **entries}
-    fits = {name: Curve(*np.array(points[name])) for name in Curves._fields if name != "chance" and name in points}
-    return Curves(**fits, chance=entries["chance"])
+    fits = {name: ErrorCurve(*np.array(points[name])) for name in ErrorCurves._fields if name != "chance" and name in points}
+    return ErrorCurves(**fits, chance=entries["chance"])
 
 
 def numbers_of(scene: Scene, name: str, options: dict, factor: float, inertial: float) -> Numbers:

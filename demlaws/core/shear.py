@@ -29,7 +29,7 @@ class LoadingShear(NamedTuple):
     """The tangent of first loading at the force that the contact carries now."""
 
 
-class Choice(NamedTuple):
+class ShearChoice(NamedTuple):
     """What is known of a choice beside its kernel."""
 
     name: str
@@ -41,8 +41,8 @@ class Choice(NamedTuple):
 CHOICES = {
     choice.name: choice
     for choice in (
-        Choice("elastic", ElasticShear(), 1, "the stiffness with which the contact would unload now"),
-        Choice("loading", LoadingShear(), 2, "the tangent of first loading at the force carried now"),
+        ShearChoice("elastic", ElasticShear(), 1, "the stiffness with which the contact would unload now"),
+        ShearChoice("loading", LoadingShear(), 2, "the tangent of first loading at the force carried now"),
     )
 }
 """Name → the choices that any law and rule may take."""

@@ -59,7 +59,7 @@ bind(RowsShape, scale=_rows_scale)
 # --- one curve
 
 
-class Curve(NamedTuple):
+class PairCurve(NamedTuple):
     """s(u) of one pair, smooth; x = log2 u."""
 
     start: float  # u below which it is a power law
@@ -130,7 +130,7 @@ def _limit_force(rough):
 
 
 def _smooth(u, s, reach):
-    """A smooth monotone `Curve` through (u, s), up to `reach`, never steeper than Hertz.
+    """A smooth monotone `PairCurve` through (u, s), up to `reach`, never steeper than Hertz.
 
     ln s is a local parabola in ln u, wide enough to bridge the falls of force where patches merge. A slope ds/du above
     1 would be a contact stiffer than a smooth one at equal load, which comes from leaving the bulk rigid: it is cut to 1.
@@ -150,7 +150,7 @@ def _smooth(u, s, reach):
     steep = np.minimum(slope * 2.0 ** (value - fine), 1e6)
     steep /= (1.0 + steep**12) ** (1 / 12)
     rate = CubicSpline(fine, steep * 2.0**fine * math.log(2.0))
-    return Curve(2.0 ** fine[0], 2.0 ** x[-1], 2.0 ** value[0], rate.antiderivative(), rate)
+    return PairCurve(2.0 ** fine[0], 2.0 ** x[-1], 2.0 ** value[0], rate.antiderivative(), rate)
 
 
 def _local_parabola(x, y, at):
