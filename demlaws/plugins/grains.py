@@ -10,16 +10,15 @@ from pathlib import Path
 from typing import NamedTuple
 
 from demlaws.contact import DENSITY, Contact, Material, Surface, surface_of
+from demlaws.core.shear import LARGEST_SHEAR_RATIO, MOST_LEVELS
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
-from demlaws.laws.names import USUAL
+from demlaws.laws import USUAL
 from demlaws.make import known_unloading, rebound, unloading_of_case
 from demlaws.make import law as make_law
 from demlaws.timestep import timestep
 from demlaws.units import number, whole
-
-LARGEST_SHEAR_RATIO, MOST_LEVELS = 4.0 / 3.0, 8
 
 
 @dataclass(frozen=True)
