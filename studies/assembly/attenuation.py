@@ -17,6 +17,7 @@ import numpy as np
 from demlaws.lammps import run
 from demlaws.lammps.run import HEAD
 from demlaws.laws.names import HERTZ, POHRT_POPOV
+from studies.assembly.report import spread
 from studies.assembly.stiffness import moduli
 from studies.assembly.study import HERE, START, STORE, Series, append, begin, read
 from studies.trade.liggghts_oedometer import data_text
@@ -241,3 +242,46 @@ def run_waves(path=RESULTS, store=STORE, seeds=2, progress=print):
             if (kind, model.law, model.shear, seed) not in done:
                 append(path, FIELDS, list(rows(model._replace(seed=seed), store)))
                 progress(f"{kind} {' '.join(map(str, model._replace(seed=seed)))}")
+
+
+def shares(rows):
+    """(kind, law, shear, axis, amplitude) → pressures [kPa], share of each packing (pressures, packings), speeds."""
+    found = {}
+    for line in rows:
+        found.setdefault(tuple(line[name] for name in ("kind", "law", "shear", "axis", "amplitude")), []).append(line)
+    for key, lines in found.items():
+        pressures, seeds = (sorted({line[name] for line in lines}) for name in ("kPa", "seed"))
+        at = {(line["kPa"], line["seed"]): line for line in lines}
+        yield (
+            key,
+            np.array(pressures),
+            *(
+                np.array([[at[pressure, seed][name] for seed in seeds] for pressure in pressures])
+                for name in ("share", "speed")
+            ),
+        )
+
+
+def exponent(kind, pressures, share, speed):
+    """Exponents over pressure of α at one frequency (cycle) or of this pulse, one per packing."""
+    alpha = share / speed if kind == "cycle" else share
+    return np.polyfit(np.log(pressures), np.log(alpha), 1)[0]
+
+
+def table(path=RESULTS):
+    """Text: shares at each pressure (mean of the packings) and the exponent of α."""
+    lines = []
+    for (kind, law, shear, axis, amplitude), pressures, share, speed in shares(read(path)):
+        if not lines:
+            heads = " | ".join(f"{pressure:g} kPa" for pressure in pressures)
+            lines = [
+                f"| motion | law, shear | wave | amplitude | share, {heads} | exponent of α |",
+                "|---" * (5 + len(pressures)) + "|",
+            ]
+        size = f"{amplitude:g}" if kind == "cycle" else f"{1e3 * amplitude:g} mm/s"
+        cells = " | ".join(f"{value:.2g}" for value in share.mean(axis=1))
+        mean, off = spread(exponent(kind, pressures, share, speed))
+        text = f"{mean:+.2f}" + ("" if np.isnan(off) else f" ± {off:.2f}")
+        wave = "longitudinal" if axis == "z" else "transverse"
+        lines.append(f"| {kind} | {law}, {shear} | {wave} | {size} | {cells} | {text} |")
+    return "\n".join(lines)

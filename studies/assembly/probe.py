@@ -1,7 +1,7 @@
 """Moduli by small strains, beside those of the linearised stiffness of the same contacts; rows in `probes.csv`.
 
-Spheres are strained in LAMMPS. Clumps are strained by `march`: in LAMMPS the velocities of a body that lies across a face of a
-periodic box lack the share of fix deform, and the moduli of clumps are wrong by a quarter.
+Spheres are strained in LAMMPS, clumps by `march`. With fix rigid/small LAMMPS gives 13 % less for M and 24 % less for G of
+clumps, most likely because the velocities of a clump across a face of the box lack the share of fix deform.
 """
 
 import tempfile

@@ -204,7 +204,7 @@ def wanted(count, seeds):
         (MORE, 1, "loose", PATHS[::-1]),
         (CORE, seeds, "loose", PATHS),
         (MORE, few, "loose", PATHS),
-        (OF_CLUMPS, few, "dense", PATHS),
+        (OF_CLUMPS, two, "dense", PATHS),
         (OF_CLUMPS, two, "loose", PATHS),
     ):
         for seed, case, path in itertools.product(range(1, last + 1), chosen, paths):
