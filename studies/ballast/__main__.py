@@ -49,6 +49,7 @@ def run(arguments):
     if not arguments.quick:
         for text in (report.effects, report.many, report.sensitivity, report.costs, report.course):
             print("\n" + text(rows))
+        print("\n" + report.repeats(rows, read(cycles.REPEATS)))
     if arguments.table is not None:
         print(report.save(rows, arguments.table))
     if arguments.figure is not None:

@@ -20,6 +20,8 @@ from studies.ballast import bed
 
 HERE = Path(__file__).parent
 RESULTS = HERE / "cycles.csv"
+REPEATS = HERE / "repeats.csv"
+"""Two beds of an earlier version of `bed`, whose formula of the load was equal but for rounding."""
 STORE = Path("results") / "ballast"
 LOW, HIGH = 20e3, 200e3  # [Pa]
 STAGES = (35e3, 60e3, 100e3, 200e3)

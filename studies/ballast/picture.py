@@ -5,6 +5,7 @@ import numpy as np
 from studies.ballast.cycles import STAGES
 from studies.ballast.report import LONGEST, dissipation, fit, longest, main_cycles, moduli, series, settlement
 
+UNKNOWN = (("friction and damping", 100.0, "0.7"),)
 STYLES = {"default": "-", "mindlin": "--", "slip": ":"}
 
 
@@ -32,7 +33,7 @@ def _settlements(ax, found, looks):
         if len(beds) > 1 and kind.shear == "default":
             ax.fill_between(number, settled.min(axis=0), settled.max(axis=0), color=more["color"], alpha=0.12, lw=0)
     ax.set(xscale="log", yscale="log", xlabel="cycle", ylabel="settlement (µm)", title="settlement; in brackets: packings")
-    ax.set_ylim(ax.get_ylim()[0], 20.0 * ax.get_ylim()[1])
+    ax.set_ylim(ax.get_ylim()[0], 8.0 * ax.get_ylim()[1])
     ax.legend(fontsize=6, ncols=2, loc="upper left")
 
 
@@ -69,18 +70,18 @@ def _moduli(ax, found, looks):
 
 
 def _dissipation(ax, found):
-    """Friction, plastic flow and damping of a cycle, and of the first one (pale) as far as it fits."""
+    """Friction, plastic flow and damping of a cycle, mean of the packings."""
     kinds = [kind for kind in found if not np.isnan(dissipation(next(iter(found[kind].values()))).total)]
     for place, kind in enumerate(kinds[::-1]):
         mean = np.mean([dissipation(one) for one in found[kind].values()], axis=0)
         total, shares = mean[0], np.array(mean[1:4])
-        names = ("friction", "plastic flow", "damping") if not np.isnan(shares).any() else ("friction and damping",)
-        parts = shares if len(names) == 3 else [100.0]
         left = 0.0
-        for name, part, colour in zip(names, parts, ("C0", "C3", "C2") if len(names) == 3 else ("0.7",), strict=True):
+        known = not np.isnan(shares).any()
+        parts = zip(("friction", "plastic flow", "damping"), shares, ("C0", "C3", "C2"), strict=True) if known else UNKNOWN
+        for name, part, colour in parts:
             label = name if name not in ax.get_legend_handles_labels()[1] else None
             ax.barh(place, 0.01 * part * total, left=left, color=colour, label=label, height=0.7)
             left += 0.01 * part * total
-    ax.set_yticks(range(len(kinds)), [str(kind) for kind in kinds[::-1]], fontsize=6)
+    ax.set_yticks(range(len(kinds)), [str(kind).replace(", ", "\n", 1) for kind in kinds[::-1]], fontsize=6)
     ax.set(xlabel="dissipated in a cycle (mJ), cycles 15 to 30", title="where the energy goes")
     ax.legend(fontsize=7)

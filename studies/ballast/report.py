@@ -205,6 +205,18 @@ def save(rows, path):
     return path
 
 
+def repeats(rows, again):
+    """Text: settlement of beds, and of a repetition with the formula of the load written differently (rounding)."""
+    lines = ["| bed, seed | run | settled (µm), N = 1 | 30 | 100 | 200 |", "|---|---|---|---|---|---|"]
+    found = series(rows)
+    for kind, beds in series(again).items():
+        for seed in beds.keys() & found.get(kind, {}).keys():
+            for name, one in (("of the tables", found[kind][seed]), ("repetition", beds[seed])):
+                cells = " | ".join(f"{settlement(one, number):.3g}" for number in (1, 30, 100, 200))
+                lines.append(f"| {kind}, {seed} | {name} | {cells} |")
+    return "\n".join(lines)
+
+
 def seconds(rows):
     """Time [s] of all cycles of a bed."""
     cycle, each = np.array([(row["cycle"], row["seconds"]) for row in rows]).T
@@ -248,16 +260,16 @@ def effects(rows):
     """Text: changes in percent, of the same seeds; bold: more than twice the scatter of packings."""
     found = series(rows)
     off = {name: scatter(found, function) for name, function in MEASURES.items()}
-    lines = ["| change (%) | " + " | ".join(MEASURES) + " |", "|---" * (1 + len(MEASURES)) + "|"]
+    lines = ["| change (%) | seeds | " + " | ".join(MEASURES) + " |", "|---" * (2 + len(MEASURES)) + "|"]
     for what, (before, after) in EFFECTS.items():
         common, cells = found.get(before, {}).keys() & found.get(after, {}).keys(), []
         if common:
             for name, function in MEASURES.items():
                 old, new = (np.mean([function(found[kind][seed]) for seed in common]) for kind in (before, after))
-                text = f"{100.0 * (new / old - 1.0):+.0f}"
+                text = "–" if np.isnan(new / old) else f"{100.0 * (new / old - 1.0):+.0f}"
                 cells.append(f"**{text}**" if abs(new / old - 1.0) > 2.0 * off[name] else text)
-            lines.append(f"| {what} | " + " | ".join(cells) + " |")
-    lines.append("| twice the scatter of packings | " + " | ".join(f"{200.0 * value:.0f}" for value in off.values()) + " |")
+            lines.append(f"| {what} | {len(common)} | " + " | ".join(cells) + " |")
+    lines.append("| twice the scatter of packings | | " + " | ".join(f"{200.0 * value:.0f}" for value in off.values()) + " |")
     return "\n".join(lines)
 
 
