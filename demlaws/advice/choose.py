@@ -355,6 +355,8 @@ class _Evaluator:
         if not find(plan.name).collapses:
             if np.ptp(contact.radius) > 0.0:
                 raise NeedsClasses(f"no table: {_NO_TABLE}")
+            if self.scene.engine == "yade" and len(self.scene.pair_radii()) > 1:
+                raise NeedsClasses(f"no table: {_ONE_SIZE}, and YADE takes one per pair of materials")
             contact = contact.with_values(radius=float(contact.radius[0]))
         return plan.bind(contact, self.max_force)
 

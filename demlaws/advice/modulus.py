@@ -163,27 +163,27 @@ class Advice(NamedTuple):
     def lines(self) -> list[str]:
         """As text."""
         n, scaled = self.numbers, Softening(self.factor)
-        first = "full modulus: softer grains would cost more than they save within this tolerance"
+        first = "full modulus: within this tolerance softer grains save no steps"
         if not self.measured:
-            first = "full modulus: what softer grains cost of this quantity in this process has not been measured"
+            first = "full modulus: the error of softer grains has not been measured for this quantity and process"
         if self.factor != 1.0:
             first = (
-                f"modulus / {self.factor:g} (σ, hardness, yield pressure scaled along: demlaws soften), time step × "
-                f"{scaled.step:.3g}"
+                f"divide the modulus by {self.factor:g} (demlaws soften: roughness, hardness and yield pressure too); the time "
+                f"step grows by {scaled.step:.3g}"
             )
         lines = [first, f"  time step {self.dt:.3g} s, {self.part:.2g} of the estimated stability limit"]
         numbers = f"κ_K = {n.kappa:.3g}, overlap/diameter {n.depth:.2g}"
         if self.scene.process != "pour":
             force = "" if self.unbalanced != self.unbalanced else f", unbalanced force up to {self.unbalanced:.2g} of the mean"
             numbers = f"strain rate up to {self.rate:.3g} 1/s (I = {self.inertial:.2g}{force}); {numbers}"
-        to = {"oedometer": "to the stress", "pour": "of the fall"}.get(self.scene.process, "to a given strain")
         lines.append(f"  {numbers}")
-        lines.append(f"  steps {to} × {self.steps:.2g} of full modulus at I = {STEADY:g} and {STANDARD:.2g} of the limit")
+        slow = "" if self.scene.process == "pour" else f" at I = {STEADY:g}"
+        lines.append(f"  needs {self.steps:.2g} times the steps of an unsoftened run{slow} with {STANDARD:.2g} of the limit")
         if not self.measured:
-            return [*lines, f"  no error is predicted: I ≤ {QUASISTATIC:g} is the literature's bound of quasi-static loading"]
+            return [*lines, f"  no predicted error; I ≤ {QUASISTATIC:g} is quasi-static loading in the literature"]
         causes = [(self.geometry, "geometry"), (self.waves, "rate"), (self.coarse, "time step")]
         of = ", ".join(f"{name} {100 * error:.2g} %" for error, name in causes)
-        alone = "" if self.factor == 1.0 else f"; with E alone softened {100 * self.left_alone:.2g} %"
+        alone = "" if self.factor == 1.0 else f"; {100 * self.left_alone:.2g} % if only E is divided"
         return [*lines, f"  predicted error of the packing's {self.what}: {100 * self.error:.2g} % ({of}){alone}"]
 
 

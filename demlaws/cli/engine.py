@@ -8,7 +8,7 @@ import sys
 from demlaws.cli import Parser, example, option
 from demlaws.cli.arguments import density, force, law_name, length, plain, pressure, whole
 from demlaws.cli.contact import law_of_unloading
-from demlaws.cli.output import output, record
+from demlaws.cli.output import output, record, say
 from demlaws.errors import DemlawsError
 from demlaws.laws import USUAL
 
@@ -123,7 +123,7 @@ def _add_convert(parts, name):
         out, conversion = convert_file(arguments.input, name, arguments.table, out=out)
         record(file=out, notes=conversion.notes)
         last = "no line converted, no file written" if out is None else f"wrote {out}"
-        print("\n".join([*conversion.report(arguments.input), last]))
+        say("\n".join([*conversion.report(arguments.input), last]))
         return 0 if conversion.complete else 1
 
     converts = parts.add_parser(

@@ -159,8 +159,8 @@ def run_test(name, test):
         warnings.simplefilter("always", ValidityWarning)
         bound = bind(name, test)
         paths = tuple(protocol(bound, stage) for stage in test.stages)
-    messages = [str(w.message) for w in caught if not isinstance(w.message, LargeOverlap)]
-    return Run(test, bound, paths), messages
+    messages = dict.fromkeys(str(w.message) for w in caught if not isinstance(w.message, LargeOverlap))
+    return Run(test, bound, paths), list(messages)
 
 
 def displacement_gained(bound, low=0.1, high=100.0):

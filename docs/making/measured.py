@@ -59,7 +59,7 @@ def report(folder, out, printed):
         (folder / picture.name).write_bytes(picture.read_bytes())
     from making.apart import report_apart
 
-    page, rows, sources = report_apart(text)
+    page, rows, sources = report_apart(text.replace(" report.csv", " [report.csv](report.csv)"))
     (folder / "report.csv").write_text(rows)
     (folder / "report-sources.csv").write_text(sources)
     return page

@@ -120,6 +120,15 @@ def test_auto_falls_back_visibly(omega, monkeypatch):
     assert omega.interactions[0, 1].phys.normalForce.norm() == pytest.approx(law.contacts().force[0], rel=1e-13)
 
 
+def test_the_self_test_has_a_periodic_cell_of_the_size_of_its_spheres(tmp_path):
+    """From 0.2 m the first law of a process could not be made: YADE's cell of 1 m was too small for them."""
+    spheres = (
+        "from yade_scenes import *\nyade.O.bodies.append([sphere((0, 0, n), 0.3, material=material()) for n in range(2)])\n"
+    )
+    law = "print(functor('hertz', 'elastic', None, smooth=True, bridge='native').binding.attachment is not None)"
+    assert "True" in under_yade(spheres + law, tmp_path).stdout
+
+
 @pytest.mark.parametrize("way", ["native", "public"])
 def test_contacts_that_are_cleared_after_loading_begin_again(omega, tmp_path, way):
     """The public way gave a contact that was cleared and made again the largest overlap of the saved one."""

@@ -1,0 +1,287 @@
+"""Energy that friction and partial slip take from small waves, in LAMMPS without viscous damping; rows in `attenuation.csv`.
+
+- cycle: a packing is compressed along z with friction to each pressure, and strained to and fro there. share: energy that a
+  cycle dissipates over the largest elastic energy, ½ M ε² V.
+- pulse: a pulse in a column of packings at rest without shear forces, as in the case `waves`. share: energy dissipated
+  on the way from NEAR to FAR over the energy of the pulse.
+
+The amplitude of a wave of frequency f and speed c falls by exp(-α x) with α = share f/(2 c) (cycle), share/(2 x) (pulse).
+"""
+
+import tempfile
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from demlaws.lammps import run
+from demlaws.lammps.run import HEAD
+from demlaws.laws import HERTZ, POHRT_POPOV
+from studies.assembly.report import spread
+from studies.assembly.stiffness import moduli
+from studies.assembly.study import HERE, START, STORE, Series, append, begin, read
+from studies.trade.liggghts_oedometer import data_text
+
+RESULTS = HERE / "attenuation.csv"
+PRESSURES = (10e3, 20e3, 50e3, 100e3)
+STRAINS = (1e-6, 1e-5)
+SPEEDS = (0.5e-3, 5e-3)
+"""Amplitudes of the strain of a cycle, and of the velocity of a pulse at the start [m/s]."""
+COUNT, BOXES = 400, 10  # spheres of a packing, packings in the column
+WIDTH, LAYER, NEAR, FAR = 5e-3, 1e-3, 10e-3, 22e-3  # [m] of the pulse
+PERIOD, REST = 3000, 8000  # steps
+SHEAR = {"default": "", "slip": " shear slip"}
+AXES = {"z": "z", "x": "xz"}
+"""Polarisation of the wave → axis of fix deform."""
+FIELDS = (
+    "kind",
+    "law",
+    "sigma_um",
+    "shear",
+    "seed",
+    "kPa",
+    "axis",
+    "amplitude",
+    "modulus_MPa",
+    "speed",
+    "share",
+    "height",
+    "steps",
+)
+
+GROUND = """\
+boundary        p p p
+newton          on
+read_data       start.data
+{column}
+neighbor        5e-5 bin
+neigh_modify    delay 0
+pair_style      granular
+pair_coeff      * * demlaws/table pair.tbl {young:.10g} 0 {poisson}{words} tangential demlaws 0 {friction:g} damping velocity
+timestep        {dt:.10g}
+fix             move all nve/sphere
+"""
+BEGIN = """\
+fix             drag all viscous {drag:.10g}
+fix             turn all viscous/sphere {turn:.10g}
+compute         press all pressure NULL virial
+variable        z equal c_press[3]
+variable        xz equal c_press[5]
+variable        phase equal 0
+variable        lost equal 0
+thermo_style    custom step v_phase v_z v_xz vol v_lost
+thermo_modify   norm no lost error format float %.17g
+thermo          1000
+"""
+COMPRESS = """\
+fix             strain all deform 1 z erate {rate:.10g} units box remap v
+fix             there all halt 20 v_z > {pressure:.10g} error continue
+run             200000
+unfix           there
+unfix           strain
+run             {rest}
+"""
+CYCLES = """\
+variable        phase equal {phase}
+variable        size equal $({strain:.10g}*lz)
+fix             strain all deform 1 {axis} wiggle ${{size}} $({period}*dt) remap v
+thermo          {every}
+run             {steps}
+unfix           strain
+variable        phase equal 0
+thermo          1000
+run             1000
+"""
+ENERGY = "compute         energy all demlaws/energy\nvariable        lost equal c_energy[2]\nrun             0\n"
+PULSE = """\
+variable        pulse atom {amplitude:.10g}/exp(((z-0.5*lz)/{width})^2)
+variable        none atom 0
+velocity        all set {velocity}
+compute         layers all chunk/atom bin/1d z lower {layer} units box
+fix             motion all ave/chunk 1 1 1 layers v{axis} norm sample file post/motion.txt
+compute         moves all ke
+compute         energy all demlaws/energy
+variable        lost equal c_energy[2]
+thermo_style    custom step dt c_moves v_lost
+thermo_modify   norm no lost error format float %.17g
+thermo          1
+run             {steps}
+"""
+
+
+class Model(NamedTuple):
+    """Law, combined roughness [µm], shear model, packing."""
+
+    law: str = HERTZ
+    sigma: float = 0.0
+    shear: str = "default"
+    seed: int = 1
+
+    def series(self, count):
+        """`Series` of the packing."""
+        return Series(law=self.law, sigma=self.sigma, count=count, seed=self.seed)
+
+
+MODELS = tuple(Model(*law, shear) for shear in SHEAR for law in ((HERTZ, 0.0), (POHRT_POPOV, 0.5)))
+
+
+def ground(folder, model, packing, frequency, column):
+    """Write table and data of a packing; input up to the motion, with steps of a fifth of 1/frequency."""
+    bead = packing.bead
+    (folder / "post").mkdir()
+    packing.law.tabulate(rtol=1e-7).save(folder / "pair.tbl")
+    atoms = [(1, bead.diameter, bead.density, *place) for place in packing.bodies[0]]
+    (folder / "start.data").write_text(data_text([(0.0, side) for side in packing.size], atoms, types=1))
+    about = {"young": bead.young, "poisson": bead.poisson, "friction": bead.friction, "words": SHEAR[model.shear]}
+    return HEAD + GROUND.format(column=column, dt=0.2 / frequency, **about)
+
+
+def frequency_at(packing, pressure):
+    """√(K/m) [1/s] of contacts of ten times the mean force."""
+    law, bead = packing.law, packing.bead
+    return float(np.sqrt(law.stiffness(law.overlap(10.0 * pressure * bead.diameter**2)) / bead.mass))
+
+
+def cycles(model, store=STORE, count=COUNT, pressures=PRESSURES, strains=STRAINS):
+    """Rows of `cycle`."""
+    packing, keys = begin(model.series(count), store), []
+    packing.compress([START] * 3)
+    bead, frequency = packing.bead, frequency_at(packing, pressures[-1])
+    with tempfile.TemporaryDirectory() as name:
+        folder, drag = Path(name), 0.03 * bead.mass * frequency
+        text = ground(folder, model, packing, frequency, "change_box      all triclinic")
+        text += BEGIN.format(drag=drag, turn=0.1 * drag * bead.diameter**2)
+        for pressure in pressures:
+            rate = -2e-4 / bead.diameter * np.sqrt(pressure / bead.density)
+            text += COMPRESS.format(rate=rate, pressure=pressure, rest=REST) + ENERGY * (not keys)
+            for strain, (axis, side) in ((strain, pair) for strain in strains for pair in AXES.items()):
+                keys.append((pressure, axis, strain))
+                text += CYCLES.format(
+                    phase=len(keys), strain=strain, axis=side, period=PERIOD, steps=2 * PERIOD, every=PERIOD // 100
+                )
+        (folder / "in.cycles").write_text(text)
+        log = run(folder / "in.cycles")
+    for number, (pressure, axis, strain) in enumerate(keys, start=1):
+        last = np.flatnonzero(log["phase"] == number)[-101:]
+        turn = 2.0 * np.pi * np.arange(100) / 100
+        modulus = abs(2.0 * np.mean(log[AXES[axis]][last[:-1]] * np.sin(turn))) / strain
+        volume, lost = log["Volume"][last].mean(), log["lost"][last[-1]] - log["lost"][last[0]]
+        density = count * bead.mass / volume
+        yield row(
+            "cycle",
+            model,
+            pressure,
+            axis,
+            strain,
+            modulus,
+            np.sqrt(modulus / density),
+            2.0 * lost / (modulus * strain**2 * volume),
+            log,
+        )
+
+
+def row(kind, model, pressure, axis, amplitude, modulus, speed, share, log, height=np.nan):
+    """A row (dict)."""
+    about = (kind, *model, 1e-3 * pressure, axis, amplitude, 1e-6 * modulus, speed, share, height, int(log["Step"][-1]))
+    return dict(zip(FIELDS, about, strict=True))
+
+
+def at_rest(model, pressure, store=STORE, count=COUNT):
+    """A packing in isotropic compression without shear forces, its forces in balance to rounding."""
+    packing = begin(model.series(count), store)
+    packing.friction = 0.0
+    packing.compress([pressure] * 3, balance=1e-4)
+    frequency = np.sqrt(packing.results[5] / packing.bead.mass)
+    packing.friction, packing.contacts[:, :3] = 1e9, 0.0
+    packing.run(20_000, [0.0] * 3, 0.0, 0.0, 0.1 * frequency, 0.3 / frequency)
+    return packing
+
+
+def pulse(model, packing, pressure, axis, amplitude):
+    """A row of `pulse`."""
+    found = moduli(packing.carrying(), packing.size, packing.bead.shear_ratio)
+    modulus = found.along if axis == "z" else found.across
+    speed = np.sqrt(modulus / (packing.solid * packing.bead.density))
+    frequency = np.sqrt(packing.results[5] / packing.bead.mass)
+    steps, velocity = (
+        round(1.3 * FAR / speed * frequency / 0.2),
+        "v_none v_none v_pulse" if axis == "z" else "v_pulse v_none v_none",
+    )
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        text = ground(folder, model, packing, frequency, f"replicate       1 1 {BOXES}")
+        values = {"width": WIDTH, "layer": LAYER, "axis": axis, "steps": steps, "velocity": velocity}
+        (folder / "in.pulse").write_text(text + PULSE.format(amplitude=amplitude, **values))
+        log = run(folder / "in.pulse")
+        lines = [line.split() for line in (folder / "post" / "motion.txt").read_text().splitlines() if line[0] != "#"]
+    cells = np.array([line for line in lines if len(line) == 4], float).reshape(-1, int(lines[0][1]), 4)
+    places, velocities = cells[0, :, 1] - 0.5 * (cells[0, 0, 1] + cells[0, -1, 1]), cells[:, :, 3]
+    near, far = (
+        np.mean([[np.interp(side * place, places, v) for v in velocities] for side in (-1, 1)], axis=0) for place in (NEAR, FAR)
+    )
+    first, last = (np.argmax(signal) for signal in (near, far))
+    share = (log["lost"][last] - log["lost"][first]) / log["moves"][0]
+    flight = (FAR - NEAR) / ((last - first) * log["Dt"][0])
+    return row("pulse", model, pressure, axis, amplitude, modulus, flight, share, log, far.max() / near.max())
+
+
+def pulses(model, store=STORE, pressures=PRESSURES, speeds=SPEEDS):
+    """Rows of `pulse`."""
+    for pressure in pressures:
+        packing = at_rest(model, pressure, store)
+        for axis in AXES:
+            for amplitude in speeds:
+                yield pulse(model, packing, pressure, axis, amplitude)
+
+
+def run_waves(path=RESULTS, store=STORE, seeds=2, progress=print):
+    """Rows that `path` lacks."""
+    done = {(line["kind"], line["law"], line["shear"], line["seed"]) for line in read(path)}
+    for kind, rows, seed in (("cycle", cycles, 1), ("pulse", pulses, 1), *(("cycle", cycles, n) for n in range(2, seeds + 1))):
+        for model in MODELS:
+            if (kind, model.law, model.shear, seed) not in done:
+                append(path, FIELDS, list(rows(model._replace(seed=seed), store)))
+                progress(f"{kind} {' '.join(map(str, model._replace(seed=seed)))}")
+
+
+def shares(rows):
+    """(kind, law, shear, axis, amplitude) → pressures [kPa], share of each packing (pressures, packings), speeds."""
+    found = {}
+    for line in rows:
+        found.setdefault(tuple(line[name] for name in ("kind", "law", "shear", "axis", "amplitude")), []).append(line)
+    for key, lines in found.items():
+        pressures, seeds = (sorted({line[name] for line in lines}) for name in ("kPa", "seed"))
+        at = {(line["kPa"], line["seed"]): line for line in lines}
+        yield (
+            key,
+            np.array(pressures),
+            *(
+                np.array([[at[pressure, seed][name] for seed in seeds] for pressure in pressures])
+                for name in ("share", "speed")
+            ),
+        )
+
+
+def exponent(kind, pressures, share, speed):
+    """Exponents over pressure of α at one frequency (cycle) or of this pulse, one per packing."""
+    alpha = share / speed if kind == "cycle" else share
+    return np.polyfit(np.log(pressures), np.log(alpha), 1)[0]
+
+
+def table(path=RESULTS):
+    """Text: shares at each pressure (mean of the packings) and the exponent of α."""
+    lines = []
+    for (kind, law, shear, axis, amplitude), pressures, share, speed in shares(read(path)):
+        if not lines:
+            heads = " | ".join(f"{pressure:g} kPa" for pressure in pressures)
+            lines = [
+                f"| motion | law, shear | wave | amplitude | share, {heads} | exponent of α |",
+                "|---" * (5 + len(pressures)) + "|",
+            ]
+        size = f"{amplitude:g}" if kind == "cycle" else f"{1e3 * amplitude:g} mm/s"
+        cells = " | ".join(f"{value:.2g}" for value in share.mean(axis=1))
+        mean, off = spread(exponent(kind, pressures, share, speed))
+        text = f"{mean:+.2f}" + ("" if np.isnan(off) else f" ± {off:.2f}")
+        wave = "longitudinal" if axis == "z" else "transverse"
+        lines.append(f"| {kind} | {law}, {shear} | {wave} | {size} | {cells} | {text} |")
+    return "\n".join(lines)
