@@ -324,8 +324,7 @@ class Contact:
         if fractal_dimension is None:
             fractal_dimension = first.combined(second).fractal_dimension
         if hardness is None:
-            hardnesses = first.hardness or material1.hardness, second.hardness or material2.hardness
-            hardness = min((h for h in hardnesses if h is not None), default=None)
+            hardness = softer_hardness((material1, first), (material2, second))
         combined = {
             "radius": effective_radius(radius1, radius2),
             "modulus": effective_modulus(material1, material2),
@@ -412,6 +411,12 @@ def surface_of(material: Material) -> Surface:
     if isinstance(material.surface, Unknown):
         raise DemlawsError(str(material.surface))
     return material.surface or Surface()
+
+
+def softer_hardness(*bodies: tuple[Material, Surface]) -> float | None:
+    """Hardness [Pa] of the softer of two bodies: its surface's, else its material's; None where none is known."""
+    hardnesses = (surface.hardness or material.hardness for material, surface in bodies)
+    return min((hardness for hardness in hardnesses if hardness is not None), default=None)
 
 
 def _surface_in(name: str, material: Any, roughness: Any) -> Surface:
