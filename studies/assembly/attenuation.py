@@ -8,6 +8,7 @@
 The amplitude of a wave of frequency f and speed c falls by exp(-α x) with α = share f/(2 c) (cycle), share/(2 x) (pulse).
 """
 
+import itertools
 import tempfile
 from pathlib import Path
 from typing import NamedTuple
@@ -125,15 +126,15 @@ class Model(NamedTuple):
 MODELS = tuple(Model(*law, shear) for shear in SHEAR for law in ((HERTZ, 0.0), (POHRT_POPOV, 0.5)))
 
 
-def ground(folder, model, packing, frequency, column):
-    """Write table and data of a packing; input up to the motion, with steps of a fifth of 1/frequency."""
+def ground(folder, model, packing, frequency, column, step=0.2):
+    """Write table and data of a packing; input up to the motion, with steps of `step`/frequency."""
     bead = packing.bead
     (folder / "post").mkdir()
     packing.law.tabulate(rtol=1e-7).save(folder / "pair.tbl")
     atoms = [(1, bead.diameter, bead.density, *place) for place in packing.bodies[0]]
     (folder / "start.data").write_text(data_text([(0.0, side) for side in packing.size], atoms, types=1))
     about = {"young": bead.young, "poisson": bead.poisson, "friction": bead.friction, "words": SHEAR[model.shear]}
-    return HEAD + GROUND.format(column=column, dt=0.2 / frequency, **about)
+    return HEAD + GROUND.format(column=column, dt=step / frequency, **about)
 
 
 def frequency_at(packing, pressure):
@@ -142,7 +143,7 @@ def frequency_at(packing, pressure):
     return float(np.sqrt(law.stiffness(law.overlap(10.0 * pressure * bead.diameter**2)) / bead.mass))
 
 
-def cycles(model, store=STORE, count=COUNT, pressures=PRESSURES, strains=STRAINS):
+def cycles(model, store=STORE, count=COUNT, pressures=PRESSURES, strains=STRAINS, period=PERIOD):
     """Rows of `cycle`."""
     packing, keys = begin(model.series(count), store), []
     packing.compress([START] * 3)
@@ -157,7 +158,7 @@ def cycles(model, store=STORE, count=COUNT, pressures=PRESSURES, strains=STRAINS
             for strain, (axis, side) in ((strain, pair) for strain in strains for pair in AXES.items()):
                 keys.append((pressure, axis, strain))
                 text += CYCLES.format(
-                    phase=len(keys), strain=strain, axis=side, period=PERIOD, steps=2 * PERIOD, every=PERIOD // 100
+                    phase=len(keys), strain=strain, axis=side, period=period, steps=2 * period, every=period // 100
                 )
         (folder / "in.cycles").write_text(text)
         log = run(folder / "in.cycles")
@@ -197,19 +198,19 @@ def at_rest(model, pressure, store=STORE, count=COUNT):
     return packing
 
 
-def pulse(model, packing, pressure, axis, amplitude):
+def pulse(model, packing, pressure, axis, amplitude, step=0.2):
     """A row of `pulse`."""
     found = moduli(packing.carrying(), packing.size, packing.bead.shear_ratio)
     modulus = found.along if axis == "z" else found.across
     speed = np.sqrt(modulus / (packing.solid * packing.bead.density))
     frequency = np.sqrt(packing.results[5] / packing.bead.mass)
     steps, velocity = (
-        round(1.3 * FAR / speed * frequency / 0.2),
+        round(1.3 * FAR / speed * frequency / step),
         "v_none v_none v_pulse" if axis == "z" else "v_pulse v_none v_none",
     )
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        text = ground(folder, model, packing, frequency, f"replicate       1 1 {BOXES}")
+        text = ground(folder, model, packing, frequency, f"replicate       1 1 {BOXES}", step)
         values = {"width": WIDTH, "layer": LAYER, "axis": axis, "steps": steps, "velocity": velocity}
         (folder / "in.pulse").write_text(text + PULSE.format(amplitude=amplitude, **values))
         log = run(folder / "in.pulse")
@@ -234,54 +235,71 @@ def pulses(model, store=STORE, pressures=PRESSURES, speeds=SPEEDS):
                 yield pulse(model, packing, pressure, axis, amplitude)
 
 
-def run_waves(path=RESULTS, store=STORE, seeds=2, progress=print):
+def sensitive(model, store=STORE):
+    """Rows of one pulse with half the step and of the cycles at one pressure at half the speed."""
+    pressure = PRESSURES[0]
+    packing = at_rest(model, pressure, store)
+    yield pulse(model, packing, pressure, "z", SPEEDS[1], step=0.1) | {"kind": SETTINGS[0]}
+    for one in cycles(model, store, pressures=(pressure,), period=2 * PERIOD):
+        yield one | {"kind": SETTINGS[1]}
+
+
+SETTINGS = ("pulse, half the step", "cycle, half the speed")
+
+
+def run_waves(path=RESULTS, store=STORE, seeds=1, progress=print):
     """Rows that `path` lacks."""
     done = {(line["kind"], line["law"], line["shear"], line["seed"]) for line in read(path)}
-    for kind, rows, seed in (("cycle", cycles, 1), ("pulse", pulses, 1), *(("cycle", cycles, n) for n in range(2, seeds + 1))):
-        for model in MODELS:
-            if (kind, model.law, model.shear, seed) not in done:
-                append(path, FIELDS, list(rows(model._replace(seed=seed), store)))
-                progress(f"{kind} {' '.join(map(str, model._replace(seed=seed)))}")
+    kinds = {"cycle": cycles, "pulse": pulses}
+    for seed, (kind, rows), model in itertools.product(range(1, seeds + 1), kinds.items(), MODELS):
+        if (kind, model.law, model.shear, seed) not in done:
+            append(path, FIELDS, list(rows(model._replace(seed=seed), store)))
+            progress(f"{kind} {' '.join(map(str, model._replace(seed=seed)))}")
+    if SETTINGS[0] not in {line["kind"] for line in read(path)}:
+        append(path, FIELDS, list(sensitive(Model(shear="slip"), store)))
 
 
-def shares(rows):
-    """(kind, law, shear, axis, amplitude) → pressures [kPa], share of each packing (pressures, packings), speeds."""
-    found = {}
-    for line in rows:
-        found.setdefault(tuple(line[name] for name in ("kind", "law", "shear", "axis", "amplitude")), []).append(line)
-    for key, lines in found.items():
-        pressures, seeds = (sorted({line[name] for line in lines}) for name in ("kPa", "seed"))
-        at = {(line["kPa"], line["seed"]): line for line in lines}
-        yield (
-            key,
-            np.array(pressures),
-            *(
-                np.array([[at[pressure, seed][name] for seed in seeds] for pressure in pressures])
-                for name in ("share", "speed")
-            ),
-        )
-
-
-def exponent(kind, pressures, share, speed):
-    """Exponents over pressure of α at one frequency (cycle) or of this pulse, one per packing."""
-    alpha = share / speed if kind == "cycle" else share
-    return np.polyfit(np.log(pressures), np.log(alpha), 1)[0]
+def exponent(lines):
+    """Exponents over pressure of α at one frequency (cycle) or of one pulse: mean and standard deviation of the packings."""
+    found = []
+    for seed in sorted({line["seed"] for line in lines}):
+        chosen = [line for line in lines if line["seed"] == seed]
+        alpha = [line["share"] / (line["speed"] if line["kind"] == "cycle" else 1.0) for line in chosen]
+        found.append(np.polyfit(np.log([line["kPa"] for line in chosen]), np.log(alpha), 1)[0])
+    return spread(found)
 
 
 def table(path=RESULTS):
-    """Text: shares at each pressure (mean of the packings) and the exponent of α."""
-    lines = []
-    for (kind, law, shear, axis, amplitude), pressures, share, speed in shares(read(path)):
-        if not lines:
-            heads = " | ".join(f"{pressure:g} kPa" for pressure in pressures)
-            lines = [
-                f"| motion | law, shear | wave | amplitude | share, {heads} | exponent of α |",
-                "|---" * (5 + len(pressures)) + "|",
-            ]
-        size = f"{amplitude:g}" if kind == "cycle" else f"{1e3 * amplitude:g} mm/s"
-        cells = " | ".join(f"{value:.2g}" for value in share.mean(axis=1))
-        mean, off = spread(exponent(kind, pressures, share, speed))
-        text = f"{mean:+.2f}" + ("" if np.isnan(off) else f" ± {off:.2f}")
-        wave = "longitudinal" if axis == "z" else "transverse"
-        lines.append(f"| {kind} | {law}, {shear} | {wave} | {size} | {cells} | {text} |")
-    return "\n".join(lines)
+    """Text: shares of longitudinal waves of the larger amplitude (mean of the packings), exponents of α of all waves."""
+    rows, pressures = read(path), [1e-3 * pressure for pressure in PRESSURES]
+    heads = [f"share, {pressure:g} kPa" for pressure in pressures]
+    heads += [f"exponent, {size}, {way}" for size in ("larger", "small") for way in ("longitudinal", "transverse")]
+    lines = ["| motion | law, shear | seeds | " + " | ".join(heads) + " |", "|---" * (3 + len(heads)) + "|"]
+    for key in dict.fromkeys(
+        (row["kind"], row["law"], row["shear"])
+        for row in sorted(rows, key=lambda row: row["kind"])
+        if row["kind"] not in SETTINGS
+    ):
+        some = [row for row in rows if (row["kind"], row["law"], row["shear"]) == key]
+        small, larger = STRAINS if key[0] == "cycle" else SPEEDS
+
+        def chosen(axis, amplitude, some=some):
+            return [row for row in some if row["axis"] == axis and row["amplitude"] == amplitude]
+
+        shares = [np.mean([row["share"] for row in chosen("z", larger) if row["kPa"] == p]) for p in pressures]
+        ends = [exponent(chosen(axis, size)) for size in (larger, small) for axis in AXES]
+        cells = [f"{share:.2g}" for share in shares]
+        cells += [f"{mean:+.2f}" + ("" if np.isnan(off) else f" ± {off:.2f}") for mean, off in ends]
+        lines.append(f"| {key[0]} | {key[1]}, {key[2]} | {len({row['seed'] for row in some})} | {' | '.join(cells)} |")
+    return "\n".join([*lines, "", *sensitivity(rows)])
+
+
+def sensitivity(rows):
+    """Lines: shares with half the step and at half the speed, beside the usual ones."""
+    keys = ("law", "shear", "seed", "kPa", "axis", "amplitude")
+    usual = {(row["kind"], *(row[key] for key in keys)): row["share"] for row in rows}
+    for row in rows:
+        if row["kind"] in SETTINGS:
+            about = [row[key] for key in keys]
+            before = usual[(row["kind"].split(",")[0], *about)]
+            yield f"{row['kind']}, {' '.join(map(str, about))}: share {row['share']:.3g}, usual {before:.3g}"
