@@ -1,13 +1,15 @@
 """Energy that friction and partial slip take from small waves, in LAMMPS without viscous damping; rows in `attenuation.csv`.
 
-- cycle: a packing is compressed along z with friction to each pressure, and strained to and fro there. share: energy that a
-  cycle dissipates over the largest elastic energy, ½ M ε² V.
+- cycle: a packing is compressed along z with friction to each pressure, and strained to and fro there. share: area of the
+  second loop of stress over strain, over the largest elastic energy ½ M ε². dissipated: energy that the contacts lose,
+  over ½ M ε² V; they also lose energy that they had stored before.
 - pulse: a pulse in a column of packings at rest without shear forces, as in the case `waves`. share: energy dissipated
   on the way from NEAR to FAR over the energy of the pulse.
 
 The amplitude of a wave of frequency f and speed c falls by exp(-α x) with α = share f/(2 c) (cycle), share/(2 x) (pulse).
 """
 
+import itertools
 import tempfile
 from pathlib import Path
 from typing import NamedTuple
@@ -45,6 +47,7 @@ FIELDS = (
     "modulus_MPa",
     "speed",
     "share",
+    "dissipated",
     "height",
     "steps",
 )
@@ -62,8 +65,6 @@ timestep        {dt:.10g}
 fix             move all nve/sphere
 """
 BEGIN = """\
-fix             drag all viscous {drag:.10g}
-fix             turn all viscous/sphere {turn:.10g}
 compute         press all pressure NULL virial
 variable        z equal c_press[3]
 variable        xz equal c_press[5]
@@ -73,6 +74,7 @@ thermo_style    custom step v_phase v_z v_xz vol v_lost
 thermo_modify   norm no lost error format float %.17g
 thermo          1000
 """
+DRAG = "fix             drag all viscous {drag:.10g}\nfix             turn all viscous/sphere {turn:.10g}\n"
 COMPRESS = """\
 fix             strain all deform 1 z erate {rate:.10g} units box remap v
 fix             there all halt 20 v_z > {pressure:.10g} error continue
@@ -125,15 +127,15 @@ class Model(NamedTuple):
 MODELS = tuple(Model(*law, shear) for shear in SHEAR for law in ((HERTZ, 0.0), (POHRT_POPOV, 0.5)))
 
 
-def ground(folder, model, packing, frequency, column):
-    """Write table and data of a packing; input up to the motion, with steps of a fifth of 1/frequency."""
+def ground(folder, model, packing, frequency, column, step=0.2):
+    """Write table and data of a packing; input up to the motion, with steps of `step`/frequency."""
     bead = packing.bead
     (folder / "post").mkdir()
     packing.law.tabulate(rtol=1e-7).save(folder / "pair.tbl")
     atoms = [(1, bead.diameter, bead.density, *place) for place in packing.bodies[0]]
     (folder / "start.data").write_text(data_text([(0.0, side) for side in packing.size], atoms, types=1))
     about = {"young": bead.young, "poisson": bead.poisson, "friction": bead.friction, "words": SHEAR[model.shear]}
-    return HEAD + GROUND.format(column=column, dt=0.2 / frequency, **about)
+    return HEAD + GROUND.format(column=column, dt=step / frequency, **about)
 
 
 def frequency_at(packing, pressure):
@@ -142,47 +144,52 @@ def frequency_at(packing, pressure):
     return float(np.sqrt(law.stiffness(law.overlap(10.0 * pressure * bead.diameter**2)) / bead.mass))
 
 
-def cycles(model, store=STORE, count=COUNT, pressures=PRESSURES, strains=STRAINS):
-    """Rows of `cycle`."""
+def cycles(model, store=STORE, count=COUNT, pressures=PRESSURES, strains=STRAINS, period=PERIOD):
+    """Rows of `cycle`; the drag is 0.03 m √(K/m) in compression, a tenth of it in cycles, where it takes less than 1 %."""
     packing, keys = begin(model.series(count), store), []
     packing.compress([START] * 3)
     bead, frequency = packing.bead, frequency_at(packing, pressures[-1])
+
+    def drag(part):
+        return DRAG.format(drag=part * bead.mass * frequency, turn=0.1 * part * bead.mass * frequency * bead.diameter**2)
+
     with tempfile.TemporaryDirectory() as name:
-        folder, drag = Path(name), 0.03 * bead.mass * frequency
-        text = ground(folder, model, packing, frequency, "change_box      all triclinic")
-        text += BEGIN.format(drag=drag, turn=0.1 * drag * bead.diameter**2)
+        folder = Path(name)
+        text = ground(folder, model, packing, frequency, "change_box      all triclinic") + BEGIN
         for pressure in pressures:
             rate = -2e-4 / bead.diameter * np.sqrt(pressure / bead.density)
-            text += COMPRESS.format(rate=rate, pressure=pressure, rest=REST) + ENERGY * (not keys)
+            text += drag(0.03) + COMPRESS.format(rate=rate, pressure=pressure, rest=REST) + ENERGY * (not keys) + drag(0.003)
             for strain, (axis, side) in ((strain, pair) for strain in strains for pair in AXES.items()):
                 keys.append((pressure, axis, strain))
-                text += CYCLES.format(
-                    phase=len(keys), strain=strain, axis=side, period=PERIOD, steps=2 * PERIOD, every=PERIOD // 100
-                )
+                values = {"axis": side, "period": period, "steps": 2 * period, "every": period // 100}
+                text += CYCLES.format(phase=len(keys), strain=strain, **values)
         (folder / "in.cycles").write_text(text)
         log = run(folder / "in.cycles")
     for number, (pressure, axis, strain) in enumerate(keys, start=1):
-        last = np.flatnonzero(log["phase"] == number)[-101:]
-        turn = 2.0 * np.pi * np.arange(100) / 100
-        modulus = abs(2.0 * np.mean(log[AXES[axis]][last[:-1]] * np.sin(turn))) / strain
-        volume, lost = log["Volume"][last].mean(), log["lost"][last[-1]] - log["lost"][last[0]]
-        density = count * bead.mass / volume
-        yield row(
-            "cycle",
-            model,
-            pressure,
-            axis,
-            strain,
-            modulus,
-            np.sqrt(modulus / density),
-            2.0 * lost / (modulus * strain**2 * volume),
-            log,
-        )
+        last, turn = np.flatnonzero(log["phase"] == number)[-101:], 2.0 * np.pi * np.arange(100) / 100
+        stress, volume = log[AXES[axis]][last[:-1]], log["Volume"][last].mean()
+        inside, outside = (abs(2.0 * np.mean(stress * shape(turn))) for shape in (np.sin, np.cos))
+        modulus, lost = inside / strain, log["lost"][last[-1]] - log["lost"][last[0]]
+        speed = np.sqrt(modulus * volume / (count * bead.mass))
+        shares = 2.0 * np.pi * outside / inside, 2.0 * lost / (modulus * strain**2 * volume)
+        yield row("cycle", model, pressure, axis, strain, modulus, speed, *shares, log)
 
 
-def row(kind, model, pressure, axis, amplitude, modulus, speed, share, log, height=np.nan):
+def row(kind, model, pressure, axis, amplitude, modulus, speed, share, dissipated, log, height=np.nan):
     """A row (dict)."""
-    about = (kind, *model, 1e-3 * pressure, axis, amplitude, 1e-6 * modulus, speed, share, height, int(log["Step"][-1]))
+    about = (
+        kind,
+        *model,
+        1e-3 * pressure,
+        axis,
+        amplitude,
+        1e-6 * modulus,
+        speed,
+        share,
+        dissipated,
+        height,
+        int(log["Step"][-1]),
+    )
     return dict(zip(FIELDS, about, strict=True))
 
 
@@ -197,19 +204,19 @@ def at_rest(model, pressure, store=STORE, count=COUNT):
     return packing
 
 
-def pulse(model, packing, pressure, axis, amplitude):
+def pulse(model, packing, pressure, axis, amplitude, step=0.2):
     """A row of `pulse`."""
     found = moduli(packing.carrying(), packing.size, packing.bead.shear_ratio)
     modulus = found.along if axis == "z" else found.across
     speed = np.sqrt(modulus / (packing.solid * packing.bead.density))
     frequency = np.sqrt(packing.results[5] / packing.bead.mass)
     steps, velocity = (
-        round(1.3 * FAR / speed * frequency / 0.2),
+        round(1.3 * FAR / speed * frequency / step),
         "v_none v_none v_pulse" if axis == "z" else "v_pulse v_none v_none",
     )
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        text = ground(folder, model, packing, frequency, f"replicate       1 1 {BOXES}")
+        text = ground(folder, model, packing, frequency, f"replicate       1 1 {BOXES}", step)
         values = {"width": WIDTH, "layer": LAYER, "axis": axis, "steps": steps, "velocity": velocity}
         (folder / "in.pulse").write_text(text + PULSE.format(amplitude=amplitude, **values))
         log = run(folder / "in.pulse")
@@ -222,7 +229,7 @@ def pulse(model, packing, pressure, axis, amplitude):
     first, last = (np.argmax(signal) for signal in (near, far))
     share = (log["lost"][last] - log["lost"][first]) / log["moves"][0]
     flight = (FAR - NEAR) / ((last - first) * log["Dt"][0])
-    return row("pulse", model, pressure, axis, amplitude, modulus, flight, share, log, far.max() / near.max())
+    return row("pulse", model, pressure, axis, amplitude, modulus, flight, share, share, log, far.max() / near.max())
 
 
 def pulses(model, store=STORE, pressures=PRESSURES, speeds=SPEEDS):
@@ -234,54 +241,71 @@ def pulses(model, store=STORE, pressures=PRESSURES, speeds=SPEEDS):
                 yield pulse(model, packing, pressure, axis, amplitude)
 
 
-def run_waves(path=RESULTS, store=STORE, seeds=2, progress=print):
+def sensitive(model, store=STORE):
+    """Rows of one pulse with half the step and of the cycles at one pressure at half the speed."""
+    pressure = PRESSURES[0]
+    packing = at_rest(model, pressure, store)
+    yield pulse(model, packing, pressure, "z", SPEEDS[1], step=0.1) | {"kind": SETTINGS[0]}
+    for one in cycles(model, store, pressures=(pressure,), period=2 * PERIOD):
+        yield one | {"kind": SETTINGS[1]}
+
+
+SETTINGS = ("pulse, half the step", "cycle, half the speed")
+
+
+def run_waves(path=RESULTS, store=STORE, seeds=1, progress=print):
     """Rows that `path` lacks."""
     done = {(line["kind"], line["law"], line["shear"], line["seed"]) for line in read(path)}
-    for kind, rows, seed in (("cycle", cycles, 1), ("pulse", pulses, 1), *(("cycle", cycles, n) for n in range(2, seeds + 1))):
-        for model in MODELS:
-            if (kind, model.law, model.shear, seed) not in done:
-                append(path, FIELDS, list(rows(model._replace(seed=seed), store)))
-                progress(f"{kind} {' '.join(map(str, model._replace(seed=seed)))}")
+    kinds = {"cycle": cycles, "pulse": pulses}
+    for seed, (kind, rows), model in itertools.product(range(1, seeds + 1), kinds.items(), MODELS):
+        if (kind, model.law, model.shear, seed) not in done:
+            append(path, FIELDS, list(rows(model._replace(seed=seed), store)))
+            progress(f"{kind} {' '.join(map(str, model._replace(seed=seed)))}")
+    if SETTINGS[0] not in {line["kind"] for line in read(path)}:
+        append(path, FIELDS, list(sensitive(Model(shear="slip"), store)))
 
 
-def shares(rows):
-    """(kind, law, shear, axis, amplitude) → pressures [kPa], share of each packing (pressures, packings), speeds."""
-    found = {}
-    for line in rows:
-        found.setdefault(tuple(line[name] for name in ("kind", "law", "shear", "axis", "amplitude")), []).append(line)
-    for key, lines in found.items():
-        pressures, seeds = (sorted({line[name] for line in lines}) for name in ("kPa", "seed"))
-        at = {(line["kPa"], line["seed"]): line for line in lines}
-        yield (
-            key,
-            np.array(pressures),
-            *(
-                np.array([[at[pressure, seed][name] for seed in seeds] for pressure in pressures])
-                for name in ("share", "speed")
-            ),
-        )
-
-
-def exponent(kind, pressures, share, speed):
-    """Exponents over pressure of α at one frequency (cycle) or of this pulse, one per packing."""
-    alpha = share / speed if kind == "cycle" else share
-    return np.polyfit(np.log(pressures), np.log(alpha), 1)[0]
+def exponent(lines):
+    """Exponents over pressure of α at one frequency (cycle) or of one pulse: mean and standard deviation of the packings."""
+    found = []
+    for seed in sorted({line["seed"] for line in lines}):
+        chosen = [line for line in lines if line["seed"] == seed]
+        alpha = [line["share"] / (line["speed"] if line["kind"] == "cycle" else 1.0) for line in chosen]
+        found.append(np.polyfit(np.log([line["kPa"] for line in chosen]), np.log(alpha), 1)[0])
+    return spread(found)
 
 
 def table(path=RESULTS):
-    """Text: shares at each pressure (mean of the packings) and the exponent of α."""
-    lines = []
-    for (kind, law, shear, axis, amplitude), pressures, share, speed in shares(read(path)):
-        if not lines:
-            heads = " | ".join(f"{pressure:g} kPa" for pressure in pressures)
-            lines = [
-                f"| motion | law, shear | wave | amplitude | share, {heads} | exponent of α |",
-                "|---" * (5 + len(pressures)) + "|",
-            ]
-        size = f"{amplitude:g}" if kind == "cycle" else f"{1e3 * amplitude:g} mm/s"
-        cells = " | ".join(f"{value:.2g}" for value in share.mean(axis=1))
-        mean, off = spread(exponent(kind, pressures, share, speed))
-        text = f"{mean:+.2f}" + ("" if np.isnan(off) else f" ± {off:.2f}")
-        wave = "longitudinal" if axis == "z" else "transverse"
-        lines.append(f"| {kind} | {law}, {shear} | {wave} | {size} | {cells} | {text} |")
-    return "\n".join(lines)
+    """Text: shares of longitudinal waves of the larger amplitude (mean of the packings), exponents of α of all waves."""
+    rows, pressures = read(path), [1e-3 * pressure for pressure in PRESSURES]
+    heads = [f"share, {pressure:g} kPa" for pressure in pressures]
+    heads += [f"exponent, {size}, {way}" for size in ("larger", "small") for way in ("longitudinal", "transverse")]
+    lines = ["| motion | law, shear | seeds | " + " | ".join(heads) + " |", "|---" * (3 + len(heads)) + "|"]
+    for key in dict.fromkeys(
+        (row["kind"], row["law"], row["shear"])
+        for row in sorted(rows, key=lambda row: row["kind"])
+        if row["kind"] not in SETTINGS
+    ):
+        some = [row for row in rows if (row["kind"], row["law"], row["shear"]) == key]
+        small, larger = STRAINS if key[0] == "cycle" else SPEEDS
+
+        def chosen(axis, amplitude, some=some):
+            return [row for row in some if row["axis"] == axis and row["amplitude"] == amplitude]
+
+        shares = [np.mean([row["share"] for row in chosen("z", larger) if row["kPa"] == p]) for p in pressures]
+        ends = [exponent(chosen(axis, size)) for size in (larger, small) for axis in AXES]
+        cells = [f"{share:.2g}" for share in shares]
+        cells += [f"{mean:+.2f}" + ("" if np.isnan(off) else f" ± {off:.2f}") for mean, off in ends]
+        lines.append(f"| {key[0]} | {key[1]}, {key[2]} | {len({row['seed'] for row in some})} | {' | '.join(cells)} |")
+    return "\n".join([*lines, "", *sensitivity(rows)])
+
+
+def sensitivity(rows):
+    """Lines: shares with half the step and at half the speed, beside the usual ones."""
+    keys = ("law", "shear", "seed", "kPa", "axis", "amplitude")
+    usual = {(row["kind"], *(row[key] for key in keys)): row["share"] for row in rows}
+    for row in rows:
+        if row["kind"] in SETTINGS:
+            about = [row[key] for key in keys]
+            before = usual[(row["kind"].split(",")[0], *about)]
+            yield f"{row['kind']}, {' '.join(map(str, about))}: share {row['share']:.3g}, usual {before:.3g}"

@@ -47,7 +47,7 @@ def run(arguments):
     settings = {"least": QUICK[0].cycles, "count": QUICK[0].count} if arguments.quick else {}
     print(report.table(rows, **settings))
     if not arguments.quick:
-        for text in (report.effects, report.many, report.sensitivity, report.costs, report.course):
+        for text in (report.effects, report.energies, report.many, report.sensitivity, report.costs, report.course):
             print("\n" + text(rows))
         print("\n" + report.repeats(rows, read(cycles.REPEATS)))
     if arguments.table is not None:

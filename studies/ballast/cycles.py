@@ -234,10 +234,9 @@ def wanted():
     yield from (rough._replace(sigma=10.0), hertz._replace(shear="slip"), rough._replace(shear="slip"))
     yield from (hertz._replace(shear="mindlin"), *list(SENSITIVITY.values())[1:])
     yield from (case._replace(grains="clumps") for case in (hertz, rough))
-    yield from (rough._replace(sigma=0.5), rough._replace(shear="mindlin"))
     yield from (case._replace(seed=3) for case in (hertz, rough))
-    yield from (rough._replace(sigma=sigma) for sigma in (5.0, 1.0))
-    yield rough._replace(sigma=10.0, seed=2)
+    yield from (rough._replace(sigma=sigma) for sigma in (0.5, 5.0, 1.0))
+    yield from (rough._replace(shear="mindlin"), rough._replace(sigma=10.0, seed=2))
 
 
 def finished(path=RESULTS):

@@ -223,6 +223,27 @@ def seconds(rows):
     return float(np.sum(np.diff(cycle, prepend=0.0) * each))
 
 
+ENERGIES = {
+    "cycle 1 (mJ)": COLUMNS["dissipated in cycle 1 (mJ)"],
+    "plastic flow (%)": lambda rows: dissipation(rows, 1, 1).plastic,
+    "cycles 15 to 30 (mJ)": COLUMNS["later (mJ)"],
+    "over work": COLUMNS["over work"],
+    "friction (%)": COLUMNS["friction (%)"],
+    "plastic flow, %": COLUMNS["plastic flow (%)"],
+    "damping (%)": COLUMNS["damping (%)"],
+}
+
+
+def energies(rows):
+    """Text: energy that a cycle dissipates, of the beds whose energies are known."""
+    lines = ["| bed | seeds | " + " | ".join(ENERGIES) + " |", "|---" * (2 + len(ENERGIES)) + "|"]
+    for kind, beds in series(rows).items():
+        if not any(np.isnan(dissipation(one).total) for one in beds.values()):
+            cells = " | ".join(cell([function(one) for one in beds.values()]) for function in ENERGIES.values())
+            lines.append(f"| {kind} | {len(beds)} | {cells} |")
+    return "\n".join(lines)
+
+
 BASE = Kind("spheres", HERTZ, 0.0, "default")
 ROUGH = BASE._replace(law=POHRT_POPOV, sigma=2.4)
 EFFECTS = {
