@@ -148,9 +148,10 @@ def set_functors(dispatcher, functors):
 
 
 def with_energies(tracker):
-    """YADE's EnergyTracker with the present energies [J] of the laws of the scene, if it tracks energies."""
+    """YADE's EnergyTracker with the present energies [J] of the laws of the scene, if it tracks energies; as YADE's own they
+    exist from the first step."""
     _attach_loaded()
-    for label, functor in laws_here().items() if O.trackEnergy else ():
+    for label, functor in laws_here().items() if O.trackEnergy and O.iter else ():
         totals = functor.totals()
         parts = {"Elastic": totals.stored, "Plastic": totals.dissipated}
         parts |= {"ShearElastic": totals.shear_stored, "ShearLost": totals.shear_dissipated}
