@@ -69,8 +69,9 @@ compute         press all pressure NULL virial
 variable        z equal c_press[3]
 variable        xz equal c_press[5]
 variable        phase equal 0
+variable        angle equal 0
 variable        lost equal 0
-thermo_style    custom step v_phase v_z v_xz vol v_lost
+thermo_style    custom step v_phase v_angle v_z v_xz vol v_lost
 thermo_modify   norm no lost error format float %.17g
 thermo          1000
 """
@@ -85,8 +86,13 @@ run             {rest}
 """
 CYCLES = """\
 variable        phase equal {phase}
-variable        size equal $({strain:.10g}*lz)
-fix             strain all deform 1 {axis} wiggle ${{size}} $({period}*dt) remap v
+variable        size equal $(-{strain:.10g}*lz)
+variable        turn equal $(2*PI/{period})
+variable        begun equal $(step)
+variable        angle equal v_turn*(step-v_begun)
+variable        way equal v_size*(1-cos(v_angle))
+variable        rate equal v_size*v_turn/dt*sin(v_angle)
+fix             strain all deform 1 {axis} variable v_way v_rate remap v
 thermo          {every}
 run             {steps}
 unfix           strain
@@ -166,12 +172,17 @@ def cycles(model, store=STORE, count=COUNT, pressures=PRESSURES, strains=STRAINS
         (folder / "in.cycles").write_text(text)
         log = run(folder / "in.cycles")
     for number, (pressure, axis, strain) in enumerate(keys, start=1):
-        last, turn = np.flatnonzero(log["phase"] == number)[-101:], 2.0 * np.pi * np.arange(100) / 100
-        stress, volume = log[AXES[axis]][last[:-1]], log["Volume"][last].mean()
-        inside, outside = (abs(2.0 * np.mean(stress * shape(turn))) for shape in (np.sin, np.cos))
-        modulus, lost = inside / strain, log["lost"][last[-1]] - log["lost"][last[0]]
+        rows = np.flatnonzero(log["phase"] == number)
+        last = rows[log["angle"][rows] > 1.999 * np.pi]
+        turn = log["angle"][last] - 2.0 * np.pi / period  # a step's box has the strain of the step before
+        shapes = np.stack([np.cos(turn), np.sin(turn), turn, np.ones(len(turn))], axis=1)  # with a drift
+        (inside, outside, _, _), volume = (
+            np.linalg.lstsq(shapes, log[AXES[axis]][last], rcond=None)[0],
+            log["Volume"][last].mean(),
+        )
+        modulus, lost = abs(inside) / strain, log["lost"][last[-1]] - log["lost"][last[0]]
         speed = np.sqrt(modulus * volume / (count * bead.mass))
-        shares = 2.0 * np.pi * outside / inside, 2.0 * lost / (modulus * strain**2 * volume)
+        shares = -2.0 * np.pi * outside / inside, 2.0 * lost / (modulus * strain**2 * volume)
         yield row("cycle", model, pressure, axis, strain, modulus, speed, *shares, log)
 
 
