@@ -3,7 +3,7 @@
 from demlaws.cli import example
 from demlaws.cli.arguments import force, plain
 from demlaws.cli.contact import add_law_arguments, law_from
-from demlaws.cli.output import record
+from demlaws.cli.output import record, say
 
 _UNITS = {
     "radius": ("mm", 1e3),
@@ -52,7 +52,11 @@ def run(arguments):
         if isinstance(before, int | float):
             title = f"{name} [{unit}]" if unit else name
             print(f"{title:34}{before * times:14.6g}{after * times:18.6g}")
-    print(f"\n{'effect':72}{'×':>10}")
+    print(f"\n{'effect':66}{'×':>10}")
     for quantity, times, power in softening.effects():
-        print(f"{quantity:72}{times:>10}  {power}")
-    print("\n" + "\n".join(report.lines()))
+        if len(power) > 20:
+            say(f"{quantity}: {power}")
+        else:
+            print(f"{quantity:66}{times:>10}  {power}")
+    print()
+    say("\n".join(report.lines()))

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from demlaws.cli import example
 from demlaws.cli.arguments import density, plain
 from demlaws.cli.contact import add_law_arguments, law_from
-from demlaws.cli.output import record
+from demlaws.cli.output import record, say
 from demlaws.errors import DemlawsError
 
 LAYOUTS = {"index": (2, 3, 4, 5, 6), "c_": (7, 8, 10, 11, 12)}
@@ -101,18 +101,18 @@ def run(arguments):
     motion = "with shear and rotation" if shear.any() else "without friction"
     if shear.any() and np.all(np.asarray(shot.blocked)[free, 3:]):
         motion = "with shear, without rotation"
-    which = "between grains; walls are not in the dump" if shot.step is None else "as they are"
+    which = "between grains" if shot.step is None else "as they are"
     histories = {
         "known": "",
         "none": "",
         "stiffest": "the stiffest tangent of all histories that allow the contacts' forces and overlaps",
     }
     print(f"{len(shot.pairs)} contacts, {np.sum(free)} grains, {mean:.3g} contacts per grain")
-    print(f"{name:<17} {limits.exact:.4g} s  2/ω_max {motion}, contacts {which}")
+    say(f"{name:<17} {limits.exact:.4g} s  2/ω_max {motion}, contacts {which}", " " * 18)
     if histories[shot.history]:
-        print(f"history           {histories[shot.history]}")
+        say(f"history           {histories[shot.history]}", " " * 18)
     if shot.note:
-        print(f"note              {shot.note}")
+        say(f"note              {shot.note}", " " * 18)
     share = f"of the {name}"
     print(f"rigorous bound    {limits.bound:.4g} s  {limits.bound / limits.exact:.2f} {share}")
     if shot.rayleigh is not None:
@@ -180,7 +180,7 @@ def _frame(path, what):
         return Frame(frame["TIMESTEP"][1].strip(), np.where(periodic, edges, np.inf), columns, resolution)
     except (KeyError, IndexError, ValueError) as error:
         raise DemlawsError(
-            f"{path}: its end is no complete frame of {what} in an orthogonal box; is it a text dump, and has its run ended?"
+            f"{path}: no complete last frame of {what} in an orthogonal box: write a text dump, after the run has ended"
         ) from error
 
 
@@ -296,7 +296,8 @@ def contacts_of_dump(arguments, atoms, lengths, entries):
 
 def _ratio_and_rayleigh(arguments, kinds):
     """K_t/K, and the smallest Rayleigh step [s] of `kinds`, (radius, density), or None."""
-    from demlaws.timestep import LARGEST_SHEAR_RATIO, rayleigh_step
+    from demlaws.core.shear import LARGEST_SHEAR_RATIO
+    from demlaws.timestep import rayleigh_step
     from demlaws.units import number
 
     ratio, rayleigh = 1.0, None

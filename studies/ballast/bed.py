@@ -78,10 +78,20 @@ variable        carried equal -c_pushed
 variable        speed equal ({follow:g}*(v_load-v_carried)+{change:.17g}*sin({turn:.17g}*step))/({stiffness:g}*sqrt(v_load+100))
 variable        slow equal {most}*atan(v_speed/{most})
 fix             drive all ave/time 1 1 1 v_{chosen} ave running
-thermo_style    custom step v_load v_carried v_plate c_contacts c_moves
+{energies}thermo_style    custom step v_load v_carried v_plate v_speed c_contacts c_moves{columns}
 thermo_modify   norm no format float %.12g
 thermo          {every}
 {until}run             {steps}
+"""
+ENERGIES = """\
+compute         energy all demlaws/energy
+variable        stored equal c_energy[1]
+variable        dissipated equal c_energy[2]
+variable        potential equal 9.81*mass(all)*xcm(all,z)
+compute         pair all property/local patom1 patom2 cutoff radius
+compute         flow all pair/local p16 cutoff radius
+dump            flow all local {every} post/flow.txt c_pair[1] c_pair[2] c_flow
+dump_modify     flow format float %.12g
 """
 CARRIED = """\
 variable        lacks equal abs(v_load-v_carried)/v_load+1e4*c_moves
@@ -140,12 +150,13 @@ def rest(steps, drag=0.0, slow=1e-10):
     )
 
 
-def load(low, high, period, steps, dt, top, placed=0.0, width=PLATE, settled=True, stiffness=9e5, rows=40):
+def load(low, high, period, steps, dt, top, placed=0.0, width=PLATE, settled=True, stiffness=9e5, rows=50, energies=False):
     """Pressure on the plate [Pa] from `low` to `high` and back in `period` [s], or constant until it is carried.
 
-    top: height of its lower face [m].
+    top: height of its lower face [m]. energies: printed too, and the plastic work of pairs is written to post/flow.txt, which
+    takes three times as long.
     """
-    area = width * WIDTH
+    area, every = width * WIDTH, max(1, round(period / dt / rows))
     mean, swing = 0.5 * (high + low) * area, 0.5 * (high - low) * area
     return LOAD.format(
         mean=mean,
@@ -164,7 +175,9 @@ def load(low, high, period, steps, dt, top, placed=0.0, width=PLATE, settled=Tru
         half=0.5 * width,
         stiffness=stiffness,
         until=CARRIED if low == high else "",
-        every=max(1, round(period / dt / rows)),
+        every=every,
+        energies=ENERGIES.format(every=every) if energies else "",
+        columns=" v_stored v_dissipated v_potential" if energies else "",
     )
 
 

@@ -52,7 +52,7 @@ def test_soften(capsys):
     for name, before, after in rows:
         line = next(line for line in said.splitlines() if line.startswith(name))
         assert [float(v) for v in line.split()[-2:]] == pytest.approx([before, after])
-    assert "% with E alone" in said
+    assert "% if only E" in said
     assert "e-06" not in said and "e+09" not in said
 
 
@@ -246,7 +246,7 @@ def test_a_file_of_laws_before_and_after_the_command(file, tmp_path):
     assert done.returncode == 0 and "power            power of the overlap" in done.stdout, done.stderr
     table = tmp_path / "power.tbl"
     done = demlaws("table", f"--law-file={file}", "--law", "power", *RADIUS, "--option", "factor=2e9", "--out", str(table))
-    assert done.returncode == 0 and "this table holds for this contact only" in done.stdout, done.stderr
+    assert done.returncode == 0 and "this table is valid for this contact only" in done.stdout, done.stderr
     assert "law: power" in table.read_text()
 
 
