@@ -26,6 +26,7 @@ from numpy.typing import ArrayLike
 
 from demlaws.contact import Material
 from demlaws.core.loops import first_loading, unloaded_loop
+from demlaws.core.shear import LARGEST_SHEAR_RATIO
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, as_law
 from demlaws.units import SMALL_OVERLAP, number
@@ -38,8 +39,6 @@ SOFTENING_SAFETY = 0.56
 unloading curve of another law): an oscillation about such a kink is in resonance in narrow windows of the step, which get rarer
 and slower as the step falls but do not end. Where unloading is stiffer than loading, energy is lost, and no window was found
 (docs/plastic-laws.md)."""
-LARGEST_SHEAR_RATIO = 4.0 / 3.0
-"""Largest K_t/K: 2(1-ν)/(2-ν) at ν = -1."""
 COORDINATION = 6.0
 """Default mean number of contacts per grain, and the least that the estimate of a packing is made for."""
 

@@ -180,8 +180,9 @@ class _Test(NamedTuple):
     def fit(self, job):
         """The `Fit` of a law, its rule, and the names of its free quantities."""
         name, rule, free = job
-        points = self.displacement, self.force, self.displacement_noise
-        return fitted(Model(name, rule, free, self.contact, self.options.get(name, {}), *points), *self[-2:])
+        points = {"displacement": self.displacement, "force": self.force, "noise": self.displacement_noise}
+        model = Model(name, rule, free, contact=self.contact, options=self.options.get(name, {}), **points)
+        return fitted(model, self.displacement_noise, self.force_noise)
 
     def fit_or_reason(self, job):
         """The `Fit`, or why there is none."""

@@ -10,7 +10,7 @@ from demlaws.cli.arguments import density, force, law_name, length, plain, press
 from demlaws.cli.contact import law_of_unloading
 from demlaws.cli.output import output, record, say
 from demlaws.errors import DemlawsError
-from demlaws.laws.names import USUAL
+from demlaws.laws import USUAL
 
 EXPORT_EXAMPLE = """\
   demlaws {name} export case --law pohrt-popov --radius 0.004 0.005 --roughness 1.7e-6 --fractal-dimension 2.22
@@ -212,7 +212,7 @@ def _grain_arguments(export):
     export.add_argument(
         "--shear-ratio", type=plain, help="K_t/K of all contacts, above 0, at most 4/3 (default: that of Poisson's ratio)"
     )
-    export.add_argument("--levels", type=whole(high=8), help="levels of the shear model, 1 to 8 (default 3)")
+    export.add_argument("--levels", type=whole(), help="levels of the shear model, 1 to 8 (default 3)")
     export.add_argument("--count", type=whole(), default=1000, help="number of grains (default %(default)s)")
 
 

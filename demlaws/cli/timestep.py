@@ -276,7 +276,8 @@ def contacts_of_dump(arguments, atoms, lengths, entries):
 
 def _ratio_and_rayleigh(arguments, kinds):
     """K_t/K, and the smallest Rayleigh step [s] of `kinds`, (radius, density), or None."""
-    from demlaws.timestep import LARGEST_SHEAR_RATIO, rayleigh_step
+    from demlaws.core.shear import LARGEST_SHEAR_RATIO
+    from demlaws.timestep import rayleigh_step
     from demlaws.units import number
 
     ratio, rayleigh = 1.0, None

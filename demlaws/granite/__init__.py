@@ -15,7 +15,7 @@ from demlaws import driver
 from demlaws.contact import GRANITE, GRANITE_YIELD_PRESSURE, Contact
 from demlaws.errors import DemlawsError, LargeOverlap, ValidityWarning, quiet
 from demlaws.files import save_csv
-from demlaws.laws.names import POHRT_POPOV
+from demlaws.laws import POHRT_POPOV
 from demlaws.laws.registry import registry
 from demlaws.make import law
 from demlaws.responses.path import Path

@@ -8,7 +8,7 @@ from demlaws.errors import quiet
 from demlaws.files import WIDTH, save_csv, wrapped
 from demlaws.granite import claims
 from demlaws.granite import figures as pictures
-from demlaws.laws.names import POHRT_POPOV, ROUGH_PLASTIC
+from demlaws.laws import POHRT_POPOV, ROUGH_PLASTIC
 from demlaws.laws.registry import find
 
 STAGE_TITLES = (

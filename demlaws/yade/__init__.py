@@ -16,7 +16,7 @@ _HOMES = {
     "Curvature": "radii",
     "Totals": "contacts",
     "attached": "scene",
-    "engines": "engines",
+    "engines": "scene",
     "guard": "scene",
     "public_finish": "scene",
     "public_step": "scene",

@@ -6,7 +6,7 @@ from pathlib import Path
 from demlaws import plots
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.output import output
-from studies.assembly import probe, report, study
+from studies.assembly import attenuation, probe, report, study
 
 QUICK = [
     study.Series(law=law, sigma=sigma, path=path, count=200)
@@ -33,6 +33,8 @@ def parser():
     )
     parser.add_argument("--sensitivity", action="store_true", help="three series with other settings of the compression")
     parser.add_argument("--report", action="store_true", help="tables only, from the runs in the file")
+    parser.add_argument("--attenuation", action="store_true", help="energy that friction takes from small waves, in LAMMPS")
+    parser.add_argument("--table", type=output, help="CSV file with the exponents of all packings")
     parser.add_argument("--figure", type=output, help="picture of the exponents")
     parser.set_defaults(func=run)
     return parser
@@ -49,11 +51,18 @@ def run(arguments):
             print(f"K_t/K = {ratio:g}: M = {1e-6 * constrained:.1f} MPa, G = {1e-6 * shear:.1f} MPa")
         return
     if arguments.probe:
-        probe.run_probes(arguments.grains, store=arguments.store, progress=progress)
+        if not arguments.report:
+            probe.run_probes(arguments.grains, store=arguments.store, progress=progress)
         print(probe.table())
         return
+    if arguments.attenuation:
+        if not arguments.report:
+            attenuation.run_waves(store=arguments.store, progress=progress)
+        print(attenuation.table())
+        return
     if arguments.sensitivity:
-        study.run_sensitivity(arguments.grains, store=arguments.store, progress=progress)
+        if not arguments.report:
+            study.run_sensitivity(arguments.grains, store=arguments.store, progress=progress)
         print(report.sensitivity(study.read(study.SENSITIVITY)))
         return
     if not arguments.report:
@@ -61,7 +70,9 @@ def run(arguments):
         study.run(series, arguments.results, arguments.store, progress)
     count = QUICK[0].count if arguments.quick else arguments.grains
     rows = [row for row in study.read(arguments.results) if row["count"] == count]
-    print(report.tables(rows))
+    print(report.table(rows))
+    if arguments.table is not None:
+        print(report.save(rows, arguments.table))
     if arguments.figure is not None:
         print(plots.save(report.draw(rows), arguments.figure))
 

@@ -1,4 +1,8 @@
-"""Quasi-static motion of equal spheres in a periodic box, compiled once per law: the law's own step, shear and friction."""
+"""Quasi-static motion of equal spheres, or of clumps of them, in a periodic box, compiled once per law.
+
+Contacts take the law's own step, shear and friction. A clump moves with one moment of inertia, about every axis: states of
+balance do not depend on it.
+"""
 
 import numpy as np
 
@@ -21,8 +25,14 @@ def _strain(size, rate, results, stress, goal, feedback, fastest, dt):
 
 
 @kernel
-def _move(x, v, w, moved, force, torque, mass, inertia, drag, rate, dt):
+def _cross(ax, ay, az, bx, by, bz):
+    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+
+
+@kernel
+def _move(bodies, torque, mass, inertia, drag, rate, dt):
     """Move all bodies by one step; returns the largest square of the distances moved and the sum of the forces."""
+    x, v, w, moved, force = bodies
     farthest, unbalanced = 0.0, 0.0
     for i in range(x.shape[0]):
         far = 0.0
@@ -37,29 +47,49 @@ def _move(x, v, w, moved, force, torque, mass, inertia, drag, rate, dt):
     return farthest, unbalanced
 
 
+@kernel
+def _turn(arms, owner, w, turned, dt):
+    """Turn the arms of all clumps by one step; returns the longest way of a sphere about its clump's centre."""
+    farthest = 0.0
+    for i in range(arms.shape[0]):
+        tx, ty, tz = 0.5 * dt * w[owner[i], 0], 0.5 * dt * w[owner[i], 1], 0.5 * dt * w[owner[i], 2]
+        ax, ay, az = _cross(tx, ty, tz, arms[i, 0], arms[i, 1], arms[i, 2])
+        bx, by, bz = _cross(tx, ty, tz, ax, ay, az)
+        share = 2.0 / (1.0 + tx * tx + ty * ty + tz * tz)  # a rotation: the arm keeps its length
+        arms[i, 0] += share * (ax + bx)
+        arms[i, 1] += share * (ay + by)
+        arms[i, 2] += share * (az + bz)
+        turned[i] += share * np.sqrt(ax * ax + ay * ay + az * az)
+        farthest = max(farthest, turned[i])
+    return farthest
+
+
 @loop
-def march(choice, rule, p, state, steps, given, goal, size, bodies, pairs, contacts, results):
+def march(choice, rule, p, state, steps, given, goal, size, bodies, owner, arms, turned, pairs, contacts, results):
     """Move by `steps` at most; returns how many were done: fewer if a neighbour list may be incomplete.
 
-    given: radius, mass, friction, K_t/K, drag [1/s], dt, feedback [1/s], largest strain rate [1/s], skin [m]. goal: normal
-    stresses [Pa]; the box does not strain along an axis whose goal is 0. size: (3,). bodies: (5, n, 3) places, velocities
-    beside the affine ones, spins, distances moved since the neighbours were found, and forces. pairs: (m, 5) both bodies and
-    how many boxes the second one is shifted. contacts: (m, 6) shear force, normal force, K, the normal stiffness of shear.
-    results: stresses (3), mean unbalanced force, mean contact force, largest K, strains (3).
+    given: radius of the spheres, mass, inertia of a body, friction, K_t/K, drag [1/s], dt, feedback [1/s], largest strain rate
+    [1/s], skin [m]. goal: normal stresses [Pa]; the box does not strain along an axis whose goal is 0. size: (3,). bodies:
+    (5, n, 3) places, velocities beside the affine ones, spins, distances moved since the neighbours were found, and forces.
+    owner, arms, turned: the body of each sphere, its place there, its way about the centre since the neighbours were found.
+    pairs: (m, 5) both spheres and how many boxes the second body is shifted. contacts: (m, 6) shear force, normal force, K, the
+    normal stiffness of shear. results: stresses (3), mean unbalanced force, mean contact force, largest K, strains (3).
     """
-    radius, mass, friction, ratio, drag, dt, feedback, fastest, skin = given
-    x, v, w, moved, force = bodies
-    count, inertia = x.shape[0], 0.4 * mass * radius * radius
+    radius, mass, inertia, friction, ratio, drag, dt, feedback, fastest, skin = given
+    x, v, w, _, force = bodies
+    count = x.shape[0]
     torque, rate = np.zeros_like(x), np.zeros(3)
     for done in range(steps):
         force[:] = 0.0
         torque[:] = 0.0
         stress, normal_sum, touching, stiffest = np.zeros(3), 0.0, 0, 0.0
         for k in range(pairs.shape[0]):
-            i, j = pairs[k, 0], pairs[k, 1]
-            dx = x[j, 0] - x[i, 0] + pairs[k, 2] * size[0]
-            dy = x[j, 1] - x[i, 1] + pairs[k, 3] * size[1]
-            dz = x[j, 2] - x[i, 2] + pairs[k, 4] * size[2]
+            i, j = owner[pairs[k, 0]], owner[pairs[k, 1]]
+            first, second = arms[pairs[k, 0]], arms[pairs[k, 1]]
+            lx = x[j, 0] - x[i, 0] + pairs[k, 2] * size[0]  # from body to body
+            ly = x[j, 1] - x[i, 1] + pairs[k, 3] * size[1]
+            lz = x[j, 2] - x[i, 2] + pairs[k, 4] * size[2]
+            dx, dy, dz = lx + second[0] - first[0], ly + second[1] - first[1], lz + second[2] - first[2]
             square = dx * dx + dy * dy + dz * dz
             if square >= 4.0 * radius * radius:
                 if contacts[k, 5] != 0.0:
@@ -73,10 +103,15 @@ def march(choice, rule, p, state, steps, given, goal, size, bodies, pairs, conta
             scatter(state, k, new)
             side = shear_stiffness(choice, rule, p, overlap, normal, tangent, new)
             nx, ny, nz = dx / distance, dy / distance, dz / distance
-            sx, sy, sz = w[i, 0] + w[j, 0], w[i, 1] + w[j, 1], w[i, 2] + w[j, 2]
-            ux = v[j, 0] - v[i, 0] + rate[0] * dx - radius * (sy * nz - sz * ny)
-            uy = v[j, 1] - v[i, 1] + rate[1] * dy - radius * (sz * nx - sx * nz)
-            uz = v[j, 2] - v[i, 2] + rate[2] * dz - radius * (sx * ny - sy * nx)
+            levers = np.empty((2, 3))
+            for a in range(3):
+                levers[0, a] = first[a] + radius * (nx, ny, nz)[a]
+                levers[1, a] = second[a] - radius * (nx, ny, nz)[a]
+            sx, sy, sz = _cross(w[j, 0], w[j, 1], w[j, 2], levers[1, 0], levers[1, 1], levers[1, 2])
+            tx, ty, tz = _cross(w[i, 0], w[i, 1], w[i, 2], levers[0, 0], levers[0, 1], levers[0, 2])
+            ux = v[j, 0] - v[i, 0] + rate[0] * lx + sx - tx
+            uy = v[j, 1] - v[i, 1] + rate[1] * ly + sy - ty
+            uz = v[j, 2] - v[i, 2] + rate[2] * lz + sz - tz
             along, held = ux * nx + uy * ny + uz * nz, contacts[k, 0] * nx + contacts[k, 1] * ny + contacts[k, 2] * nz
             kt = ratio * side * dt
             qx = contacts[k, 0] - held * nx + kt * (ux - along * nx)
@@ -88,18 +123,20 @@ def march(choice, rule, p, state, steps, given, goal, size, bodies, pairs, conta
             contacts[k, 0], contacts[k, 1], contacts[k, 2] = qx, qy, qz
             contacts[k, 3], contacts[k, 4], contacts[k, 5] = normal, tangent, side
             fx, fy, fz = normal * nx - qx, normal * ny - qy, normal * nz - qz
-            torques = radius * (ny * qz - nz * qy), radius * (nz * qx - nx * qz), radius * (nx * qy - ny * qx)
+            on_i = _cross(levers[0, 0], levers[0, 1], levers[0, 2], fx, fy, fz)
+            on_j = _cross(levers[1, 0], levers[1, 1], levers[1, 2], fx, fy, fz)
             for a in range(3):
                 force[j, a] += (fx, fy, fz)[a]
                 force[i, a] -= (fx, fy, fz)[a]
-                torque[i, a] += torques[a]
-                torque[j, a] += torques[a]
-                stress[a] += (fx, fy, fz)[a] * (dx, dy, dz)[a]
+                torque[i, a] -= on_i[a]
+                torque[j, a] += on_j[a]
+                stress[a] += (fx, fy, fz)[a] * (lx, ly, lz)[a]
             normal_sum, touching, stiffest = normal_sum + normal, touching + 1, max(stiffest, tangent, side)
         _strain(size, rate, results, stress, goal, feedback, fastest, dt)
-        farthest, unbalanced = _move(x, v, w, moved, force, torque, mass, inertia, drag, rate, dt)
+        farthest, unbalanced = _move(bodies, torque, mass, inertia, drag, rate, dt)
+        about = _turn(arms, owner, w, turned, dt)
         results[3], results[4], results[5] = unbalanced / count, normal_sum / max(touching, 1), stiffest
         strained = 2.0 * radius * (abs(results[6]) + abs(results[7]) + abs(results[8]))
-        if 2.0 * np.sqrt(farthest) + 2.0 * strained > skin:
+        if 2.0 * (np.sqrt(farthest) + about + strained) > skin:
             return done + 1
     return steps

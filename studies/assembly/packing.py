@@ -9,20 +9,41 @@ from demlaws.core.shear import CHOICES
 from demlaws.errors import DemlawsError
 from studies.assembly.march import march
 
+TRIANGLE = 23.0 / 30.0 * np.array([[1.0, 0.0, 0.0], [-0.5, 0.75**0.5, 0.0], [-0.5, -(0.75**0.5), 0.0]])
+"""Places of the three spheres of a clump over their radius: the shape of `studies.ballast.bed`."""
+DISTINCT = 0.863
+"""Volume of these spheres, which overlap, over the sum of their volumes."""
+
 
 class Bead(NamedTuple):
-    """A sphere's size and material; roughness belongs to the law."""
+    """Size of a sphere, its material, and whether three of them are a clump; roughness belongs to the law."""
 
     diameter: float  # [m]
     young: float  # [Pa]
     poisson: float
     density: float  # [kg/m³]
     friction: float
+    clump: bool = False  # three such spheres
+
+    @property
+    def arms(self):
+        """Places of its spheres [m] about its centre."""
+        return 0.5 * self.diameter * TRIANGLE if self.clump else np.zeros((1, 3))
+
+    @property
+    def volume(self):
+        """Volume [m³]."""
+        return (3.0 * DISTINCT if self.clump else 1.0) * math.pi * self.diameter**3 / 6.0
 
     @property
     def mass(self):
         """Mass [kg]."""
-        return self.density * math.pi * self.diameter**3 / 6.0
+        return self.density * self.volume
+
+    @property
+    def inertia(self):
+        """Moment of inertia [kg m²], of a clump the mean of all axes."""
+        return self.mass * (0.1 * self.diameter**2 + 2.0 / 3.0 * float(np.sum(self.arms[0] ** 2)))
 
     @property
     def shear_ratio(self):
@@ -33,49 +54,66 @@ class Bead(NamedTuple):
 class Contacts(NamedTuple):
     """Contacts that carry load."""
 
-    pairs: np.ndarray  # (n, 2)
-    normals: np.ndarray  # (n, 3), from the first body to the second
+    pairs: np.ndarray  # (n, 2), spheres
+    normals: np.ndarray  # (n, 3), from the first sphere to the second
     length: np.ndarray  # between the centres [m]
     force: np.ndarray  # normal [N]
     stiffness: np.ndarray  # K of the branch on which the contact is [N/m]
     unloading: np.ndarray  # K of unloading [N/m]
     shear: np.ndarray  # shear force over μ times the normal force
+    owner: np.ndarray | None = None  # of clumps: the body of each sphere
+    arms: np.ndarray | None = None  # of clumps: places of the spheres about the centres, over their radius
+    radius: float = 0.0  # of the spheres of clumps [m]
+
+    @property
+    def branch(self):
+        """(n, 3) from the centre of the first body to that of the second [m]."""
+        between = self.length[:, None] * self.normals
+        if self.arms is None:
+            return between
+        return between + self.radius * (self.arms[self.pairs[:, 0]] - self.arms[self.pairs[:, 1]])
 
 
 class Packing:
-    """Spheres in a periodic box; `law`, `friction` may be changed between compressions."""
+    """Spheres or clumps in a periodic box; `law`, `friction` may be changed between compressions."""
 
-    def __init__(self, bead, places, size, law, friction):
+    def __init__(self, bead, places, size, law, friction, arms=None):
         self.bead, self.law, self.friction = bead, law, friction
         self.size = np.array(size, float)
         self.bodies = np.zeros((5, len(places), 3))
         self.bodies[0] = places
-        self.pairs, self.contacts = np.zeros((0, 5), np.int64), np.zeros((0, 6))
+        self.owner = np.repeat(np.arange(len(places)), len(bead.arms))
+        self.arms = np.tile(bead.arms, (len(places), 1)) if arms is None else np.array(arms, float)
+        self.pairs, self.contacts, self.turned = np.zeros((0, 5), np.int64), np.zeros((0, 6)), np.zeros(len(self.arms))
         self.state, self.skin, self.steps = law.new_state(0).arrays, 0.1 * bead.diameter, 0
         self.results = np.zeros(9)
         self._neighbours()
 
     @classmethod
     def loose(cls, bead, count, seed, law, friction):
-        """Spheres added one after another at random places that do not touch, a quarter of the volume."""
+        """Bodies added one after another at random places; spheres about them do not touch and fill a quarter."""
         from scipy.spatial import cKDTree
+        from scipy.spatial.transform import Rotation
 
         random = np.random.default_rng(seed)
-        side = (count * math.pi / 6.0 / 0.25) ** (1.0 / 3.0) * bead.diameter
+        diameter = bead.diameter + 2.0 * float(np.linalg.norm(bead.arms[0]))
+        side = (count * math.pi / 6.0 / 0.25) ** (1.0 / 3.0) * diameter
         places = np.zeros((0, 3))
         while len(places) < count:
             places = np.vstack([places, random.uniform(0.0, side, (count, 3))])
-            near = cKDTree(places, boxsize=side).query_pairs(bead.diameter, output_type="ndarray")
+            near = cKDTree(places, boxsize=side).query_pairs(diameter, output_type="ndarray")
             while len(near):  # of each pair the later one goes, unless it is in conflict with one that goes itself
                 kept = np.ones(len(places), bool)
                 kept[np.setdiff1d(near[:, 1], near[:, 0])] = False
                 kept[near[near[:, 0] == near[:, 0].min(), 1]] = False
                 places = places[kept]
-                near = cKDTree(places, boxsize=side).query_pairs(bead.diameter, output_type="ndarray")
-        return cls(bead, places[:count], np.full(3, side), law, friction)
+                near = cKDTree(places, boxsize=side).query_pairs(diameter, output_type="ndarray")
+        turns = Rotation.random(count, random_state=seed).as_matrix()
+        arms = np.einsum("nab,mb->nma", turns, bead.arms).reshape(-1, 3)
+        return cls(bead, places[:count], np.full(3, side), law, friction, arms)
 
     def inherit(self, pairs, shear):
-        """Take over the shear forces [N] of these pairs of bodies."""
+        """Take over the shear forces [N] of these pairs of spheres."""
         where = {tuple(pair): n for n, pair in enumerate(self.pairs[:, :2])}
         for pair, force in zip(pairs[:, :2], shear, strict=True):
             if (n := where.get(tuple(pair))) is not None:
@@ -83,8 +121,13 @@ class Packing:
 
     @property
     def solid(self):
-        """Share of the volume in spheres."""
-        return self.bodies.shape[1] * math.pi / 6.0 * self.bead.diameter**3 / float(np.prod(self.size))
+        """Share of the volume in bodies."""
+        return self.bodies.shape[1] * self.bead.volume / float(np.prod(self.size))
+
+    @property
+    def places(self):
+        """Places of the spheres [m]."""
+        return self.bodies[0][self.owner] + self.arms
 
     @property
     def stress(self):
@@ -97,7 +140,11 @@ class Packing:
         x, diameter = self.bodies[0], self.bead.diameter
         x -= self.size * np.floor(x / self.size)
         x[x >= self.size] = 0.0
-        found = cKDTree(x, boxsize=self.size).query_pairs(diameter + self.skin, output_type="ndarray")
+        x = self.places
+        inside = x - self.size * np.floor(x / self.size)
+        inside[inside >= self.size] = 0.0
+        found = cKDTree(inside, boxsize=self.size).query_pairs(diameter + self.skin, output_type="ndarray")
+        found = found[self.owner[found[:, 0]] != self.owner[found[:, 1]]]
         found = found[np.lexsort((found[:, 1], found[:, 0]))]
         shift = -np.rint((x[found[:, 1]] - x[found[:, 0]]) / self.size).astype(np.int64)
         key, count = (lambda pairs: pairs[:, 0] * len(x) + pairs[:, 1]), len(found)
@@ -108,15 +155,15 @@ class Packing:
         for now, before in zip(state, self.state, strict=True):
             now[new] = before[old]
         self.pairs, self.contacts, self.state = np.hstack([found, shift]), contacts, state
-        self.bodies[3] = 0.0
+        self.bodies[3], self.turned[:] = 0.0, 0.0
         self.results[6:] = 0.0
 
     def run(self, steps, goal, feedback, fastest, drag, dt):
         """March by this many steps."""
         bead, law, goal = self.bead, self.law, np.array(goal, float)
         rule, choice = law.unloading_parts.rule.tag, CHOICES["elastic"].tag
-        given = (0.5 * bead.diameter, bead.mass, self.friction, bead.shear_ratio, drag, dt, feedback, fastest, self.skin)
-        given = tuple(map(float, given))
+        given = (0.5 * bead.diameter, bead.mass, bead.inertia, self.friction, bead.shear_ratio, drag, dt, feedback, fastest)
+        given = tuple(map(float, (*given, self.skin)))
         while steps > 0:
             done = march(
                 choice,
@@ -128,6 +175,9 @@ class Packing:
                 goal,
                 self.size,
                 self.bodies,
+                self.owner,
+                self.arms,
+                self.turned,
                 self.pairs,
                 self.contacts,
                 self.results,
@@ -161,7 +211,7 @@ class Packing:
 
     def carrying(self):
         """The `Contacts`."""
-        x, diameter = self.bodies[0], self.bead.diameter
+        x, diameter = self.places, self.bead.diameter
         apart = x[self.pairs[:, 1]] - x[self.pairs[:, 0]] + self.pairs[:, 2:] * self.size
         distance = np.linalg.norm(apart, axis=1)
         on = (self.contacts[:, 3] > 0.0) & (distance < diameter)
@@ -175,4 +225,5 @@ class Packing:
             self.contacts[on, 4],
             self.contacts[on, 5],
             shear,
+            *((self.owner, self.arms / (0.5 * diameter), 0.5 * diameter) if self.bead.clump else ()),
         )

@@ -1,10 +1,11 @@
 """Exponents over pressure from the rows of `study`: tables and picture."""
 
+import csv
 from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.laws.names import HERTZ, POHRT_POPOV
+from demlaws.laws import HERTZ, POHRT_POPOV
 
 ALL, LOW = (10.0, 1000.0), (10.0, 100.0)
 """Ranges of pressure [kPa]."""
@@ -90,29 +91,60 @@ def name(case):
     return f"{case.law}{rough}{dimension}{slope}"
 
 
-def tables(rows):
-    """Text of both tables: exponents of G0, exponents of wave speeds."""
-    lines = ["| bead, law | packing | seeds | " + " | ".join(KINDS.values()) + " |", "|---" * (3 + len(KINDS)) + "|"]
-    found = cases(rows)
-    for case, series in found.items():
-        seeds = sum(path == "isotropic" for path, _ in series)
-        if seeds:
-            values = exponents(series)
-            lines.append(
-                f"| {case.bead}, {name(case)} | {case.packing} | {seeds} | " + " | ".join(cell(values[k]) for k in KINDS) + " |"
-            )
-    names = "c_L | c_T | c_L/c_T | c_L, K_t/10 | c_T, K_t/10 | c_L/c_T, K_t/10 | c_L, after reversal | c_T, after reversal"
-    lines += ["", f"| bead, law | packing | seeds | {names} |", "|---" * 11 + "|"]
-    for case, series in found.items():
-        seeds = sum(path == "oedometric" for path, _ in series)
-        if seeds:
-            values = [
-                *speeds(series).values(),
-                *speeds(series, "_tenth").values(),
-                *list(speeds(series, "_hertz").values())[:2],
-            ]
-            lines.append(f"| {case.bead}, {name(case)} | {case.packing} | {seeds} | " + " | ".join(map(cell, values)) + " |")
+SHOWN = (
+    *(("glass", HERTZ, 0.0, packing) for packing in ("dense", "loose")),
+    *(("glass", POHRT_POPOV, sigma, "dense") for sigma in (0.05, 0.5)),
+    ("glass", POHRT_POPOV, 0.5, "loose"),
+    *(("glass", "greenwood-tripp", sigma, "dense") for sigma in (0.2, 0.7)),
+    ("glass clumps", HERTZ, 0.0, "dense"),
+    ("glass clumps", HERTZ, 0.0, "loose"),
+    ("glass clumps", POHRT_POPOV, 0.5, "dense"),
+)
+"""Bead, law, σ [µm] and packing of the lines of the table of the page; the CSV file has all."""
+SPEEDS = {"c_L": "c_L", "c_T": "c_T", "ratio": "c_L/c_T"}
+
+
+def numbers(series):
+    """Heading → (mean, standard deviation) of all exponents and of c_L/c_T of a case, as far as it has the packings."""
+    paths, found = {path for path, _ in series}, {}
+    if "isotropic" in paths:
+        values = exponents(series)
+        found |= {f"G0, {kind}": values[column] for column, kind in KINDS.items()}
+    if "oedometric" in paths:
+        for suffix, kind in (("", "tangent"), ("_tenth", "K_t/10"), ("_hertz", "after reversal")):
+            found |= {f"{SPEEDS[key]}, {kind}": value for key, value in speeds(series, suffix).items()}
+    return found
+
+
+def seeds(series):
+    """Number of packings."""
+    return len({seed for _, seed in series})
+
+
+def table(rows):
+    """Text: exponents of G0 and of wave speeds, of the cases of SHOWN."""
+    names = ["G0, tangent", "G0, after reversal", "G0, frozen contacts", *(f"{name}, tangent" for name in SPEEDS.values())]
+    names += [f"{name}, after reversal" for name in ("c_L", "c_T")]
+    lines = ["| bead, law | packing | seeds | " + " | ".join(names) + " |", "|---" * (3 + len(names)) + "|"]
+    for case, series in cases(rows).items():
+        if (case.bead, case.law, case.sigma_um, case.packing) in SHOWN and case.dimension == 2.2:
+            found = numbers(series)
+            cells = " | ".join(cell(found.get(name, (np.nan, np.nan))) for name in names)
+            lines.append(f"| {case.bead}, {name(case)} | {case.packing} | {seeds(series)} | {cells} |")
     return "\n".join(lines)
+
+
+def save(rows, path):
+    """Write the exponents of all cases, mean and standard deviation, to a CSV file; its path."""
+    found = {case: numbers(series) for case, series in cases(rows).items()}
+    names = list(dict.fromkeys(name for values in found.values() for name in values))
+    with open(path, "w", newline="") as file:
+        lines = csv.writer(file)
+        lines.writerow([*Case._fields, "seeds", *(f"{name}{end}" for name in names for end in ("", " ±"))])
+        for case, series in cases(rows).items():
+            values = [value for name in names for value in found[case].get(name, (np.nan, np.nan))]
+            lines.writerow([*case, seeds(series), *(f"{value:.4f}".replace("nan", "") for value in values)])
+    return path
 
 
 def sensitivity(rows):
@@ -140,7 +172,14 @@ def local(series, column, path):
     return np.exp(np.mean(x, axis=0)), np.mean(y, axis=0)
 
 
-MARKS = {("glass", "dense"): "o", ("glass", "loose"): "s", ("granite", "dense"): "^", ("granite", "loose"): "v"}
+MARKS = {
+    ("glass", "dense"): "o",
+    ("glass", "loose"): "s",
+    ("granite", "dense"): "^",
+    ("granite", "loose"): "v",
+    ("glass clumps", "dense"): "D",
+    ("glass clumps", "loose"): "P",
+}
 PANELS = (("G", "isotropic", "G0, isotropic"), ("G", "oedometric", "G, oedometric"), ("M", "oedometric", "M, oedometric"))
 
 

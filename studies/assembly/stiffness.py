@@ -5,6 +5,7 @@ rotations beside the affine strain, e is the strain's own part. u minimises ½ |
 The terms of the forces carried already, of the order of P/(l K_t), are left out; `prestress` is their size.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -32,15 +33,17 @@ class Linear:
         from scipy.sparse import vstack
 
         rows = _springs(contacts.pairs, contacts.normals, stiffness, shear_stiffness, np.ones(contacts.pairs.max() + 1))
-        self.springs, self.volume, self.normals = rows.shape[1] * 3, float(np.prod(size)), contacts.normals
-        self.matrix, self.directions = _matrix(rows, contacts.pairs), [-contacts.length[:, None] * rows[:, :, 0, :3]]
+        self.springs, self.volume, self.branch = rows.shape[1] * 3, float(np.prod(size)), contacts.branch
+        self.matrix, self.directions = _matrix(rows, contacts.pairs), [-rows[:, :, 0, :3]]
+        if contacts.arms is not None:
+            self.matrix = (self.matrix @ _rigid(contacts)).tocsr()
         if force is not None:  # a force P along a line of length l that turns: a spring of -P/l across
             rows = _springs(contacts.pairs, contacts.normals, 0.0, force / contacts.length, np.ones(contacts.pairs.max() + 1))[
                 1:
             ]
             rows[..., 3:] = 0.0
             self.matrix = vstack([self.matrix, _matrix(rows, contacts.pairs)]).tocsr()
-            self.directions.append(-contacts.length[:, None] * rows[:, :, 0, :3])
+            self.directions.append(-rows[:, :, 0, :3])
         self.sign = np.where(np.arange(self.matrix.shape[0]) < self.springs, 1.0, -1.0)
         self.turned = self.matrix.T.tocsr()
         diagonal = np.asarray(self.matrix.power(2).sum(axis=0)).ravel()
@@ -49,7 +52,7 @@ class Linear:
     def elongation(self, strain, tolerance=1e-5):
         """√k times the elongations of all springs under a gradient of displacement, with all bodies in balance."""
         strain = np.asarray(strain, float)
-        affine = np.concatenate([np.einsum("kna,ab,nb->kn", d, strain, self.normals).ravel() for d in self.directions])
+        affine = np.concatenate([np.einsum("kna,ab,nb->kn", d, strain, self.branch).ravel() for d in self.directions])
         right = -self.turned @ (self.sign * affine)
         u, residual = np.zeros(len(right)), right.copy()
         z = self.inverse * residual
@@ -97,6 +100,19 @@ def _matrix(rows, pairs):
     columns = np.broadcast_to(6 * pairs[:, :, None] + np.arange(6), rows.shape)
     index = np.repeat(np.arange(rows.shape[0] * len(pairs)), 12)
     return csr_matrix((rows.ravel(), (index, columns.ravel())), shape=(rows.shape[0] * len(pairs), 6 * (pairs.max() + 1)))
+
+
+def _rigid(contacts):
+    """Motions of the spheres (6 each) by those of their clumps, as a sparse matrix: the rotations of both are R θ/√(5/2)."""
+    from scipy.sparse import csr_matrix
+
+    count = contacts.pairs.max() + 1
+    owner, arms = contacts.owner[:count], math.sqrt(2.5) * contacts.arms[:count]
+    blocks = np.broadcast_to(np.eye(6), (count, 6, 6)).copy()
+    blocks[:, :3, 3:] = np.cross(np.eye(3)[None], arms[:, None]).transpose(0, 2, 1)
+    rows = np.repeat(np.arange(6 * count), 6)
+    columns = np.broadcast_to(6 * owner[:, None, None] + np.arange(6), blocks.shape)
+    return csr_matrix((blocks.ravel(), (rows, columns.ravel())), shape=(6 * count, 6 * (owner.max() + 1)))
 
 
 def moduli(contacts, size, ratio, stiffness=None):

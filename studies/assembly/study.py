@@ -21,7 +21,7 @@ import numpy as np
 
 import demlaws as dl
 from demlaws.errors import quiet
-from demlaws.laws.names import HERTZ, POHRT_POPOV
+from demlaws.laws import HERTZ, POHRT_POPOV
 from studies.assembly.packing import Bead, Packing
 from studies.assembly.stiffness import first_loading, moduli, prestress
 
@@ -30,7 +30,8 @@ RESULTS = HERE / "moduli.csv"
 STORE = Path("results") / "assembly"
 GLASS = Bead(1e-3, 70e9, 0.2, 2500.0, 0.3)
 GRANITE = Bead(17.4e-3, 60.6e9, 0.25, 2680.0, 0.5)
-BEADS = {"glass": GLASS, "granite": GRANITE}
+CLUMPS = "glass clumps"
+BEADS = {"glass": GLASS, "granite": GRANITE, CLUMPS: GLASS._replace(clump=True)}
 START = 2e3  # [Pa]
 PRESSURES = (10e3, 30e3, 100e3, 300e3, 1e6)
 FROZEN = 100e3
@@ -77,6 +78,7 @@ MORE = (
     *(("granite", POHRT_POPOV, sigma) for sigma in ROUGH),
 )
 """Bead, law, combined roughness [µm], fractal dimension, slope [rad]."""
+OF_CLUMPS = ((CLUMPS, HERTZ), *((CLUMPS, POHRT_POPOV, sigma) for sigma in (0.5, 0.2, 2.0)))
 
 
 def smooth(series):
@@ -84,28 +86,31 @@ def smooth(series):
     return Series(bead=series.bead).bound()
 
 
-def start(packing, count, seed, store=STORE):
-    """Places, size and shear forces of a packing of smooth glass spheres at START, made once and kept in `store`."""
-    file = Path(store) / f"{packing}-{count}-{seed}.npz"
+def start(packing, count, seed, store=STORE, clump=False):
+    """Places, size, shear forces, arms of a packing of smooth glass at START, made once and kept in `store`."""
+    file = Path(store) / f"{'clumps-' * clump}{packing}-{count}-{seed}.npz"
     if not file.is_file():
         friction = 0.0 if packing == "dense" else GLASS.friction
-        found = Packing.loose(GLASS, count, seed, Series().bound(1e3), friction)
+        found = Packing.loose(GLASS._replace(clump=clump), count, seed, Series().bound(1e3), friction)
         for softness in (1e3, 1e2, 10.0, 1.0):  # hard spheres take too many steps to meet; each step is ten times harder
             found.law = Series().bound(softness)
             slow = {"drag": 0.03, "viscous": 1e-2} if softness == 1e3 else {"drag": 0.05, "viscous": 5e-3}
             found.compress([START] * 3, tolerance=2e-2, balance=1e-2, **slow)
         file.parent.mkdir(parents=True, exist_ok=True)
-        np.savez(file, places=found.bodies[0], size=found.size, pairs=found.pairs, shear=found.contacts[:, :3])
+        parts = {"size": found.size, "pairs": found.pairs, "shear": found.contacts[:, :3], "arms": found.arms}
+        np.savez(file, places=found.bodies[0], **parts)
     return np.load(file)
 
 
 def begin(series, store=STORE):
-    """The `Packing` of a series before its first pressure: spheres of its size, closer by the change of the mean overlap."""
-    kept, bead = start(series.packing, series.count, series.seed, store), BEADS[series.bead]
+    """The `Packing` of a series before its first pressure: bodies of its size, closer by the change of the mean overlap."""
+    bead = BEADS[series.bead]
+    kept = start(series.packing, series.count, series.seed, store, bead.clump)
     scale, law, force = bead.diameter / GLASS.diameter, series.bound(), START * bead.diameter**2
     closer = float(law.overlap(force) - smooth(series).overlap(force)) / bead.diameter
+    arms = scale * kept["arms"] if bead.clump else None
     scale *= 1.0 - closer
-    packing = Packing(bead, scale * kept["places"], scale * kept["size"], law, bead.friction)
+    packing = Packing(bead, scale * kept["places"], scale * kept["size"], law, bead.friction, arms)
     packing.inherit(kept["pairs"], kept["shear"])
     return packing
 
@@ -199,6 +204,8 @@ def wanted(count, seeds):
         (MORE, 1, "loose", PATHS[::-1]),
         (CORE, seeds, "loose", PATHS),
         (MORE, few, "loose", PATHS),
+        (OF_CLUMPS, two, "dense", PATHS),
+        (OF_CLUMPS, two, "loose", PATHS),
     ):
         for seed, case, path in itertools.product(range(1, last + 1), chosen, paths):
             yield Series(*case, packing=packing, path=path, count=count, seed=seed)

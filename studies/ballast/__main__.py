@@ -7,7 +7,7 @@ from demlaws import plots
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.output import output
 from studies.assembly.study import read
-from studies.ballast import beds, cycles, report
+from studies.ballast import beds, cycles, picture, report
 
 QUICK = [cycles.Case(law=law, sigma=sigma, cycles=5, count=80) for law, sigma in (("hertz", 0.0), ("pohrt-popov", 2.4))]
 
@@ -24,7 +24,8 @@ def parser():
     parser.add_argument("--quick", action="store_true", help="two cases of 80 spheres and 5 cycles, a minute")
     parser.add_argument("--beds", action="store_true", help="beds deposited and loaded with each shear model")
     parser.add_argument("--report", action="store_true", help="tables only, from the runs in the file")
-    parser.add_argument("--figure", type=output, help="picture of settlement, resilient modulus and loss")
+    parser.add_argument("--table", type=output, help="CSV file with the numbers of every bed")
+    parser.add_argument("--figure", type=output, help="picture of settlement, resilient modulus and dissipation")
     parser.set_defaults(func=run)
     return parser
 
@@ -46,9 +47,13 @@ def run(arguments):
     settings = {"least": QUICK[0].cycles, "count": QUICK[0].count} if arguments.quick else {}
     print(report.table(rows, **settings))
     if not arguments.quick:
-        print("\n" + report.effects(rows) + "\n\n" + report.sensitivity(rows) + "\n\n" + report.course(rows))
+        for text in (report.effects, report.energies, report.many, report.sensitivity, report.costs, report.course):
+            print("\n" + text(rows))
+        print("\n" + report.repeats(rows, read(cycles.REPEATS)))
+    if arguments.table is not None:
+        print(report.save(rows, arguments.table))
     if arguments.figure is not None:
-        print(plots.save(report.draw(rows), arguments.figure))
+        print(plots.save(picture.draw(rows), arguments.figure))
 
 
 def main(arguments=None):

@@ -1,14 +1,17 @@
 """Settlement, resilient modulus and loss per cycle from the rows of `cycles`: tables and picture."""
 
+import csv
 from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.laws.names import HERTZ, POHRT_POPOV
+from demlaws.laws import HERTZ, POHRT_POPOV
 from studies.assembly.report import spread
 from studies.ballast.bed import DENSITY
-from studies.ballast.cycles import SENSITIVITY, STAGES, Case
+from studies.ballast.cycles import SENSITIVITY, Case
 
+LONGEST = 200
+"""Cycles of the cases in the tables; one case has more."""
 EXPONENTS = np.linspace(0.001, 0.999, 999)
 MEAN = 40e-3  # diameter of a mean grain [m]
 KEY = ("grains", "law", "sigma", "shear")
@@ -32,20 +35,26 @@ def order(kind):
     return kind.grains != "spheres", kind.sigma, kind.shear
 
 
-def series(rows, least=30, **settings):
+def series(rows, least=30, most=LONGEST, **settings):
     """`Kind` → seed → rows in order of the cycle, of cases with these settings (default: those of `Case`)
 
-    and at least `least` cycles; of two cases of a seed the longer one.
+    and `least` to `most` cycles; of two cases of a seed the longer one.
     """
     wanted, found = {name: getattr(Case(), name) for name in ("period", "dt", "count")} | settings, {}
     for row in sorted(rows, key=lambda row: (row["cycles"], row["cycle"])):
-        if row["cycles"] >= least and all(row[name] == value for name, value in wanted.items()):
+        if least <= row["cycles"] <= most and all(row[name] == value for name, value in wanted.items()):
             beds = found.setdefault(Kind(*(row[name] for name in KEY)), {})
             beds.setdefault(int(row["seed"]), {}).setdefault(row["cycles"], []).append(row)
     return {
         kind: {seed: list(cases.values())[-1] for seed, cases in sorted(found[kind].items())}
         for kind in sorted(found, key=order)
     }
+
+
+def longest(rows):
+    """Rows of the case with the most cycles."""
+    most = max(row["cycles"] for row in rows)
+    return sorted((row for row in rows if row["cycles"] == most), key=lambda row: row["cycle"])
 
 
 def main_cycles(rows):
@@ -55,29 +64,34 @@ def main_cycles(rows):
 
 
 class Fit(NamedTuple):
-    """s = a + b log10 N and s = c N^d over cycles 2 to the last; rms deviations over the last settlement."""
+    """s = a + b log10 N and s = c N^d over some cycles; rms deviations over the last settlement."""
 
+    constant: float  # a [µm]
     slope: float  # b [µm per decade]
     logarithmic: float
+    factor: float  # c [µm]
     exponent: float  # d
     power: float
 
+    def at(self, number):
+        """Both settlements [µm] after this many cycles."""
+        return self.constant + self.slope * np.log10(number), self.factor * np.asarray(number) ** self.exponent
 
-def fit(rows):
-    """`Fit` of a bed."""
+
+def fit(rows, last=np.inf):
+    """`Fit` of a bed over cycles 2 to `last`."""
     number, settled = main_cycles(rows)
-    number, settled = number[number > 1], settled[number > 1]
+    number, settled = number[(number > 1) & (number <= last)], settled[(number > 1) & (number <= last)]
     slope, constant = np.polyfit(np.log10(number), settled, 1)
 
-    def power(exponent):
+    def factor(exponent):
         shape = number**exponent
-        return settled - shape * (shape @ settled) / (shape @ shape)
+        return shape @ settled / (shape @ shape)
 
-    best = min(EXPONENTS, key=lambda exponent: np.sum(power(exponent) ** 2))
-    rms = [
-        float(np.sqrt(np.mean(off**2)) / settled[-1]) for off in (settled - constant - slope * np.log10(number), power(best))
-    ]
-    return Fit(float(slope), rms[0], float(best), rms[1])
+    best = min(EXPONENTS, key=lambda exponent: np.sum((settled - factor(exponent) * number**exponent) ** 2))
+    found = Fit(float(constant), float(slope), 0.0, float(factor(best)), float(best), 0.0)
+    off = [float(np.sqrt(np.mean((settled - law) ** 2)) / settled[-1]) for law in found.at(number)]
+    return found._replace(logarithmic=off[0], power=off[1])
 
 
 def moduli(rows):
@@ -112,12 +126,32 @@ def settlement(rows, cycle):
     return float(np.interp(np.log(cycle), np.log(number), settled)) if cycle <= number[-1] else np.nan
 
 
-def loss(rows, first=15, last=30):
-    """Loss per cycle over the work of loading, mean of the kept cycles from `first` to `last`; NaN without them."""
-    chosen = [row["loss_J"] / row["work_J"] for row in rows if first <= row["cycle"] <= min(last, row["cycles"])]
-    return float(np.mean(chosen)) if chosen else np.nan
+class Dissipation(NamedTuple):
+    """Energy that a cycle dissipates [mJ], and shares [%] of friction, plastic flow and damping in it."""
+
+    total: float
+    friction: float
+    plastic: float
+    damping: float
+    of_work: float  # total over the work of loading
 
 
+def dissipation(rows, first=15, last=30):
+    """Mean `Dissipation` of the kept cycles from `first` to `last`; the models of LAMMPS do not book friction: NaN."""
+    chosen = [row for row in rows if first <= row["cycle"] <= min(last, row["cycles"]) and not np.isnan(row["rest_J"])]
+    if not chosen:
+        return Dissipation(*[np.nan] * 5)
+    inside, plastic, rest, work = (
+        np.mean([row[f"{name}_J"] for row in chosen]) for name in ("dissipated", "plastic", "rest", "work")
+    )
+    total = inside + rest
+    known = np.nan if chosen[0]["shear"] in STOCK else 1.0
+    shares = (100.0 * part / total for part in (known * (inside - plastic), plastic, known * rest))
+    return Dissipation(1e3 * float(total), *map(float, shares), float(total / work))
+
+
+STOCK = ("mindlin",)
+"""Shear models whose friction `compute demlaws/energy` does not have."""
 COLUMNS = {
     "settled (µm), N = 1": lambda rows: settlement(rows, 1),
     "30": lambda rows: settlement(rows, 30),
@@ -130,7 +164,12 @@ COLUMNS = {
     "M (MPa)": lambda rows: moduli(rows)[1][-1],
     "n": modulus_exponent,
     "m": tangent_exponent,
-    "loss/work": loss,
+    "dissipated in cycle 1 (mJ)": lambda rows: dissipation(rows, 1, 1).total,
+    "later (mJ)": lambda rows: dissipation(rows).total,
+    "over work": lambda rows: dissipation(rows).of_work,
+    "friction (%)": lambda rows: dissipation(rows).friction,
+    "plastic flow (%)": lambda rows: dissipation(rows).plastic,
+    "damping (%)": lambda rows: dissipation(rows).damping,
 }
 
 
@@ -139,6 +178,8 @@ def cell(values):
     mean, deviation = spread(value for value in values if not np.isnan(value))
     if np.isnan(mean):
         return "–"
+    if mean == 0.0:
+        return "0"
     digits = max(0, 2 - int(np.floor(np.log10(abs(mean)))))
     return f"{mean:.{digits}f}" + ("" if np.isnan(deviation) else f" ± {deviation:.{digits}f}")
 
@@ -149,6 +190,57 @@ def table(rows, **settings):
     for kind, beds in series(rows, **settings).items():
         cells = [cell([function(one) for one in beds.values()]) for function in COLUMNS.values()]
         lines.append(f"| {kind} | {len(beds)} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def save(rows, path):
+    """Write the numbers of every bed to a CSV file; its path."""
+    with open(path, "w", newline="") as file:
+        lines = csv.writer(file)
+        lines.writerow([*KEY, "seed", "cycles", *COLUMNS, "time (s)"])
+        for kind, beds in series(rows).items():
+            for seed, one in beds.items():
+                numbers = [f"{function(one):.4g}".replace("nan", "") for function in COLUMNS.values()]
+                lines.writerow([*kind, seed, int(one[0]["cycles"]), *numbers, f"{seconds(one):.0f}"])
+    return path
+
+
+def repeats(rows, again):
+    """Text: settlement of beds, and of a repetition with the formula of the load written differently (rounding)."""
+    lines = ["| bed, seed | run | settled (µm), N = 1 | 30 | 100 | 200 |", "|---|---|---|---|---|---|"]
+    found = series(rows)
+    for kind, beds in series(again).items():
+        for seed in beds.keys() & found.get(kind, {}).keys():
+            for name, one in (("of the tables", found[kind][seed]), ("repetition", beds[seed])):
+                cells = " | ".join(f"{settlement(one, number):.3g}" for number in (1, 30, 100, 200))
+                lines.append(f"| {kind}, {seed} | {name} | {cells} |")
+    return "\n".join(lines)
+
+
+def seconds(rows):
+    """Time [s] of all cycles of a bed."""
+    cycle, each = np.array([(row["cycle"], row["seconds"]) for row in rows]).T
+    return float(np.sum(np.diff(cycle, prepend=0.0) * each))
+
+
+ENERGIES = {
+    "cycle 1 (mJ)": COLUMNS["dissipated in cycle 1 (mJ)"],
+    "plastic flow (%)": lambda rows: dissipation(rows, 1, 1).plastic,
+    "cycles 15 to 30 (mJ)": COLUMNS["later (mJ)"],
+    "over work": COLUMNS["over work"],
+    "friction (%)": COLUMNS["friction (%)"],
+    "plastic flow, %": COLUMNS["plastic flow (%)"],
+    "damping (%)": COLUMNS["damping (%)"],
+}
+
+
+def energies(rows):
+    """Text: energy that a cycle dissipates, of the beds whose energies are known."""
+    lines = ["| bed | seeds | " + " | ".join(ENERGIES) + " |", "|---" * (2 + len(ENERGIES)) + "|"]
+    for kind, beds in series(rows).items():
+        if not any(np.isnan(dissipation(one).total) for one in beds.values()):
+            cells = " | ".join(cell([function(one) for one in beds.values()]) for function in ENERGIES.values())
+            lines.append(f"| {kind} | {len(beds)} | {cells} |")
     return "\n".join(lines)
 
 
@@ -168,17 +260,19 @@ EFFECTS = {
 }
 MEASURES = {
     "settlement, N = 1": lambda rows: settlement(rows, 1),
-    "N = 1 to 30": lambda rows: settlement(rows, 30) - settlement(rows, 1),
+    "N = 1 to 200": lambda rows: settlement(rows, 200) - settlement(rows, 1),
     "M": COLUMNS["M (MPa)"],
     "n": modulus_exponent,
     "m": tangent_exponent,
-    "loss": loss,
+    "dissipated in cycle 1": lambda rows: dissipation(rows, 1, 1).total,
+    "later": lambda rows: dissipation(rows).total,
 }
 
 
 def scatter(found, function):
     """Standard deviation between packings over their mean, all kinds with several; NaN without."""
     kinds = [np.array([function(one) for one in beds.values()]) for beds in found.values() if len(beds) > 1]
+    kinds = [values for values in kinds if not np.isnan(values).any()]
     freedom = sum(len(values) - 1 for values in kinds)
     return float(np.sqrt(sum(np.sum((values / values.mean() - 1.0) ** 2) for values in kinds) / freedom)) if freedom else np.nan
 
@@ -187,16 +281,16 @@ def effects(rows):
     """Text: changes in percent, of the same seeds; bold: more than twice the scatter of packings."""
     found = series(rows)
     off = {name: scatter(found, function) for name, function in MEASURES.items()}
-    lines = ["| change (%) | " + " | ".join(MEASURES) + " |", "|---" * (1 + len(MEASURES)) + "|"]
+    lines = ["| change (%) | seeds | " + " | ".join(MEASURES) + " |", "|---" * (2 + len(MEASURES)) + "|"]
     for what, (before, after) in EFFECTS.items():
         common, cells = found.get(before, {}).keys() & found.get(after, {}).keys(), []
         if common:
             for name, function in MEASURES.items():
                 old, new = (np.mean([function(found[kind][seed]) for seed in common]) for kind in (before, after))
-                text = f"{100.0 * (new / old - 1.0):+.0f}"
+                text = "–" if np.isnan(new / old) else f"{100.0 * (new / old - 1.0):+.0f}"
                 cells.append(f"**{text}**" if abs(new / old - 1.0) > 2.0 * off[name] else text)
-            lines.append(f"| {what} | " + " | ".join(cells) + " |")
-    lines.append("| twice the scatter of packings | " + " | ".join(f"{200.0 * value:.0f}" for value in off.values()) + " |")
+            lines.append(f"| {what} | {len(common)} | " + " | ".join(cells) + " |")
+    lines.append("| twice the scatter of packings | | " + " | ".join(f"{200.0 * value:.0f}" for value in off.values()) + " |")
     return "\n".join(lines)
 
 
@@ -208,11 +302,15 @@ def secant(rows, cycle):
 
 def sensitivity(rows):
     """Text: the first 18 cycles of one bed with other settings."""
-    lines = ["| settings | settled (µm), N = 1 | N = 18 | M, N = 18 (MPa) | loss/work, N = 9 to 18 |", "|---|---|---|---|---|"]
+    lines = [
+        "| settings | settled (µm), N = 1 | N = 18 | M, N = 18 (MPa) | dissipated/work, N = 9 to 18 |",
+        "|---|---|---|---|---|",
+    ]
     for name, case in SENSITIVITY.items():
         chosen = [row for row in rows if all(row[key] == value for key, value in case._asdict().items())]
         if chosen:
-            found = settlement(chosen, 1), settlement(chosen, 18), secant(chosen, 18), loss(chosen, 9, 18)
+            shares = dissipation(chosen, 9, 18)
+            found = settlement(chosen, 1), settlement(chosen, 18), secant(chosen, 18), shares.of_work
             lines.append(f"| {name} | " + " | ".join(f"{value:.3g}" for value in found) + " |")
     return "\n".join(lines)
 
@@ -235,41 +333,41 @@ def inertial(rows):
 def course(rows):
     """Text: inertial number, load carried, time per cycle."""
     carried = [np.median([row[name] for row in rows if row["high_kPa"] == 200.0]) for name in ("least_kPa", "peak_kPa")]
-    seconds = [row["seconds"] for row in rows if row["cycle"] > 1]
-    text = f"inertial number at most {inertial(rows):.1g}; {np.median(seconds):.2g} s per cycle (median, {min(seconds):.2g} to"
-    return f"{text} {max(seconds):.2g}); the plate carries {carried[0]:.0f} to {carried[1]:.0f} kPa (median)"
+    each = [row["seconds"] for row in rows if row["cycle"] > 1]
+    text = f"inertial number at most {inertial(rows):.1g}; {np.median(each):.2g} s per cycle (median, {min(each):.2g} to"
+    return f"{text} {max(each):.2g}); the plate carries {carried[0]:.0f} to {carried[1]:.0f} kPa (median)"
 
 
-def draw(rows):
-    """Settlement over cycles, resilient modulus over pressure, loss over cycles."""
-    from demlaws.plots import figure
+def costs(rows):
+    """Text: number of cycles, seeds and time of each kind of bed, all cases."""
+    lines = ["| bed | cycles | seeds | steps per cycle | time (s) |", "|---|---|---|---|---|"]
+    found = {}
+    for row in rows:
+        case = tuple(row[name] for name in Case._fields)
+        found.setdefault(case, []).append(row)
+    kinds = {}
+    for case, some in found.items():
+        case = Case(*case)
+        key = Kind(*(getattr(case, name) for name in KEY)), case.cycles, case.period, case.dt
+        kinds.setdefault(key, []).append(sorted(some, key=lambda row: row["cycle"]))
+    for (kind, number, period, dt), beds in sorted(kinds.items(), key=lambda item: (order(item[0][0]), item[0][1:])):
+        time = cell([seconds(one) for one in beds])
+        lines.append(f"| {kind} | {number:.0f} | {len(beds)} | {period / dt:.0f} | {time} |")
+    return "\n".join(lines)
 
-    fig, axes = figure(columns=3, width=4.6, height=4.2)
-    found = series(rows)
-    styles = {"default": "-", "mindlin": "--", "slip": ":"}
-    looks = dict.fromkeys((kind.grains, kind.law, kind.sigma) for kind in found)
-    colours = {look: f"C{n}" for n, look in enumerate(looks)}
-    for kind, beds in found.items():
-        for n, one in enumerate(beds.values()):
-            more = {"ls": styles[kind.shear], "color": colours[kind[:3]], "lw": 1.6 if n == 0 else 0.6}
-            label = {"label": str(kind)} if n == 0 else {}
-            axes[0].plot(*main_cycles(one), **more, **label)
-            axes[1].plot(*moduli(one), marker="o" if n == 0 else ".", ms=3, **more)
-            losses = [(r["cycle"], r["loss_J"] / r["work_J"]) for r in one if 1 < r["cycle"] <= r["cycles"]]
-            axes[2].plot(*np.array(losses).T, **more)
-    pressure = 1e-3 * np.array(STAGES)[[0, -1]]
-    for m, style in ((1 / 3, "-"), (0.5, "--")):  # secants of tangent moduli ∝ p^m
-        way = np.geomspace(*pressure)
-        secant_of = (way - 20.0) / (way ** (1 - m) - 20.0 ** (1 - m))
-        axes[1].plot(way, 120.0 * secant_of / secant_of[0], color="0.6", lw=1, ls=style, label=f"secant, tangent ∝ p^{m:.2g}")
-    axes[1].legend(fontsize=7)
-    axes[0].set(xscale="log", xlabel="cycle", ylabel="settlement (µm)")
-    axes[1].set(xscale="log", yscale="log", xlabel="largest pressure (kPa)", ylabel="resilient modulus (MPa)")
-    axes[2].set(xscale="log", xlabel="cycle", ylabel="loss over work of a cycle", ylim=(0, None))
-    axes[1].set_xticks(1e-3 * np.array(STAGES), [f"{1e-3 * p:g}" for p in STAGES])
-    axes[1].set_xticks([], minor=True)
-    for form in (axes[1].yaxis.set_major_formatter, axes[1].yaxis.set_minor_formatter):
-        form("{x:g}")
-    axes[0].set_ylim(0, 1.4 * axes[0].get_ylim()[1])
-    axes[0].legend(fontsize=7)
-    return fig
+
+def many(rows):
+    """Text: both laws of settlement, fitted to the first and to all cycles of the longest case."""
+    one = longest(rows)
+    last = one[0]["cycles"]
+    found = settlement(one, last)
+    lines = [
+        f"| fitted to cycles | a + b log N: b (µm) | off (%) | at {last:.0f} (µm) | N^d: d | off, % | at {last:.0f}, µm |",
+        "|---" * 7 + "|",
+    ]
+    for end in (30.0, 200.0, last):
+        law = fit(one, end)
+        ends = law.at(last)
+        numbers = f"{law.slope:.0f} | {100 * law.logarithmic:.1f} | {ends[0]:.0f} | {law.exponent:.3f} | {100 * law.power:.1f}"
+        lines.append(f"| 2 to {end:.0f} | {numbers} | {ends[1]:.0f} |")
+    return "\n".join([*lines, f"measured after {last:.0f} cycles: {found:.0f} µm"])

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from demlaws.laws.names import HERTZ
+from demlaws.laws import HERTZ
 from studies.engines import available, under_yade
 from studies.validation import lammps_tests
 from studies.validation.in_lammps import answer as in_lammps

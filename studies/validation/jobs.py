@@ -5,7 +5,7 @@ import math
 from demlaws.contact import Contact
 from demlaws.core.shear import CHOICES
 from demlaws.driver import elastic_contact, impact
-from demlaws.laws.names import HERTZ, POHRT_POPOV, ROUGH_PLASTIC
+from demlaws.laws import HERTZ, POHRT_POPOV, ROUGH_PLASTIC
 from studies.validation.arrays import RIGID
 from studies.validation.oblique import SERIES, STOCK
 from studies.validation.published import BRANCHES, IMPACTS, KEPT, SPEEDS, YIELD_RATIO, bound, quiet, yield_speed

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from studies.assembly.study import read
-from studies.ballast import beds, cycles, report
+from studies.ballast import bed, beds, cycles, report
 from studies.ballast.__main__ import QUICK, main
 
 
@@ -38,6 +38,27 @@ def test_solid_share_of_spheres_in_a_layer():
     grains = np.array([[n, 0.04, 2650.0, 0.1 * n, 0.0, z] for n, z in enumerate((0.1, 0.03, 0.3))])
     volume = np.pi / 6 * 0.04**3
     assert beds.solid(grains) == pytest.approx(1.5 * volume / (0.11 * 0.3**2))
+
+
+def test_plastic_work_counts_contacts_that_end_and_begin_again(tmp_path):
+    """Pair 1-2 flows by 3, ends, and begins again with 1; pair 1-3 was there with 5 and flows by 2."""
+    frames = [["1 3 5"], ["1 3 5", "1 2 3"], ["1 3 7"], ["2 1 1"]]
+    text = "".join(f"ITEM: TIMESTEP\n{n}\nITEM: ENTRIES c f\n" + "\n".join(lines) + "\n" for n, lines in enumerate(frames))
+    (tmp_path / "flow.txt").write_text(text)
+    assert cycles.plastic(tmp_path / "flow.txt") == pytest.approx([3.0, 2.0, 1.0])
+
+
+@pytest.mark.lammps
+def test_without_damping_contacts_dissipate_the_whole_loss(tmp_path, monkeypatch):
+    """The work of the plate, less what is stored, is friction and plastic flow."""
+    monkeypatch.setattr(bed, "RESTITUTION", 1.0)
+    for shear in ("default", "slip"):
+        case = cycles.Case(law="pohrt-popov", sigma=2.4, shear=shear, cycles=2, count=80)
+        rows = [row for row in cycles.run_case(case, tmp_path) if "rest_J" in row]
+        assert len(rows) == 5
+        for row in rows:
+            assert 0.0 <= row["plastic_J"] < row["dissipated_J"]
+            assert abs(row["rest_J"]) < 0.03 * row["dissipated_J"] + 1e-5
 
 
 @pytest.fixture(scope="module")

@@ -115,7 +115,8 @@ template <class ABI> struct Granular {
             "-1 to 0.5");
       if (!demlaws::SpringRow::may_have(coeffs[SPRINGS])) refuse("springs must be an even number from 2 to 30");
       if (!demlaws::may_have_levels(coeffs[LEVELS])) refuse("levels must be a whole number from 1 to 8");
-      if (!(coeffs[RATIO] >= 0. && coeffs[RATIO] <= 4. / 3.)) refuse("shear_ratio must be above 0, at most 4/3");
+      if (!(coeffs[RATIO] >= 0. && coeffs[RATIO] <= demlaws::LARGEST_SHEAR_RATIO))
+        refuse("shear_ratio must be above 0, at most 4/3");
       this->num_coeffs = NUMBERS;
       if (coeffs[FINGERPRINT] != (double)table_.fingerprint())
         refuse("this is not the table that the restart file was written with: bring that file back, or begin anew from "
@@ -194,17 +195,17 @@ template <class ABI> struct Granular {
 
     // GranularModel::calculate_forces for a pair of particles, where nothing but this law, a damping and a tangential
     // model are at work; else LAMMPS's own.
-    virtual void whole() {}
-    bool is_whole() const { return whole_; }
-    static Table *latest; // of those that are whole, the one met last
+    virtual void compute_pair() {}
+    bool computes_pairs() const { return computes_pairs_; }
+    static Table *latest; // of those that compute pairs, the one met last
     ~Table() { latest = latest == this ? NULL : latest; }
-    void plan(bool proved) {
+    void choose_path(bool proved) {
       latest = NULL;
       const Model *const m = gm;
-      whole_ = proved && !m->beyond_contact;
-      for (int k = ROLLING; k <= HEAT; k++) whole_ = whole_ && m->sub_models[k]->name == "none";
+      computes_pairs_ = proved && !m->beyond_contact;
+      for (int k = ROLLING; k <= HEAT; k++) computes_pairs_ = computes_pairs_ && m->sub_models[k]->name == "none";
       const std::string &tangential = m->sub_models[TANGENTIAL]->name;
-      whole_ = whole_ && tangential != "none";
+      computes_pairs_ = computes_pairs_ && tangential != "none";
       speed_ = tangential != "demlaws" && tangential.compare(0, 7, "mindlin") != 0;
       damped_ = m->damping_model->name == "demlaws/tangent" ? BY_TANGENT
                 : m->damping_model->name == "viscoelastic"  ? BY_RADIUS
@@ -266,7 +267,7 @@ template <class ABI> struct Granular {
     demlaws::Law law_;
     double stiffness_ = 0., shear_stiffness_ = 0., per_stiffness_ = 0.;
     demlaws::Shear shear_ = demlaws::ELASTIC_SHEAR;
-    bool whole_ = false, speed_ = true; // speed_: the tangential model asks for that of the surfaces, vrel
+    bool computes_pairs_ = false, speed_ = true; // speed_: the tangential model asks for that of the surfaces, vrel
     // BY_RADIUS: viscoelastic, whose formula Abi::fits() has checked
     enum { OTHERWISE, BY_TANGENT, BY_RADIUS } damped_ = OTHERWISE;
 

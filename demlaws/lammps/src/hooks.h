@@ -12,10 +12,10 @@ __attribute__((noinline)) void compute_elsewhere(void *m) { Stock::get().compute
 
 bool reads_restart = false; // while the pair_coeff lines of a restart file are read
 
-// GranularModel::calculate_forces for a pair of particles, where Table::plan() found that it can be done here.
+// GranularModel::calculate_forces for a pair of particles, where Table::choose_path() found that it can be done here.
 template <bool LATE> template <class RULED> struct Abi<LATE>::Final : public RULED {
   template <class... ARGUMENTS> explicit Final(ARGUMENTS &&...given) : RULED(given...) {}
-  __attribute__((flatten)) void whole() {
+  __attribute__((flatten)) void compute_pair() {
     Model *const m = this->gm;
     if (__builtin_expect(this->ledger_.busy | m->calculate_svector, 0)) return compute_elsewhere(m);
     geometry(m, this->speed_);
@@ -42,7 +42,7 @@ template <class ABI> struct Hooks {
     const typename Models::NormalMod *const normal = m->normal_model;
     if (__builtin_expect(normal == Table::latest, 1)) return true;
     if (!this_object.holds(*(const void *const *)normal)) return false; // where the table of virtual functions stands
-    if (!((const Table *)normal)->is_whole()) return false;
+    if (!((const Table *)normal)->computes_pairs()) return false;
     Table::latest = (Table *)normal;
     return true;
   }
@@ -52,7 +52,7 @@ template <class ABI> struct Hooks {
   }
   static void compute(void *model) {
     Model *const m = (Model *)model;
-    if (in_pairs(m)) return ((Table *)m->normal_model)->whole();
+    if (in_pairs(m)) return ((Table *)m->normal_model)->compute_pair();
     if (m->contact_type != PAIR && !this_object.holds(*(const void *const *)m->normal_model)) look_at_wall(m);
     compute_elsewhere(m);
   }
@@ -113,7 +113,7 @@ template <class ABI> struct Hooks {
     Table *const table = dynamic_cast<Table *>(m->normal_model);
     has_table = table != NULL;
     keeps = table && table->unloads_otherwise();
-    if (table) table->plan(proved);
+    if (table) table->choose_path(proved);
     for (const typename Models::SubMod *const sub : m->sub_models) sizes.push_back(sub->size_history);
   }
 };

@@ -66,7 +66,7 @@ public:
     given_ = instance_->line.given;
     own_.files = instance_->line.files;
     own_.shear = instance_->line.shear;
-    if (given_.count("shear_ratio") && !(own_.shear_ratio > 0. && own_.shear_ratio <= 4. / 3.))
+    if (given_.count("shear_ratio") && !(own_.shear_ratio > 0. && own_.shear_ratio <= demlaws::LARGEST_SHEAR_RATIO))
       error->all(FLERR, "model demlaws/table: shear_ratio must be above 0, at most 4/3");
     if (!wall_) {
       if (own_.files.empty())

@@ -83,7 +83,7 @@ def test_table(omega, tmp_path):
 @pytest.mark.parametrize("as_table", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_curve_to_unload_along(omega, as_table):
     """Given beside the law, as a law and as a table; saved with the scene."""
-    from demlaws.yade.pairs import Pairs
+    from demlaws.yade.saving import pairs_from, pairs_text
 
     contact = dl.Contact(0.005, 32e9, 2.4e-6 * 2**0.5, 2.22, 6.266e9)
     curve = dl.law("hertz", contact).tabulate() if as_table else dl.law("hertz", contact)
@@ -95,8 +95,8 @@ def test_a_curve_to_unload_along(omega, as_table):
     wrong, tangent, _ = recorder.worst("pohrt-popov", "hertz")  # what this curve amounts to
     assert wrong <= TOLERANCE and tangent <= 1e-12
     assert law.totals().dissipated > 0.0
-    again = Pairs.from_text(law.binding.pairs.as_text())
-    assert again.unloading == "table" and again.as_text() == law.binding.pairs.as_text()
+    again = pairs_from(pairs_text(law.binding.pairs))
+    assert again.unloading == "table" and pairs_text(again) == pairs_text(law.binding.pairs)
 
 
 def test_pairs_of_materials(omega):

@@ -1,0 +1,322 @@
+"""Energy that friction and partial slip take from small waves, in LAMMPS without viscous damping; rows in `attenuation.csv`.
+
+- cycle: a packing is compressed along z with friction to each pressure, and strained to and fro there. share: area of the
+  second loop of stress over strain, over the largest elastic energy ½ M ε². dissipated: energy that the contacts lose,
+  over ½ M ε² V; they also lose energy that they had stored before.
+- pulse: a pulse in a column of packings at rest without shear forces, as in the case `waves`. share: energy dissipated
+  on the way from NEAR to FAR over the energy of the pulse.
+
+The amplitude of a wave of frequency f and speed c falls by exp(-α x) with α = share f/(2 c) (cycle), share/(2 x) (pulse).
+"""
+
+import itertools
+import tempfile
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from demlaws.lammps import run
+from demlaws.lammps.run import HEAD
+from demlaws.laws import HERTZ, POHRT_POPOV
+from studies.assembly.report import spread
+from studies.assembly.stiffness import moduli
+from studies.assembly.study import HERE, START, STORE, Series, append, begin, read
+from studies.trade.liggghts_oedometer import data_text
+
+RESULTS = HERE / "attenuation.csv"
+PRESSURES = (10e3, 20e3, 50e3, 100e3)
+STRAINS = (1e-6, 1e-5)
+SPEEDS = (0.5e-3, 5e-3)
+"""Amplitudes of the strain of a cycle, and of the velocity of a pulse at the start [m/s]."""
+COUNT, BOXES = 400, 10  # spheres of a packing, packings in the column
+WIDTH, LAYER, NEAR, FAR = 5e-3, 1e-3, 10e-3, 22e-3  # [m] of the pulse
+PERIOD, REST = 3000, 8000  # steps
+SHEAR = {"default": "", "slip": " shear slip"}
+AXES = {"z": "z", "x": "xz"}
+"""Polarisation of the wave → axis of fix deform."""
+FIELDS = (
+    "kind",
+    "law",
+    "sigma_um",
+    "shear",
+    "seed",
+    "kPa",
+    "axis",
+    "amplitude",
+    "modulus_MPa",
+    "speed",
+    "share",
+    "dissipated",
+    "height",
+    "steps",
+)
+
+GROUND = """\
+boundary        p p p
+newton          on
+read_data       start.data
+{column}
+neighbor        5e-5 bin
+neigh_modify    delay 0
+pair_style      granular
+pair_coeff      * * demlaws/table pair.tbl {young:.10g} 0 {poisson}{words} tangential demlaws 0 {friction:g} damping velocity
+timestep        {dt:.10g}
+fix             move all nve/sphere
+"""
+BEGIN = """\
+compute         press all pressure NULL virial
+variable        z equal c_press[3]
+variable        xz equal c_press[5]
+variable        phase equal 0
+variable        angle equal 0
+variable        lost equal 0
+thermo_style    custom step v_phase v_angle v_z v_xz vol v_lost
+thermo_modify   norm no lost error format float %.17g
+thermo          1000
+"""
+DRAG = "fix             drag all viscous {drag:.10g}\nfix             turn all viscous/sphere {turn:.10g}\n"
+COMPRESS = """\
+fix             strain all deform 1 z erate {rate:.10g} units box remap v
+fix             there all halt 20 v_z > {pressure:.10g} error continue
+run             200000
+unfix           there
+unfix           strain
+run             {rest}
+"""
+CYCLES = """\
+variable        phase equal {phase}
+variable        size equal $(-{strain:.10g}*lz)
+variable        turn equal $(2*PI/{period})
+variable        begun equal $(step)
+variable        angle equal v_turn*(step-v_begun)
+variable        way equal v_size*(1-cos(v_angle))
+variable        rate equal v_size*v_turn/dt*sin(v_angle)
+fix             strain all deform 1 {axis} variable v_way v_rate remap v
+thermo          {every}
+run             {steps}
+unfix           strain
+variable        phase equal 0
+thermo          1000
+run             1000
+"""
+ENERGY = "compute         energy all demlaws/energy\nvariable        lost equal c_energy[2]\nrun             0\n"
+PULSE = """\
+variable        pulse atom {amplitude:.10g}/exp(((z-0.5*lz)/{width})^2)
+variable        none atom 0
+velocity        all set {velocity}
+compute         layers all chunk/atom bin/1d z lower {layer} units box
+fix             motion all ave/chunk 1 1 1 layers v{axis} norm sample file post/motion.txt
+compute         moves all ke
+compute         energy all demlaws/energy
+variable        lost equal c_energy[2]
+thermo_style    custom step dt c_moves v_lost
+thermo_modify   norm no lost error format float %.17g
+thermo          1
+run             {steps}
+"""
+
+
+class Model(NamedTuple):
+    """Law, combined roughness [µm], shear model, packing."""
+
+    law: str = HERTZ
+    sigma: float = 0.0
+    shear: str = "default"
+    seed: int = 1
+
+    def series(self, count):
+        """`Series` of the packing."""
+        return Series(law=self.law, sigma=self.sigma, count=count, seed=self.seed)
+
+
+MODELS = tuple(Model(*law, shear) for shear in SHEAR for law in ((HERTZ, 0.0), (POHRT_POPOV, 0.5)))
+
+
+def ground(folder, model, packing, frequency, column, step=0.2):
+    """Write table and data of a packing; input up to the motion, with steps of `step`/frequency."""
+    bead = packing.bead
+    (folder / "post").mkdir()
+    packing.law.tabulate(rtol=1e-7).save(folder / "pair.tbl")
+    atoms = [(1, bead.diameter, bead.density, *place) for place in packing.bodies[0]]
+    (folder / "start.data").write_text(data_text([(0.0, side) for side in packing.size], atoms, types=1))
+    about = {"young": bead.young, "poisson": bead.poisson, "friction": bead.friction, "words": SHEAR[model.shear]}
+    return HEAD + GROUND.format(column=column, dt=step / frequency, **about)
+
+
+def frequency_at(packing, pressure):
+    """√(K/m) [1/s] of contacts of ten times the mean force."""
+    law, bead = packing.law, packing.bead
+    return float(np.sqrt(law.stiffness(law.overlap(10.0 * pressure * bead.diameter**2)) / bead.mass))
+
+
+def cycles(model, store=STORE, count=COUNT, pressures=PRESSURES, strains=STRAINS, period=PERIOD):
+    """Rows of `cycle`; the drag is 0.03 m √(K/m) in compression, a tenth of it in cycles, where it takes less than 1 %."""
+    packing, keys = begin(model.series(count), store), []
+    packing.compress([START] * 3)
+    bead, frequency = packing.bead, frequency_at(packing, pressures[-1])
+
+    def drag(part):
+        return DRAG.format(drag=part * bead.mass * frequency, turn=0.1 * part * bead.mass * frequency * bead.diameter**2)
+
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        text = ground(folder, model, packing, frequency, "change_box      all triclinic") + BEGIN
+        for pressure in pressures:
+            rate = -2e-4 / bead.diameter * np.sqrt(pressure / bead.density)
+            text += drag(0.03) + COMPRESS.format(rate=rate, pressure=pressure, rest=REST) + ENERGY * (not keys) + drag(0.003)
+            for strain, (axis, side) in ((strain, pair) for strain in strains for pair in AXES.items()):
+                keys.append((pressure, axis, strain))
+                values = {"axis": side, "period": period, "steps": 2 * period, "every": period // 100}
+                text += CYCLES.format(phase=len(keys), strain=strain, **values)
+        (folder / "in.cycles").write_text(text)
+        log = run(folder / "in.cycles")
+    for number, (pressure, axis, strain) in enumerate(keys, start=1):
+        rows = np.flatnonzero(log["phase"] == number)
+        last = rows[log["angle"][rows] > 1.999 * np.pi]
+        turn = log["angle"][last] - 2.0 * np.pi / period  # a step's box has the strain of the step before
+        shapes = np.stack([np.cos(turn), np.sin(turn), turn, np.ones(len(turn))], axis=1)  # with a drift
+        (inside, outside, _, _), volume = (
+            np.linalg.lstsq(shapes, log[AXES[axis]][last], rcond=None)[0],
+            log["Volume"][last].mean(),
+        )
+        modulus, lost = abs(inside) / strain, log["lost"][last[-1]] - log["lost"][last[0]]
+        speed = np.sqrt(modulus * volume / (count * bead.mass))
+        shares = -2.0 * np.pi * outside / inside, 2.0 * lost / (modulus * strain**2 * volume)
+        yield row("cycle", model, pressure, axis, strain, modulus, speed, *shares, log)
+
+
+def row(kind, model, pressure, axis, amplitude, modulus, speed, share, dissipated, log, height=np.nan):
+    """A row (dict)."""
+    about = (
+        kind,
+        *model,
+        1e-3 * pressure,
+        axis,
+        amplitude,
+        1e-6 * modulus,
+        speed,
+        share,
+        dissipated,
+        height,
+        int(log["Step"][-1]),
+    )
+    return dict(zip(FIELDS, about, strict=True))
+
+
+def at_rest(model, pressure, store=STORE, count=COUNT):
+    """A packing in isotropic compression without shear forces, its forces in balance to rounding."""
+    packing = begin(model.series(count), store)
+    packing.friction = 0.0
+    packing.compress([pressure] * 3, balance=1e-4)
+    frequency = np.sqrt(packing.results[5] / packing.bead.mass)
+    packing.friction, packing.contacts[:, :3] = 1e9, 0.0
+    packing.run(20_000, [0.0] * 3, 0.0, 0.0, 0.1 * frequency, 0.3 / frequency)
+    return packing
+
+
+def pulse(model, packing, pressure, axis, amplitude, step=0.2):
+    """A row of `pulse`."""
+    found = moduli(packing.carrying(), packing.size, packing.bead.shear_ratio)
+    modulus = found.along if axis == "z" else found.across
+    speed = np.sqrt(modulus / (packing.solid * packing.bead.density))
+    frequency = np.sqrt(packing.results[5] / packing.bead.mass)
+    steps, velocity = (
+        round(1.3 * FAR / speed * frequency / step),
+        "v_none v_none v_pulse" if axis == "z" else "v_pulse v_none v_none",
+    )
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        text = ground(folder, model, packing, frequency, f"replicate       1 1 {BOXES}", step)
+        values = {"width": WIDTH, "layer": LAYER, "axis": axis, "steps": steps, "velocity": velocity}
+        (folder / "in.pulse").write_text(text + PULSE.format(amplitude=amplitude, **values))
+        log = run(folder / "in.pulse")
+        lines = [line.split() for line in (folder / "post" / "motion.txt").read_text().splitlines() if line[0] != "#"]
+    cells = np.array([line for line in lines if len(line) == 4], float).reshape(-1, int(lines[0][1]), 4)
+    places, velocities = cells[0, :, 1] - 0.5 * (cells[0, 0, 1] + cells[0, -1, 1]), cells[:, :, 3]
+    near, far = (
+        np.mean([[np.interp(side * place, places, v) for v in velocities] for side in (-1, 1)], axis=0) for place in (NEAR, FAR)
+    )
+    first, last = (np.argmax(signal) for signal in (near, far))
+    share = (log["lost"][last] - log["lost"][first]) / log["moves"][0]
+    flight = (FAR - NEAR) / ((last - first) * log["Dt"][0])
+    return row("pulse", model, pressure, axis, amplitude, modulus, flight, share, share, log, far.max() / near.max())
+
+
+def pulses(model, store=STORE, pressures=PRESSURES, speeds=SPEEDS):
+    """Rows of `pulse`."""
+    for pressure in pressures:
+        packing = at_rest(model, pressure, store)
+        for axis in AXES:
+            for amplitude in speeds:
+                yield pulse(model, packing, pressure, axis, amplitude)
+
+
+def sensitive(model, store=STORE):
+    """Rows of one pulse with half the step and of the cycles at one pressure at half the speed."""
+    pressure = PRESSURES[0]
+    packing = at_rest(model, pressure, store)
+    yield pulse(model, packing, pressure, "z", SPEEDS[1], step=0.1) | {"kind": SETTINGS[0]}
+    for one in cycles(model, store, pressures=(pressure,), period=2 * PERIOD):
+        yield one | {"kind": SETTINGS[1]}
+
+
+SETTINGS = ("pulse, half the step", "cycle, half the speed")
+
+
+def run_waves(path=RESULTS, store=STORE, seeds=1, progress=print):
+    """Rows that `path` lacks."""
+    done = {(line["kind"], line["law"], line["shear"], line["seed"]) for line in read(path)}
+    kinds = {"cycle": cycles, "pulse": pulses}
+    for seed, (kind, rows), model in itertools.product(range(1, seeds + 1), kinds.items(), MODELS):
+        if (kind, model.law, model.shear, seed) not in done:
+            append(path, FIELDS, list(rows(model._replace(seed=seed), store)))
+            progress(f"{kind} {' '.join(map(str, model._replace(seed=seed)))}")
+    if SETTINGS[0] not in {line["kind"] for line in read(path)}:
+        append(path, FIELDS, list(sensitive(Model(shear="slip"), store)))
+
+
+def exponent(lines):
+    """Exponents over pressure of α at one frequency (cycle) or of one pulse: mean and standard deviation of the packings."""
+    found = []
+    for seed in sorted({line["seed"] for line in lines}):
+        chosen = [line for line in lines if line["seed"] == seed]
+        alpha = [line["share"] / (line["speed"] if line["kind"] == "cycle" else 1.0) for line in chosen]
+        found.append(np.polyfit(np.log([line["kPa"] for line in chosen]), np.log(alpha), 1)[0])
+    return spread(found)
+
+
+def table(path=RESULTS):
+    """Text: shares of longitudinal waves of the larger amplitude (mean of the packings), exponents of α of all waves."""
+    rows, pressures = read(path), [1e-3 * pressure for pressure in PRESSURES]
+    heads = [f"share, {pressure:g} kPa" for pressure in pressures]
+    heads += [f"exponent, {size}, {way}" for size in ("larger", "small") for way in ("longitudinal", "transverse")]
+    lines = ["| motion | law, shear | seeds | " + " | ".join(heads) + " |", "|---" * (3 + len(heads)) + "|"]
+    for key in dict.fromkeys(
+        (row["kind"], row["law"], row["shear"])
+        for row in sorted(rows, key=lambda row: row["kind"])
+        if row["kind"] not in SETTINGS
+    ):
+        some = [row for row in rows if (row["kind"], row["law"], row["shear"]) == key]
+        small, larger = STRAINS if key[0] == "cycle" else SPEEDS
+
+        def chosen(axis, amplitude, some=some):
+            return [row for row in some if row["axis"] == axis and row["amplitude"] == amplitude]
+
+        shares = [np.mean([row["share"] for row in chosen("z", larger) if row["kPa"] == p]) for p in pressures]
+        ends = [exponent(chosen(axis, size)) for size in (larger, small) for axis in AXES]
+        cells = [f"{share:.2g}" for share in shares]
+        cells += [f"{mean:+.2f}" + ("" if np.isnan(off) else f" ± {off:.2f}") for mean, off in ends]
+        lines.append(f"| {key[0]} | {key[1]}, {key[2]} | {len({row['seed'] for row in some})} | {' | '.join(cells)} |")
+    return "\n".join([*lines, "", *sensitivity(rows)])
+
+
+def sensitivity(rows):
+    """Lines: shares with half the step and at half the speed, beside the usual ones."""
+    keys = ("law", "shear", "seed", "kPa", "axis", "amplitude")
+    usual = {(row["kind"], *(row[key] for key in keys)): row["share"] for row in rows}
+    for row in rows:
+        if row["kind"] in SETTINGS:
+            about = [row[key] for key in keys]
+            before = usual[(row["kind"].split(",")[0], *about)]
+            yield f"{row['kind']}, {' '.join(map(str, about))}: share {row['share']:.3g}, usual {before:.3g}"
