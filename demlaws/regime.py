@@ -18,14 +18,14 @@ from demlaws.solvers.criterion import (
     FIT_LIMIT,
     YIELD_RATIO,
     central_pressure,
-    checked_loads,
+    checked_forces,
     deforming_part,
     hardness_of,
     hertz_pressure,
-    lowest_transition_load,
+    lowest_transition_force,
     pressure_drop,
     pressure_ratio,
-    transition_load,
+    transition_force,
     transition_roughness,
 )
 from demlaws.units import as_float, number
@@ -40,30 +40,30 @@ __all__ = [
     "central_pressure",
     "deforming_part",
     "hertz_pressure",
-    "lowest_transition_load",
+    "lowest_transition_force",
     "pressure_drop",
     "pressure_map",
     "pressure_ratio",
-    "transition_load",
+    "transition_force",
     "transition_roughness",
 ]
 
 
 FIRST = 0.01
-"""Share of the load from which on a law must fit a contact (`advise`): roughness matters most at small loads."""
+"""Share of the force from which on a law must fit a contact (`advise`): roughness matters most at small forces."""
 
 
 class Regime(NamedTuple):
-    """The criterion at one load. Pressures in Pa, loads in N, roughness in m."""
+    """The criterion at one force. Pressures in Pa, forces in N, roughness in m."""
 
-    load: float
+    force: float
     roughness_parameter: float  # α
     hertz_pressure: float  # p0
     central_pressure: float  # p(0)
     ratio: float  # p(0)/H_m; with a measured yield pressure p0/p_y, to be compared with 1
     deforms: str  # "asperities", "both" or "bulk"
-    transition_load: float  # load at which p(0)/H_m = 0.6
-    transition_roughness: float  # roughness at which it is, at this load; 0 where even a smooth bulk stays elastic
+    transition_force: float  # force at which p(0)/H_m = 0.6
+    transition_roughness: float  # roughness at which it is, at this force; 0 where even a smooth bulk stays elastic
     mu: float | None = None  # of Greenwood & Tripp's solution, where p(0) comes from it
     yield_pressure: float | None = None  # [Pa], measured
 
@@ -75,50 +75,50 @@ class Regime(NamedTuple):
         }[self.deforms]
         if self.yield_pressure is not None:
             return (
-                f"P = {self.load:g} N: {part}\n"
+                f"P = {self.force:g} N: {part}\n"
                 f"α = {self.roughness_parameter:.3g}, p0 = {self.hertz_pressure / 1e9:.4g} GPa, "
                 f"p0/p_y = {self.ratio:.3f} with the measured p_y = {self.yield_pressure / 1e9:.4g} GPa\n"
-                f"transition (p0 = p_y) at {self.transition_load:.4g} N"
+                f"transition (p0 = p_y) at {self.transition_force:.4g} N"
             )
         how = "by its closed fit" if self.mu is None else f"by Greenwood & Tripp's solution at μ = {self.mu:g}"
-        change = f"{self.transition_load:.4g} N" if math.isfinite(self.transition_load) else "no load"
+        change = f"{self.transition_force:.4g} N" if math.isfinite(self.transition_force) else "no force"
         roughness = (
-            f"at this load at σ = {self.transition_roughness * 1e6:.3g} µm"
+            f"at this force at σ = {self.transition_roughness * 1e6:.3g} µm"
             if self.transition_roughness > 0
-            else "at this load even a smooth contact has an elastic bulk"
+            else "at this force even a smooth contact has an elastic bulk"
         )
         return (
-            f"P = {self.load:g} N: {part}\n"
+            f"P = {self.force:g} N: {part}\n"
             f"α = {self.roughness_parameter:.3g}, p0 = {self.hertz_pressure / 1e9:.4g} GPa, p(0)/H_m = {self.ratio:.3f} {how}\n"
             f"transition (p(0)/H_m = {YIELD_RATIO}) at {change}; {roughness}"
         )
 
 
-def assess(contact: Contact, load: Any, mu: float | None = None, *, yield_pressure: float | str | None = None) -> Regime:
-    """The criterion of Jamari & Schipper at one load: whether asperities or the bulk deform.
+def assess(contact: Contact, force: Any, mu: float | None = None, *, yield_pressure: float | str | None = None) -> Regime:
+    """The criterion of Jamari & Schipper at one force: whether asperities or the bulk deform.
 
     Parameters
     ----------
     contact : Contact
         One contact.
-    load : float or str
+    force : float or str
         Load [N].
     mu : float, optional
         Greenwood & Tripp's μ of the surface: p(0) then comes from their solution, as in the 2006 paper. Default: the closed
         fit, with a warning for α above 10.
     yield_pressure : float or str, optional
-        Measured limit pressure p_y [Pa] (the smooth Hertz p0 of the load at which yield was seen). The bulk then yields
+        Measured limit pressure p_y [Pa] (the smooth Hertz p0 of the force at which yield was seen). The bulk then yields
         where p0 reaches it, independent of the hardness.
 
     Returns
     -------
     Regime
-        Pressures, ratio and transition load.
+        Pressures, ratio and transition force.
 
     Raises
     ------
     DemlawsError
-        Without hardness and yield pressure, or for a load that is not positive.
+        Without hardness and yield pressure, or for a force that is not positive.
 
     Examples
     --------
@@ -128,27 +128,27 @@ def assess(contact: Contact, load: Any, mu: float | None = None, *, yield_pressu
     ('asperities', 0.036)
     """
     if as_contact(contact).size is not None:
-        raise DemlawsError("assess takes one contact; this one is an array: use pressure_ratio and transition_load")
-    load = number(load, "load", "N")
-    p0, alpha = float(hertz_pressure(contact, load)), float(contact.roughness_parameter(load))
+        raise DemlawsError("assess takes one contact; this one is an array: use pressure_ratio and transition_force")
+    force = number(force, "force", "N")
+    p0, alpha = float(hertz_pressure(contact, force)), float(contact.roughness_parameter(force))
     if yield_pressure is not None:
         limit = _yield_pressure(yield_pressure)
         ratio = p0 / limit
         deforms = deforming_part(YIELD_RATIO * ratio)
         yields = float(math.pi**3 * contact.radius**2 * limit**3 / (6.0 * contact.modulus**2))
-        return Regime(load, alpha, p0, p0 * float(pressure_drop(alpha)), ratio, deforms, yields, 0.0, mu, limit)
-    ratio = pressure_ratio(contact, load, mu)
+        return Regime(force, alpha, p0, p0 * float(pressure_drop(alpha)), ratio, deforms, yields, 0.0, mu, limit)
+    ratio = pressure_ratio(contact, force, mu)
     if mu is None and alpha > FIT_LIMIT:
         warn(f"α = {alpha:.3g}: above {FIT_LIMIT:g} the closed fit of p(0)/p0 is 1.5 to 2 times too high; give μ")
     return Regime(
-        load=load,
+        force=force,
         roughness_parameter=alpha,
         hertz_pressure=p0,
         central_pressure=ratio * contact.hardness,
         ratio=ratio,
         deforms=deforming_part(ratio),
-        transition_load=transition_load(contact, mu=mu),
-        transition_roughness=transition_roughness(contact, load, mu=mu),
+        transition_force=transition_force(contact, mu=mu),
+        transition_roughness=transition_roughness(contact, force, mu=mu),
         mu=mu,
     )
 
@@ -158,14 +158,14 @@ def _yield_pressure(value: Any) -> float:
     return number(value, "yield_pressure", "Pa", 1.0, 1e15)
 
 
-def pressure_map(contact: Contact, loads: Any, roughnesses: Any) -> np.ndarray:
-    """Largest pressure over hardness, p(0)/H_m, as a map over load and roughness.
+def pressure_map(contact: Contact, forces: Any, roughnesses: Any) -> np.ndarray:
+    """Largest pressure over hardness, p(0)/H_m, as a map over force and roughness.
 
     Parameters
     ----------
     contact : Contact
         The other quantities of the contact.
-    loads : array_like
+    forces : array_like
         Loads [N].
     roughnesses : array_like
         Combined roughnesses σ [m].
@@ -173,33 +173,33 @@ def pressure_map(contact: Contact, loads: Any, roughnesses: Any) -> np.ndarray:
     Returns
     -------
     ndarray
-        One row per roughness, one column per load.
+        One row per roughness, one column per force.
     """
-    loads = np.atleast_1d(checked_loads(as_float(loads, "loads", "N", array=True)))
+    forces = np.atleast_1d(checked_forces(as_float(forces, "forces", "N", array=True)))
     heights = np.atleast_1d(as_float(roughnesses, "roughnesses", "m", array=True))
     if not np.all(np.isfinite(heights) & (heights >= 0.0)):
         raise DemlawsError(f"roughnesses must be finite and not negative, in m, got {roughnesses!r}")
     as_contact(contact)
-    alpha = heights[:, None] * np.asarray(contact.with_values(roughness=1e-9).roughness_parameter(loads))[None, :] / 1e-9
-    return hertz_pressure(contact, loads)[None, :] * pressure_drop(alpha.ravel()).reshape(alpha.shape) / hardness_of(contact)
+    alpha = heights[:, None] * np.asarray(contact.with_values(roughness=1e-9).roughness_parameter(forces))[None, :] / 1e-9
+    return hertz_pressure(contact, forces)[None, :] * pressure_drop(alpha.ravel()).reshape(alpha.shape) / hardness_of(contact)
 
 
 class Advice(NamedTuple):
-    """Whether a law applies to a contact up to a load, and why."""
+    """Whether a law applies to a contact up to a force, and why."""
 
     law: str
     fits: bool
     reason: str
 
 
-def advise(contact: Contact, load: Any, yield_pressure: Any = None, *, mu: float | None = None) -> list[Advice]:
-    """Which laws apply to a contact from first touch up to a load.
+def advise(contact: Contact, force: Any, yield_pressure: Any = None, *, mu: float | None = None) -> list[Advice]:
+    """Which laws apply to a contact from first touch up to a force.
 
     Parameters
     ----------
     contact : Contact
         One contact.
-    load : float or str
+    force : float or str
         Load [N].
     yield_pressure : float or str, optional
         As in `assess`.
@@ -214,7 +214,7 @@ def advise(contact: Contact, load: Any, yield_pressure: Any = None, *, mu: float
     Raises
     ------
     DemlawsError
-        For a load that is not positive.
+        For a force that is not positive.
 
     Notes
     -----
@@ -223,15 +223,15 @@ def advise(contact: Contact, load: Any, yield_pressure: Any = None, *, mu: float
     Without hardness and yield pressure the bulk is not judged, and the reason states it.
     """
     as_contact(contact)
-    load = number(load, "load", "N")
-    alpha = float(np.max(contact.roughness_parameter(FIRST * load)))
+    force = number(force, "force", "N")
+    alpha = float(np.max(contact.roughness_parameter(FIRST * force)))
     if yield_pressure is not None:
-        ratio = float(np.max(hertz_pressure(contact, load))) / _yield_pressure(yield_pressure)
+        ratio = float(np.max(hertz_pressure(contact, force))) / _yield_pressure(yield_pressure)
         yields, state = ratio > 1.0, f"p0/p_y = {ratio:.2f}"
     elif contact.hardness is None:
         yields, state = False, "no hardness: bulk yield unknown"
     else:
-        ratio = float(np.max(pressure_ratio(contact, load, mu)))
+        ratio = float(np.max(pressure_ratio(contact, force, mu)))
         yields, state = ratio > YIELD_RATIO, f"p(0)/H_m = {ratio:.2f}"
     conditions = Conditions(contact, alpha, float(pressure_drop(alpha)), yields, state)
     advice = {name: definition.advice.advise(conditions) for name, definition in registry().items()}

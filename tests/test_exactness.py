@@ -49,7 +49,7 @@ def test_criterion_of_bulk_yield():
     for load in (0.1, 10.0, 1e3):
         assert regime.pressure_ratio(GRANITE, load) == pytest.approx(float(pressure_ratio(load)), rel=1e-13)
     assert regime.YIELD_RATIO == 0.6  # Tabor's, as both papers have it
-    assert float(pressure_ratio(regime.transition_load(GRANITE))) == pytest.approx(0.6, rel=1e-12)
+    assert float(pressure_ratio(regime.transition_force(GRANITE))) == pytest.approx(0.6, rel=1e-12)
 
 
 # --- unloading along Hertz's curve

@@ -49,13 +49,13 @@ def test_a_measured_yield_pressure_decides():
     cone = dl.Contact(0.33e-3, 32.32e9, 5.04e-6, 2.22, 6.266e9)
     assert regime.assess(cone, 20.0).deforms == "asperities"
     found = regime.assess(cone, 20.0, yield_pressure=2.35e9)
-    assert found.deforms == "bulk" and found.transition_load == pytest.approx(7.0, rel=0.01)
+    assert found.deforms == "bulk" and found.transition_force == pytest.approx(7.0, rel=0.01)
     assert not {a.law: a for a in regime.advise(cone, 20.0, 2.35e9)}["pohrt-popov"].fits
 
 
 @given(contacts)
 def test_the_answer_changes_at_the_transition(contact):
-    load = regime.transition_load(contact)
+    load = regime.transition_force(contact)
     assert regime.pressure_ratio(contact, load) == pytest.approx(0.6, rel=1e-12)
     # on a nearly smooth contact the ratio says little about the roughness, so the ratio is what must agree
     rough = contact.with_values(roughness=min(regime.transition_roughness(contact, 1.5 * load), 0.5 * contact.radius))
@@ -69,8 +69,8 @@ def test_with_mu_the_answer_changes_where_the_solution_says():
     """It changed by the closed fit: below the load of this test, whose ratio is under 0.6."""
     test = next(test for test in TESTS if test.label == "Al_AB")
     found = regime.assess(test.contact, test.load, mu=test.mu)
-    assert found.ratio == pytest.approx(0.5794, abs=1e-3) and found.transition_load > test.load
-    assert regime.pressure_ratio(test.contact, found.transition_load, test.mu) == pytest.approx(0.6, rel=1e-4)
+    assert found.ratio == pytest.approx(0.5794, abs=1e-3) and found.transition_force > test.load
+    assert regime.pressure_ratio(test.contact, found.transition_force, test.mu) == pytest.approx(0.6, rel=1e-4)
     rough = test.contact.with_values(roughness=found.transition_roughness)
     assert regime.pressure_ratio(rough, test.load, test.mu) == pytest.approx(0.6, rel=1e-4)
 
@@ -92,8 +92,8 @@ def test_arrays_and_map_agree_with_single_calls():
         one = contact.with_values(roughness=roughness)
         np.testing.assert_allclose(grid[i], regime.pressure_ratio(one, loads), rtol=1e-12)
     many = contact.with_values(roughness=roughnesses)
-    singles = [regime.transition_load(contact.with_values(roughness=r)) for r in roughnesses]
-    np.testing.assert_allclose(regime.transition_load(many), singles, rtol=1e-12)
+    singles = [regime.transition_force(contact.with_values(roughness=r)) for r in roughnesses]
+    np.testing.assert_allclose(regime.transition_force(many), singles, rtol=1e-12)
 
 
 def test_advice_follows_the_regime():
@@ -146,7 +146,7 @@ def test_hertz_on_a_rough_contact_warns():
 def test_laws_warn_where_the_bulk_yields():
     """Every law that keeps the bulk elastic is limited by the criterion; the law in which it yields is not."""
     pair = dl.Contact(radius=0.96e-3, modulus=32.32e9, roughness=5.04e-6, fractal_dimension=2.22, hardness=6.266e9)
-    load = regime.transition_load(pair)
+    load = regime.transition_force(pair)
     for name in ("hertz", "pohrt-popov", "rms"):
         limits = dl.law(name, pair).limits()
         assert any("bulk yields" in limit.reason and limit.maximum_force == pytest.approx(load) for limit in limits)
@@ -155,4 +155,4 @@ def test_laws_warn_where_the_bulk_yields():
     yielding = dl.law("rough-plastic", pair, yield_pressure=1.66e9)
     assert not any("bulk yields" in limit.reason for limit in yielding.limits())
     many = pair.with_values(radius=np.linspace(1e-3, 2e-3, 1000))
-    assert regime.lowest_transition_load(many) <= regime.transition_load(many).min()
+    assert regime.lowest_transition_force(many) <= regime.transition_force(many).min()

@@ -118,7 +118,7 @@ class Choice:
             self.scene.grains(),
             unloading=self.plan.unload_by,
             options=dict(self.plan.options),
-            load=self.max_force / 1.5,
+            max_force=self.max_force / 1.5,
             **options,
         )
 

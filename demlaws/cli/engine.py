@@ -17,7 +17,7 @@ EXPORT_EXAMPLE = """\
   cd case && ./run.sh 2"""
 WITHOUT_COMPILER = """
 without a compiler:
-  demlaws liggghts export case --stock hertz --load 10 --radius 0.004 --roughness 1.7e-6 --fractal-dimension 2.22"""
+  demlaws liggghts export case --stock hertz --max-force 10 --radius 0.004 --roughness 1.7e-6 --fractal-dimension 2.22"""
 CONVERT_EXAMPLE = """\
   demlaws table --law hertz --effective-radius 4mm --modulus 32.32GPa --out hertz.tbl
   demlaws {name} convert in.case --table hertz.tbl
@@ -97,7 +97,7 @@ def _add_source(parts, name):
 def _add_export(parts, name):
     def export(arguments):
         grains, unloading, options = _grains_of(arguments)
-        values = {"rtol": arguments.rtol, "load": arguments.load, "count": arguments.count}
+        values = {"rtol": arguments.rtol, "max_force": arguments.max_force, "count": arguments.count}
         values |= {"shear_ratio": arguments.shear_ratio, "levels": arguments.levels}
         stock = getattr(arguments, "stock", None)
         path = _function(name, "export")(
@@ -207,7 +207,9 @@ def _grain_arguments(export):
     for name, kind, default, text in PROPERTIES:
         suffix = "" if default == [None] else f" (default {default[0]:g})"
         export.add_argument(f"--{name}", type=kind, nargs="+", default=default, help=f"{text}: one, or one per type{suffix}")
-    export.add_argument("--load", type=force, default=10.0, help="largest expected contact force [N] (default %(default)g)")
+    export.add_argument(
+        "--max-force", type=force, default=10.0, help="largest expected contact force [N] (default %(default)g)"
+    )
     export.add_argument("--rtol", type=plain, default=1e-5, help="relative tolerance of the tables (default %(default)s)")
     export.add_argument(
         "--shear-ratio", type=plain, help="K_t/K of all contacts, above 0, at most 4/3 (default: that of Poisson's ratio)"

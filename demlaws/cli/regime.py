@@ -18,7 +18,7 @@ def register(add):
         ),
     )
     add_contact_arguments(regime)
-    regime.add_argument("--load", type=force, help="load in N")
+    regime.add_argument("--load", type=force, help="normal force in N (--force overwrites files)")
     regime.add_argument("--mu", type=plain, help="Greenwood & Tripp's μ of the surface; p(0) is then solved, not from the fit")
     regime.add_argument(
         "--yield-pressure", type=pressure, help="measured limit pressure p_y in Pa, in place of 0.6 of the hardness"
@@ -48,9 +48,9 @@ def run_regime(arguments):
     if arguments.load is None:
         if measured:
             raise DemlawsError("--load missing: a measured yield is compared with a load")
-        yields = regime.transition_load(pair, mu=arguments.mu)
+        yields = regime.transition_force(pair, mu=arguments.mu)
         print(f"the bulk yields (p(0)/H_m = {regime.YIELD_RATIO}) from {yields:.4g} N; below, asperities")
-        record(contact=pair, transition_load=yields)
+        record(contact=pair, transition_force=yields)
     else:
         assessment = regime.assess(pair, arguments.load, arguments.mu, yield_pressure=limit)
         laws = regime.advise(pair, arguments.load, limit, mu=arguments.mu)

@@ -65,7 +65,7 @@ def register(add):
     surface.add_argument("--figure", type=output, help="picture to draw")
     add_contact_arguments(surface, test=False, modulus=False)
     contact = surface.add_argument_group("contact of a ball (the first body) with the map (the second body)")
-    contact.add_argument("--load", type=force, help="load in N")
+    contact.add_argument("--load", type=force, help="normal force in N (--force overwrites files)")
     contact.add_argument("--load-rtol", type=share, default=0.01, help="relative tolerance of the load (default 0.01)")
     contact.add_argument(
         "--plastic-factor", type=plain, help="c_h: fully plastic pressure over hardness (default: that of aluminium)"
@@ -274,7 +274,7 @@ def _contact(arguments, name):
             print(assess(contact.pair, arguments.load))
         step = contact.load(arguments.load, arguments.load_rtol)
         print(step)
-        record(contact=contact.pair, load=arguments.load, text=str(step).splitlines(), micro_contacts=len(step.micro))
+        record(contact=contact.pair, force=arguments.load, text=str(step).splitlines(), micro_contacts=len(step.micro))
         if arguments.csv is not None:
             write_csv(arguments.csv, MICRO_CONTACTS, _micro_contacts(step.micro))
         if arguments.out is not None:

@@ -97,7 +97,7 @@ def loose(grains, count, seed=15485863):
 def export(folder, law=USUAL, grains=(), *, unloading=None, options=None, **more):
     """Write a ready case into `folder` and return its in.case: grains of all types settle in a box under gravity.
 
-    law: a name, or a whole `Case`; more: further fields of `demlaws.plugins.grains.Case`: rtol, stock, load, restitution,
+    law: a name, or a whole `Case`; more: further fields of `demlaws.plugins.grains.Case`: rtol, stock, max_force, restitution,
     friction, count, shear_ratio, levels. Written are the tables (one for all pairs where the law collapses, else one per pair
     of types and a wall), grains.data, in.case, run.sh and post/. stock="hertz", for law hertz: LAMMPS's own hertz/material
     instead of tables; the case needs no plugin.
@@ -124,7 +124,7 @@ def export(folder, law=USUAL, grains=(), *, unloading=None, options=None, **more
     values = {
         "title": case.title,
         "version": demlaws.__version__,
-        "load": case.load,
+        "max_force": case.max_force,
         "skin": 0.2 * min(g.radius for g in grains),
         "pairs": "\n".join(lines.pairs),
         "walls": "\n".join(wall_lines(lines, walls)),
@@ -142,7 +142,7 @@ _WORDS = "# demlaws/table FILE E restitution nu [roughness of the pair] [against
 _CASE = """\
 # {title}
 # written by demlaws {version}; start: ./run.sh [ranks], or lmp -in in.case where LAMMPS finds the plugin
-# The time step holds for forces up to {load:g} N in a contact. Variable steps: length of the run.
+# The time step holds for forces up to {max_force:g} N in a contact. Variable steps: length of the run.
 units           si
 atom_style      sphere
 atom_modify     map array

@@ -18,7 +18,7 @@ from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Advice, Definition, Drawing, Limit, Option, bulk_yield, plastic_asperities
 from demlaws.laws.family import CurveNumber, FamilyShape, family_params, shared_grid
 from demlaws.laws.hertz import HertzShape
-from demlaws.solvers.criterion import transition_load
+from demlaws.solvers.criterion import transition_force
 from demlaws.surface import HeightMap, read, self_affine
 from demlaws.surfaces.plausibility import advise
 from demlaws.units import number
@@ -78,13 +78,13 @@ class PairCurve(NamedTuple):
         return np.where(u < self.start, below, s), np.where(u < self.start, power * below / u, slope)
 
 
-def _curve(pair, surface, reach, *, curve, load, max_force, **plasticity):
+def _curve(pair, surface, reach, *, curve, force, max_force, **plasticity):
     from demlaws.solvers.contact import RoughContact
 
     rough = RoughContact(surface, pair, **plasticity)
     start = 0.0
     if curve == "reloading":
-        rough = rough.unload(rough.load(load, 1e-6))
+        rough = rough.unload(rough.load(force, 1e-6))
         start = rough.origin - rough.highest
     overlap, force = sample(rough, start, max_force)
     length = _length(pair)
@@ -126,7 +126,7 @@ def sample(rough, start, max_force):
 def _limit_force(rough):
     if rough.pair.hardness is None:
         return math.inf
-    return transition_load(rough.pair.with_values(roughness=rough.heights.sq))
+    return transition_force(rough.pair.with_values(roughness=rough.heights.sq))
 
 
 def _smooth(u, s, reach):
@@ -190,7 +190,7 @@ def _prepare(
     contact,
     surface=None,
     curve="loading",
-    load=None,
+    force=None,
     max_force=None,
     poisson=0.3,
     plastic_factor=None,
@@ -200,7 +200,7 @@ def _prepare(
 
     surface: height map, form removed, or the path of one, whose form of order 2 is then removed; it is the gap map of the
     pair. curve: "loading" or "reloading" (elastic, after a first loading to
-    `load` [N]); max_force: end of the computed curve [N], by default where the contact reaches the edge of the map or
+    `force` [N]); max_force: end of the computed curve [N], by default where the contact reaches the edge of the map or
     the bulk yields, whichever comes first. Above it the curve is extrapolated: a power law until it has Hertz's
     stiffness, then that. poisson, plastic_factor, plastic_ratio: ν, c_h, c_A of the asperities
     (without: aluminium's, with a warning). A map without any
@@ -210,15 +210,15 @@ def _prepare(
         raise DemlawsError(f"curve = {curve!r}: the curves are 'loading' and 'reloading'")
     surface = _map(surface)
     if curve == "reloading":
-        load = number(load, "load (first loading, for curve='reloading')", "N")
-    elif load is not None:
-        raise DemlawsError(f"load = {load!r:.60}: the first loading [N] of curve='reloading'; give that, or leave load out")
+        force = number(force, "force (first loading, for curve='reloading')", "N")
+    elif force is not None:
+        raise DemlawsError(f"force = {force!r:.60}: the first loading [N] of curve='reloading'; give that, or leave force out")
     max_force = None if max_force is None else number(max_force, "max_force", "N")
     if surface.sq == 0.0:
         return HertzShape()
     pairs, alike = _pairs(contact)
     reach = max(0.2 * pair.radius / _length(pair) for pair in pairs)
-    settings = {"curve": curve, "load": load, "max_force": max_force, "poisson": poisson}
+    settings = {"curve": curve, "force": force, "max_force": max_force, "poisson": poisson}
     settings |= {"plastic_factor": plastic_factor, "plastic_ratio": plastic_ratio}
     curves = [_curve(pair, surface, reach, **settings) for pair in pairs]
     start = min(c.start for c in curves)
@@ -299,13 +299,13 @@ LAW = Definition(
         "plastic_factor": 0.71,
         "plastic_ratio": 160.0,
     },
-    example_curve={"curve": "reloading", "load": 100.0},
+    example_curve={"curve": "reloading", "force": 100.0},
     options={
         "surface": Option(
             "", "a HeightMap or a file", "height map of the rough body, or of the gap between two; needed", _softened
         ),
-        "curve": Option("", "loading or reloading", "first loading, or the elastic reloading after `load`"),
-        "load": Option("N", "above 0", "largest force of first loading before the reloading curve; required for it"),
+        "curve": Option("", "loading or reloading", "first loading, or the elastic reloading after `force`"),
+        "force": Option("N", "above 0", "largest force of first loading before the reloading curve; required for it"),
         "max_force": Option("N", "above 0", "end of the computed curve; default: the edge of the map or bulk yield"),
         "poisson": Option("", "-1 to 0.5", "Poisson's ratio of the rough body"),
         "plastic_factor": Option("", "above 0", "c_h: fully plastic pressure over hardness; default: 0.71 of aluminium"),

@@ -17,41 +17,41 @@ from demlaws.units import number
 
 
 class StockFit(NamedTuple):
-    """Stock `hertz` that meets a law at one load, and how far it is from it elsewhere."""
+    """Stock `hertz` that meets a law at one force, and how far it is from it elsewhere."""
 
-    load: float  # [N]
+    force: float  # [N]
     modulus: float  # effective modulus that the input sets [Pa]
-    loads: np.ndarray  # [N]
-    error: np.ndarray  # (force of stock hertz at the law's overlap) / load - 1
+    forces: np.ndarray  # [N]
+    error: np.ndarray  # (force of stock hertz at the law's overlap) / force - 1
 
     def table(self):
         """The errors as text lines."""
-        lines = [f"fit of stock hertz at {self.load:g} N: effective modulus [Pa] = {self.modulus:.6g}"]
+        lines = [f"fit of stock hertz at {self.force:g} N: effective modulus [Pa] = {self.modulus:.6g}"]
         return lines + [
-            f"  at {p:8.3g} N the force is {100 * e:+7.1f} % off" for p, e in zip(self.loads, self.error, strict=True)
+            f"  at {p:8.3g} N the force is {100 * e:+7.1f} % off" for p, e in zip(self.forces, self.error, strict=True)
         ]
 
 
-def stock_fit(law, load, loads=None):
-    """Stock `hertz` that has the overlap of `law` (one contact) at `load` [N] of first loading, and its errors at `loads`.
+def stock_fit(law, force, forces=None):
+    """Stock `hertz` that has the overlap of `law` (one contact) at `force` [N] of first loading, and its errors at `forces`.
 
     Elastic, so no hysteresis. Serves all radii as far as Hertz does. [our derivation]
     """
-    load = number(load, "load", "N")
+    force = number(force, "force", "N")
     if law.contact.size is not None:
         raise DemlawsError("a stock fit needs one contact, not an array of them")
-    loads = load * np.array([0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0]) if loads is None else np.asarray(loads, float)
+    forces = force * np.array([0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0]) if forces is None else np.asarray(forces, float)
     with quiet():  # the table of errors goes beyond the law's support on purpose
-        overlap, overlaps = float(law.overlap(load)), np.asarray(law.overlap(loads))
-    modulus = load / (4.0 / 3.0 * math.sqrt(law.contact.radius) * overlap**1.5)
-    forces = 4.0 / 3.0 * modulus * math.sqrt(law.contact.radius) * overlaps**1.5
-    return StockFit(load, modulus, loads, forces / loads - 1.0)
+        overlap, overlaps = float(law.overlap(force)), np.asarray(law.overlap(forces))
+    modulus = force / (4.0 / 3.0 * math.sqrt(law.contact.radius) * overlap**1.5)
+    stock = 4.0 / 3.0 * modulus * math.sqrt(law.contact.radius) * overlaps**1.5
+    return StockFit(force, modulus, forces, stock / forces - 1.0)
 
 
 def export(folder, law=USUAL, grains=(), *, unloading=None, options=None, **more):
     """Write a ready case into `folder` and return its in.case: grains of all types settle in a box under gravity.
 
-    law: a name, or a whole `Case`; more: further fields of `Case`: rtol, stock, load, restitution, friction, count,
+    law: a name, or a whole `Case`; more: further fields of `Case`: rtol, stock, max_force, restitution, friction, count,
     shear_ratio, levels. Written are the tables (one for all pairs where the law collapses, else one per pair of types and a
     wall), in.case with its property block, run.sh and post/. Walls are of the first grain's material and have the last type.
     With stock="hertz", fitted on the first grain's contact with itself, in.case and fit.txt state the error of the fit at
@@ -64,7 +64,7 @@ def export(folder, law=USUAL, grains=(), *, unloading=None, options=None, **more
         return case.write(folder, _render(case, model), "liggghts")
     if case.stock != "hertz":
         raise DemlawsError(f"stock model {case.stock!r}: only hertz is fitted")
-    notes = stock_fit(case.bound(case.grains[0].contact(case.grains[0])), case.load).table()
+    notes = stock_fit(case.bound(case.grains[0].contact(case.grains[0])), case.max_force).table()
     write_atomically(folder / "fit.txt", "\n".join(notes) + "\n")
     model = _Model("hertz", "history", "", None, [_stock_young(case, grain) for grain in case.grains], notes)
     return case.write(folder, _render(case, model), "liggghts")
@@ -82,7 +82,7 @@ class _Model(NamedTuple):
 
 
 def _stock_young(case, grain):
-    fit = stock_fit(make_law(case.law, grain.contact(grain), **case.options), case.load)
+    fit = stock_fit(make_law(case.law, grain.contact(grain), **case.options), case.max_force)
     return young_against_itself(fit.modulus, grain.material.poisson)
 
 
@@ -164,7 +164,7 @@ def _render(case, model):
         ),
         "mixture": f"{n} " + " ".join(f"t{i + 1} {1.0 / n:.8f}" for i in range(n)),
         "count": case.count,
-        "load": case.load,
+        "max_force": case.max_force,
         "columns": " ".join(f"c_contacts[{i}]" for i in _columns(case)),
     }
     return _CASE.format(**values)
@@ -188,7 +188,7 @@ def _more_properties(model):
 _CASE = """\
 # {title}
 # written by demlaws {version}; start: ./run.sh [ranks]
-# The time step holds for forces up to {load:g} N in a contact. The run ends when the grains rest, or after the variable
+# The time step holds for forces up to {max_force:g} N in a contact. The run ends when the grains rest, or after the variable
 # steps ({longest:.2g} s; less: -var steps 5000).
 {notes}atom_style      granular
 atom_modify     map array

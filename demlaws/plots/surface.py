@@ -16,35 +16,35 @@ def plain(ax):
     return ax
 
 
-def regime_figure(contact, load=None, title=None):
-    """p(0)/H_m of `contact` over load and roughness."""
+def regime_figure(contact, force=None, title=None):
+    """p(0)/H_m of `contact` over force and roughness."""
     fig, ax = figure(width=6.4, height=4.6)
-    loads = np.geomspace(1e-3, 1e3, 181) * (load or regime.transition_load(contact.with_values(roughness=1e-6)))
+    forces = np.geomspace(1e-3, 1e3, 181) * (force or regime.transition_force(contact.with_values(roughness=1e-6)))
     roughness = np.geomspace(1e-8, 1e-4, 161)
     if contact.roughness:
         roughness = contact.roughness * np.geomspace(1e-2, 1e2, 161)
-    regime_bar(fig, regime_axis(ax, contact, loads, roughness), ax)
-    if load is not None and contact.roughness:
-        ax.plot(load, contact.roughness * MICRO, "k*", ms=13)
-        ratio = regime.pressure_ratio(contact, load)
-        ax.annotate(f"  {ratio:.3g}: {regime.deforming_part(ratio)}", (load, contact.roughness * MICRO), va="center")
+    regime_bar(fig, regime_axis(ax, contact, forces, roughness), ax)
+    if force is not None and contact.roughness:
+        ax.plot(force, contact.roughness * MICRO, "k*", ms=13)
+        ratio = regime.pressure_ratio(contact, force)
+        ax.annotate(f"  {ratio:.3g}: {regime.deforming_part(ratio)}", (force, contact.roughness * MICRO), va="center")
     ax.set_title(title or f"R = {contact.radius * 1e3:.3g} mm, E* = {contact.modulus / 1e9:.3g} GPa")
     return fig
 
 
-def regime_axis(ax, contact, loads, roughness):
+def regime_axis(ax, contact, forces, roughness):
     """The map of p(0)/H_m on axes, with its contours; returns the image."""
-    ratio = regime.pressure_map(contact, loads, roughness)
+    ratio = regime.pressure_map(contact, forces, roughness)
     plain(ax)
     image = ax.pcolormesh(
-        loads, roughness * MICRO, np.log10(ratio / regime.YIELD_RATIO), cmap="RdBu_r", vmin=-1, vmax=1, shading="gouraud"
+        forces, roughness * MICRO, np.log10(ratio / regime.YIELD_RATIO), cmap="RdBu_r", vmin=-1, vmax=1, shading="gouraud"
     )
-    lines = ax.contour(loads, roughness * MICRO, ratio, [0.1, 0.2, 0.4, 1.0, 2.0], colors="grey", linewidths=0.6)
+    lines = ax.contour(forces, roughness * MICRO, ratio, [0.1, 0.2, 0.4, 1.0, 2.0], colors="grey", linewidths=0.6)
     ax.clabel(lines, fmt="%g", fontsize=7)
-    ax.contour(loads, roughness * MICRO, ratio, [regime.YIELD_RATIO], colors="black", linewidths=1.8)
+    ax.contour(forces, roughness * MICRO, ratio, [regime.YIELD_RATIO], colors="black", linewidths=1.8)
     edges = [regime.YIELD_RATIO - regime.BAND, regime.YIELD_RATIO + regime.BAND]
-    ax.contour(loads, roughness * MICRO, ratio, edges, colors="black", linewidths=0.6, linestyles="--")
-    ax.set(xscale="log", yscale="log", xlabel="load (N)", ylabel="roughness σ (µm)")
+    ax.contour(forces, roughness * MICRO, ratio, edges, colors="black", linewidths=0.6, linestyles="--")
+    ax.set(xscale="log", yscale="log", xlabel="force (N)", ylabel="roughness σ (µm)")
     return image
 
 
@@ -117,9 +117,9 @@ def contact_figure(contact, step):
     show(fig, left, heights, heights.heights * MICRO, "height (µm)", cmap="Greys_r", alpha=0.6)
     ellipses(left, step)
     if not contact.flat:
-        radius = (step.load * 0.75 * contact.pair.radius / contact.pair.modulus) ** (1 / 3)
+        radius = (step.force * 0.75 * contact.pair.radius / contact.pair.modulus) ** (1 / 3)
         circle(left, contact.centre, radius, "--", "Hertz radius")
-    left.set_title(f"{step.load:.3g} N: {len(step.micro)} micro-contacts, {step.contact_area * 1e12:.4g} µm²", fontsize=10)
+    left.set_title(f"{step.force:.3g} N: {len(step.micro)} micro-contacts, {step.contact_area * 1e12:.4g} µm²", fontsize=10)
     micro = step.micro
     for state, (name, colour) in enumerate(zip(("elastic", "elastic-plastic", "plastic"), STATE_COLOURS, strict=True)):
         mask = micro.state == state

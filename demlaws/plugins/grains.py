@@ -75,8 +75,8 @@ class Case:
     """Grains of all types that settle in a box under gravity; `export` of an engine writes it.
 
     law, unloading, options: as for `demlaws.law` (a law to unload along is bound to each contact); grains: `Grain`s, one per
-    particle type; load: largest force [N] expected in a contact, and that of a stock fit; stock: model of the engine's own in
-    place of tables, a case that needs no plugin; shear_ratio: K_t/K (default: that of ν); levels: levels of shear (default: the
+    particle type; max_force: largest force [N] expected in a contact, and that of a stock fit; stock: model of the engine's own
+    in place of tables, a case that needs no plugin; shear_ratio: K_t/K (default: that of ν); levels: levels of shear (default: the
     plugin's).
     """
 
@@ -86,7 +86,7 @@ class Case:
     options: dict = field(default_factory=dict)
     rtol: float = 1e-5
     stock: str | None = None
-    load: float = 10.0
+    max_force: float = 10.0
     restitution: float = 0.5
     friction: float = 0.5
     count: int = 1000
@@ -98,7 +98,7 @@ class Case:
             raise DemlawsError("grains is empty: give at least one Grain(radius, material, surface)")
         unloading = unloading_of_case(self.law) if self.unloading is None else self.unloading
         object.__setattr__(self, "unloading", known_unloading(unloading))
-        number(self.load, "load", "N")
+        number(self.max_force, "max_force", "N")
         whole(self.count, "count")
         if self.shear_ratio is not None:
             number(self.shear_ratio, "shear_ratio", high=LARGEST_SHEAR_RATIO)
@@ -134,12 +134,12 @@ class Case:
         return "".join(f" {name} {value:.12g}" for name, value in values.items() if value is not None)
 
     def time_step(self):
-        """Time step [s] for forces up to `load`: a tenth of that of two grains without friction, since grains collide.
+        """Time step [s] for forces up to `max_force`: a tenth of that of two grains without friction, since grains collide.
 
         It is below half of the stable step of a packing with the largest K_t/K.
         """
         pairs = [(self.bound(g.contact(g)), g.mass) for g in self.grains]
-        step = min(timestep(law, mass, self.load, other_mass=mass, shear_ratio=0.0) for law, mass in pairs)
+        step = min(timestep(law, mass, self.max_force, other_mass=mass, shear_ratio=0.0) for law, mass in pairs)
         return float(f"{0.1 * step:.1e}")
 
     def write_tables(self, folder, wall=None):

@@ -162,12 +162,12 @@ class MicroContacts:
 class LoadStep:
     """A rough contact under load. SI units.
 
-    load; separation of ball apex or flat from the mean plane of the map; overlap since first touch; contact_area (real);
+    force; separation of ball apex or flat from the mean plane of the map; overlap since first touch; contact_area (real);
     cut_area and volume of the map above the cut; counts: number of micro-contacts that are elastic, elastic-plastic, plastic;
     micro: `MicroContacts`; evaluations: cuts of the map that the iteration took.
     """
 
-    load: float
+    force: float
     separation: float
     overlap: float
     contact_area: float
@@ -182,7 +182,7 @@ class LoadStep:
     def __str__(self):
         states = ", ".join(f"{n} {name}" for n, name in zip(self.counts, STATES, strict=True))
         return (
-            f"load {self.load:.6g} N at separation {self.separation * 1e6:.4g} µm (overlap {self.overlap * 1e6:.4g} µm)\n"
+            f"force {self.force:.6g} N at separation {self.separation * 1e6:.4g} µm (overlap {self.overlap * 1e6:.4g} µm)\n"
             f"contact area {self.contact_area * 1e12:.5g} µm² in {len(self.micro)} micro-contacts: {states}"
             + (
                 "; all are fully plastic, so the area is the load over c_h H_m, whatever the map"
@@ -285,7 +285,7 @@ class RoughContact:
         rows = table if labels is not None else table[table[:, 8] > 0]
         micro = MicroContacts(rows[rows[:, 8] > 0])
         step = LoadStep(
-            load=float(rows[:, 8].sum()),
+            force=float(rows[:, 8].sum()),
             separation=cut - self.mean,
             overlap=overlap,
             contact_area=float(rows[:, 9].sum()),
@@ -336,7 +336,7 @@ class RoughContact:
                     deepest = self.origin - float(np.nanmin(self.gap)) + 10 * scale
                 if x > deepest:
                     raise DemlawsError(
-                        f"load = {load:g} N brings the whole map into contact, at {force:.3g} N: use a smaller load or a "
+                        f"force = {load:g} N brings the whole map into contact, at {force:.3g} N: use a smaller force or a "
                         "larger map"
                     )
                 x = base + (x - base) * (4.0 if f == -math.inf else min(max(math.exp(-0.6 * f), 1.2), 8.0))
@@ -356,14 +356,14 @@ class RoughContact:
             f"{math.exp(low_f) * load:g} N; give a larger one or a map with more pixels in contact"
         )
 
-    def load(self, load, rtol=0.01, guess=None):
-        """Press until the micro-contacts carry `load` [N] within a relative tolerance: a `LoadStep`.
+    def load(self, force, rtol=0.01, guess=None):
+        """Press until the micro-contacts carry `force` [N] within a relative tolerance: a `LoadStep`.
 
         Warns (ValidityWarning) where the regime criterion says that the bulk yields too, and where the contact reaches
         the edge of the map.
         """
-        load = number(load, "load", "N")
-        overlap, evaluations = self._solve(load, number(rtol, "rtol", high=1.0), guess)
+        force = number(force, "force", "N")
+        overlap, evaluations = self._solve(force, number(rtol, "rtol", high=1.0), guess)
         step = self.at(overlap, evaluations=evaluations)
         self.advise(step)
         return step
@@ -375,17 +375,17 @@ class RoughContact:
         if self.flat:
             return
         if self.pair.hardness is not None and "bulk" not in self._warned:
-            ratio = criterion.pressure_ratio(self.pair.with_values(roughness=self.heights.sq), step.load)
+            ratio = criterion.pressure_ratio(self.pair.with_values(roughness=self.heights.sq), step.force)
             if ratio >= criterion.YIELD_RATIO:
                 self._warned.add("bulk")
                 warn(
-                    f"asperity: at {step.load:.3g} N p(0)/H_m = {ratio:.2f} ≥ {criterion.YIELD_RATIO}: the bulk also yields, "
+                    f"asperity: at {step.force:.3g} N p(0)/H_m = {ratio:.2f} ≥ {criterion.YIELD_RATIO}: the bulk also yields, "
                     "which this model neglects"
                 )
         if step.touches_edge and "edge" not in self._warned:
             self._warned.add("edge")
             warn(
-                f"asperity: at {step.load:.3g} N the contact reaches the edge of the map: its load is a lower bound; "
+                f"asperity: at {step.force:.3g} N the contact reaches the edge of the map: its load is a lower bound; "
                 "measure a larger area"
             )
 

@@ -34,10 +34,10 @@ FIT_LIMIT = 10.0
 """α above which `pressure_drop` is far from the solution that it fits."""
 
 
-def hertz_pressure(contact, load):
-    """p0 = (6 P E*²/(π³ R²))^(1/3) [Pa], the largest pressure of a smooth contact under `load` [N]."""
-    contact, load = as_contact(contact), checked_loads(load)
-    return (6.0 * load * contact.modulus**2 / (math.pi**3 * contact.radius**2)) ** (1 / 3)
+def hertz_pressure(contact, force):
+    """p0 = (6 P E*²/(π³ R²))^(1/3) [Pa], the largest pressure of a smooth contact under `force` [N]."""
+    contact, force = as_contact(contact), checked_forces(force)
+    return (6.0 * force * contact.modulus**2 / (math.pi**3 * contact.radius**2)) ** (1 / 3)
 
 
 def pressure_drop(roughness_parameter):
@@ -72,12 +72,12 @@ def _parameter(value):
     return alpha
 
 
-def pressure_ratio(contact, load, mu=None):
-    """p(0)/H_m under `load` [N] (number or array), of a contact that has a hardness; mu: see `central_pressure`."""
-    load = checked_loads(load)
-    alpha = as_contact(contact).roughness_parameter(load)
+def pressure_ratio(contact, force, mu=None):
+    """p(0)/H_m under `force` [N] (number or array), of a contact that has a hardness; mu: see `central_pressure`."""
+    force = checked_forces(force)
+    alpha = as_contact(contact).roughness_parameter(force)
     drop = pressure_drop(alpha) if mu is None else central_pressure(alpha, mu)
-    return _plain(hertz_pressure(contact, load) * drop / hardness_of(contact))
+    return _plain(hertz_pressure(contact, force) * drop / hardness_of(contact))
 
 
 def deforming_part(ratio):
@@ -86,15 +86,17 @@ def deforming_part(ratio):
     return "asperities" if ratio < YIELD_RATIO - BAND else "bulk" if ratio > YIELD_RATIO + BAND else "both"
 
 
-def transition_load(contact, ratio=YIELD_RATIO, mu=None):
+def transition_force(contact, ratio=YIELD_RATIO, mu=None):
     """Load [N] at which p(0)/H_m reaches `ratio`; below it only asperities deform.
 
-    p(0) rises with the load at every roughness, as P^0.733 where roughness rules and as P^(1/3) without it, so there is
-    one such load. One number, or one entry per contact. mu: see `central_pressure`; of one contact, to 1e-5.
+    p(0) rises with the force at every roughness, as P^0.733 where roughness rules and as P^(1/3) without it, so there is
+    one such force. One number, or one entry per contact. mu: see `central_pressure`; of one contact, to 1e-5.
     """
     hardness, ratio = hardness_of(contact), _ratio(ratio)
     if mu is not None:
-        return _root(lambda load: pressure_ratio(contact, load, mu) - ratio, transition_load(_single_contact(contact), ratio))
+        return _root(
+            lambda force: pressure_ratio(contact, force, mu) - ratio, transition_force(_single_contact(contact), ratio)
+        )
     log = np.log(math.pi**3 * np.square(contact.radius) * (ratio * hardness) ** 3 / (6.0 * np.square(contact.modulus)))
     scale = contact.roughness_parameter(1.0)  # α = scale / P^(2/3)
     # Newton's method in ln P from the smooth contact: ln p(0) is concave, its slope 1/3 to 0.733, so that no step is too long
@@ -107,15 +109,15 @@ def transition_load(contact, ratio=YIELD_RATIO, mu=None):
         log = log - step
         if np.any(log > 600.0):
             raise DemlawsError(
-                f"no load below 1e260 N brings p(0)/H_m to {ratio:g}: check roughness, radius and hardness units"
+                f"no force below 1e260 N brings p(0)/H_m to {ratio:g}: check roughness, radius and hardness units"
             )
         if np.max(np.abs(step)) < 1e-14:
             break
     return _plain(np.exp(log))
 
 
-def lowest_transition_load(contact):
-    """Lowest `transition_load` [N] of an array of contacts; of many, the bound from their extremes, which is not above it."""
+def lowest_transition_force(contact):
+    """Lowest `transition_force` [N] of an array of contacts; of many, the bound from their extremes, which is not above it."""
     if as_contact(contact).size is not None and contact.size > 64:
         extremes = {
             "radius": np.min(contact.radius),
@@ -123,28 +125,28 @@ def lowest_transition_load(contact):
             "roughness": np.min(contact.roughness),
         }
         contact = contact.with_values(**{name: float(value) for name, value in extremes.items()})
-    return float(np.min(transition_load(contact)))
+    return float(np.min(transition_force(contact)))
 
 
-def transition_roughness(contact, load, ratio=YIELD_RATIO, *, mu=None):
-    """Combined roughness σ [m] at which p(0)/H_m equals `ratio` under `load` [N]; 0 where no roughness is needed.
+def transition_roughness(contact, force, ratio=YIELD_RATIO, *, mu=None):
+    """Combined roughness σ [m] at which p(0)/H_m equals `ratio` under `force` [N]; 0 where no roughness is needed.
 
-    mu: see `central_pressure`; of one contact and one load, to 1e-5."""
+    mu: see `central_pressure`; of one contact and one force, to 1e-5."""
     if mu is not None:
-        start = transition_roughness(_single_contact(contact), float(checked_loads(load)), ratio)
-        share, scale = ratio * hardness_of(contact) / hertz_pressure(contact, load), _roughness_scale(contact, load)
+        start = transition_roughness(_single_contact(contact), float(checked_forces(force)), ratio)
+        share, scale = ratio * hardness_of(contact) / hertz_pressure(contact, force), _roughness_scale(contact, force)
         # what differs from the smooth contact by less than the solution resolves needs no roughness either
         return _root(lambda sigma: share - central_pressure(sigma * scale, mu), start) if share < 0.999 else 0.0
-    load = checked_loads(load)
-    share = _ratio(ratio) * hardness_of(contact) / hertz_pressure(contact, load)
+    force = checked_forces(force)
+    share = _ratio(ratio) * hardness_of(contact) / hertz_pressure(contact, force)
     with np.errstate(divide="ignore", invalid="ignore"):
         alpha = np.where(share < 1.0, (-2.0 / (3.0 * np.log1p(-np.minimum(share, 1.0)))) ** (1 / 0.6), 0.0)
-    return _plain(alpha / _roughness_scale(contact, load))
+    return _plain(alpha / _roughness_scale(contact, force))
 
 
-def _roughness_scale(contact, load):
-    """α over σ [1/m] under `load` [N]."""
-    return (16.0 * contact.radius * contact.modulus**2 / (9.0 * load**2)) ** (1 / 3)
+def _roughness_scale(contact, force):
+    """α over σ [1/m] under `force` [N]."""
+    return (16.0 * contact.radius * contact.modulus**2 / (9.0 * force**2)) ** (1 / 3)
 
 
 def _root(function, start):
@@ -184,9 +186,9 @@ def _ratio(value):
     return number(value, "ratio", "", 1e-6, 1e3)
 
 
-def checked_loads(load):
+def checked_forces(force):
     """Loads [N] as an array; DemlawsError unless all are positive and finite."""
-    return positive(load, "load", "N")
+    return positive(force, "force", "N")
 
 
 def _plain(value):

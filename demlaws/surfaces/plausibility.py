@@ -90,14 +90,14 @@ def dimension_doubts(by_boxes: float | None, by_spectrum: float | None) -> list[
     return found
 
 
-def resolution_doubts(heights, pair, load: float) -> list[str]:
-    """A Hertz radius a = (3 P R/(4 E*))^(1/3) of a `Contact` under a load [N] that is few pixels wide."""
-    radius, pixel = math.cbrt(0.75 * load * pair.radius / pair.modulus), max(heights.pixel_x, heights.pixel_y)
+def resolution_doubts(heights, pair, force: float) -> list[str]:
+    """A Hertz radius a = (3 P R/(4 E*))^(1/3) of a `Contact` under a force [N] that is few pixels wide."""
+    radius, pixel = math.cbrt(0.75 * force * pair.radius / pair.modulus), max(heights.pixel_x, heights.pixel_y)
     if radius >= PIXELS * pixel:
         return []
     return [
         f"the Hertz radius {radius:.4g} m is {radius / pixel:.2g} pixels wide: forces depend on the pixel size below "
-        f"{PIXELS:g}; measure with smaller pixels, or give a larger load or radius"
+        f"{PIXELS:g}; measure with smaller pixels, or give a larger force or radius"
     ]
 
 

@@ -95,7 +95,7 @@ def _draw_maps(fig, axes, contact, first, name):
     show(fig, axes[0], heights, heights.heights * MICRO, "height (µm)", **span)
     axes[0].set_title(f"{name} before: Sq = {heights.sq * MICRO:.2f} µm", fontsize=10)
     show(fig, axes[1], heights, after * MICRO, "height (µm)", **span)
-    axes[1].set_title(f"after cycle 1 at {first.step.load:.3g} N", fontsize=10)
+    axes[1].set_title(f"after cycle 1 at {first.step.force:.3g} N", fontsize=10)
     change = (after - heights.heights) * MICRO
     limit = max(abs(np.nanmin(change)), 1e-9)
     show(fig, axes[2], heights, change, "change (µm)", cmap="RdBu", vmin=-limit, vmax=limit)
@@ -110,7 +110,7 @@ def _draw_patches(fig, ax, contact, step):
     heights = contact.heights
     show(fig, ax, heights, heights.heights * MICRO, "height (µm)", cmap="Greys_r", alpha=0.6)
     ellipses(ax, step)
-    radius = (step.load * 0.75 * contact.pair.radius / contact.pair.modulus) ** (1 / 3)
+    radius = (step.force * 0.75 * contact.pair.radius / contact.pair.modulus) ** (1 / 3)
     circle(ax, contact.centre, radius, "--", "Hertz radius")
     counts = step.counts
     ax.set_title(f"contact, cycle 1: {counts[0]} elastic, {counts[1]} el.-plastic, {counts[2]} plastic", fontsize=10)

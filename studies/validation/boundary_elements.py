@@ -68,7 +68,7 @@ def rough_maps():
             if pressed is not None:
                 force, area = float(pressed.sum()), float((pressed > 0).sum()) * maps.PIXEL**2
                 step = model.at(overlap)
-                figures = (overlap, force, area, step.load, step.contact_area)
+                figures = (overlap, force, area, step.force, step.contact_area)
                 yield ",".join([name, *(f"{f:.6e}" for f in figures), str(len(step.micro))])
 
 

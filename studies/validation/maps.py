@@ -47,4 +47,4 @@ def load_ratios():
         contact = model(heights, radius)
         for row in stored:
             if row["case"] == name:
-                yield name, contact.at(float(row["overlap"])).load / float(row["bem_force"])
+                yield name, contact.at(float(row["overlap"])).force / float(row["bem_force"])

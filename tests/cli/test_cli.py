@@ -165,7 +165,7 @@ def test_exports_take_units(engine, tmp_path):
     texts = []
     for number, (radius, sq, young, density, load) in enumerate(grains):
         case = tmp_path / str(number)
-        words = ["--radius", radius, "--roughness", sq, "--young", young, "--density", density, "--load", load]
+        words = ["--radius", radius, "--roughness", sq, "--young", young, "--density", density, "--max-force", load]
         assert cli.main([engine, "export", str(case), *words, "--fractal-dimension", "2.22", "--count", "20"]) == 0
         texts.append(
             {path.name: path.read_text() for path in sorted(case.iterdir()) if path.suffix != ".tbl" and path.is_file()}
@@ -213,7 +213,7 @@ def test_files_are_overwritten_only_if_this_command_wrote_them(tmp_path):
     [
         (["laws"], "laws"),
         (["laws", "rough-plastic"], "options"),
-        (["regime", *CONTACT, "--hardness", "6GPa"], "transition_load"),
+        (["regime", *CONTACT, "--hardness", "6GPa"], "transition_force"),
         (["soften", "--factor", "10", "--law", "hertz", *CONTACT], "softened"),
         (["table", "--law", "hertz", *CONTACT, "--rtol", "1e-2", "--out", "t.tbl"], "force_error"),
         (["surface", "synthetic", "--size", "32", "--out", "map.asc"], "sq"),

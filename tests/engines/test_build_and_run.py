@@ -340,7 +340,7 @@ def test_export_refuses_nonsense(engine, tmp_path):
     for grains, more in (
         ([], {}),
         ([Grain(0.004, GRANITE, ROUGH), Grain(0.005, GRANITE, dl.Surface(0.0, 2.22))], {}),  # a smooth one beside a rough one
-        ([Grain(0.004, GRANITE, ROUGH)], {"load": -1.0}),
+        ([Grain(0.004, GRANITE, ROUGH)], {"max_force": -1.0}),
         ([Grain(0.004, GRANITE, ROUGH)], {"count": 0}),
         ([Grain(0.004, GRANITE, ROUGH)], {"levels": 9}),
         ([Grain(0.004, GRANITE, ROUGH)], {"shear_ratio": 0.0}),
@@ -362,7 +362,7 @@ def test_a_whole_case_is_exported_and_its_record_names_the_law(engine, tmp_path)
 def test_the_step_of_a_case_holds_for_every_shear_ratio():
     case = Case("hertz", (Grain(0.004, GRANITE, ROUGH),))
     law = case.bound(case.grains[0].contact(case.grains[0]))
-    assert case.time_step() < 0.5 * dl.timestep(law, case.grains[0].mass, case.load, shear_ratio=4.0 / 3.0)
+    assert case.time_step() < 0.5 * dl.timestep(law, case.grains[0].mass, case.max_force, shear_ratio=4.0 / 3.0)
 
 
 @pytest.mark.parametrize("engine, tests", [("liggghts", 4), ("lammps", 6)])

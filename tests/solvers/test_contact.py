@@ -153,7 +153,7 @@ def test_a_paraboloid_gives_back_its_radii():
     assert step.micro.angle[0] == pytest.approx(angle, abs=1e-4)
     assert step.micro.length_long[0] == pytest.approx(2 * math.sqrt(2 * ry * 0.8 * height), rel=1e-3)
     exact = ellipsoids(ELASTIC, rx, ry, 0.8 * height)
-    assert step.load == pytest.approx(exact.force[0], rel=1e-3)
+    assert step.force == pytest.approx(exact.force[0], rel=1e-3)
     assert step.contact_area == pytest.approx(exact.area[0], rel=1e-3)
 
 
@@ -171,7 +171,7 @@ def random_case(k, rng):
         radius=10 ** rng.uniform(-4, -1.5), modulus=10 ** rng.uniform(9, 11.7), hardness=10 ** rng.uniform(8, 10.3)
     )
     contact = RoughContact(heights, pair, rng.uniform(0, 0.5), flat=bool(k % 2))
-    load = contact.at(10 ** rng.uniform(-4, 0.5) * heights.sq).load
+    load = contact.at(10 ** rng.uniform(-4, 0.5) * heights.sq).force
     return contact, load * rng.uniform(0.7, 1.4)
 
 
@@ -183,8 +183,8 @@ def test_load_is_met_on_a_thousand_random_maps():
             contact, load = random_case(k, rng)
             for tolerance in (0.01, 1e-9):
                 step = contact.load(load, tolerance)
-                assert abs(step.load - load) <= tolerance * load * (1 + 1e-6)
-            assert step.load == pytest.approx(step.micro.force.sum(), rel=1e-12)
+                assert abs(step.force - load) <= tolerance * load * (1 + 1e-6)
+            assert step.force == pytest.approx(step.micro.force.sum(), rel=1e-12)
 
 
 # --- unloading and cycles
@@ -204,13 +204,13 @@ def test_one_sphere_after_unloading():
     assert contact.highest - worn.highest == pytest.approx(one.residual[0], rel=2e-3)
     again = worn.at(0.7e-6)
     assert again.counts == (1, 0, 0)
-    assert again.load == pytest.approx(step.load, rel=1e-9)
+    assert again.force == pytest.approx(step.force, rel=1e-9)
     assert again.contact_area == pytest.approx(step.contact_area, rel=1e-9)
     # on the way there it is the Hertz contact of the blunter sphere R' = 4 E* a³/(3 Pmax)
     blunt = 4 * ALUMINIUM.modulus * (one.area[0] / math.pi) ** 1.5 / (3 * one.force[0])
     half = worn.at(0.7e-6 - 0.5 * (0.7e-6 - one.residual[0]))
     hertz = 4 / 3 * ALUMINIUM.modulus * math.sqrt(blunt) * (0.5 * (0.7e-6 - one.residual[0])) ** 1.5
-    assert half.load == pytest.approx(hertz, rel=5e-3)
+    assert half.force == pytest.approx(hertz, rel=5e-3)
     # a heavier load yields again
     assert worn.at(0.8e-6).counts[0] == 0
 
@@ -278,14 +278,14 @@ def test_the_law_follows_the_model():
     contact, law = law_of()
     for load in (0.01, 0.05, 0.2, 0.8):
         assert law.overlap(load) == pytest.approx(contact.load(load, 1e-6).overlap, rel=0.05)
-    assert law.limits()[0].maximum_force == pytest.approx(regime.transition_load(contact.pair), rel=1e-9)
+    assert law.limits()[0].maximum_force == pytest.approx(regime.transition_force(contact.pair), rel=1e-9)
     with pytest.warns(dl.ValidityWarning, match="bulk yields"):
         law.overlap(3.0)
 
 
 def test_the_reloading_law_is_elastic_and_stiffer():
     contact, loading = law_of()
-    reloading = law_of(curve="reloading", load=0.2)[1]
+    reloading = law_of(curve="reloading", force=0.2)[1]
     assert reloading.overlap(0.2) < 0.3 * loading.overlap(0.2)
     worn = contact.unload(contact.load(0.2, 1e-6))
     start = worn.origin - worn.highest

@@ -164,9 +164,9 @@ def test_stock_fit_in_the_stock_binary(tmp_path):
     grain = lg.Grain(0.0087, GRANITE, ROUGH)
     law = dl.law("pohrt-popov", grain.contact(grain), unloading="hertz")
     loads = np.array([0.5, 3.0, 10.0, 40.0])
-    fit = lg.stock_fit(law, 10.0, loads=loads)
+    fit = lg.stock_fit(law, 10.0, forces=loads)
     assert fit.error[2] == pytest.approx(0.0, abs=1e-12)
-    case = lg.export(tmp_path, "pohrt-popov", [grain], stock="hertz", load=10.0).read_text()
+    case = lg.export(tmp_path, "pohrt-popov", [grain], stock="hertz", max_force=10.0).read_text()
     # no damping, so that the force is the model's own at any speed
     case = re.sub(r"(Restitution .*) 0.5 0.5 0.5 0.5", r"\1 1 1 1 1", case)
     model = re.findall("^(?:fix             p|pair_style).*$", case, re.MULTILINE)
