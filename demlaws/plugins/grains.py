@@ -76,8 +76,8 @@ class Case:
 
     law, unloading, options: as for `demlaws.law` (a law to unload along is bound to each contact); grains: `Grain`s, one per
     particle type; max_force: largest force [N] expected in a contact, and that of a stock fit; stock: model of the engine's own
-    in place of tables, a case that needs no plugin; shear_ratio: K_t/K (default: that of ν); levels: levels of shear (default: the
-    plugin's).
+    in place of tables, a case that needs no plugin; shear_ratio: K_t/K (default: that of ν); levels: levels of shear (default:
+    the plugin's).
     """
 
     law: str = USUAL
