@@ -314,31 +314,17 @@ class Contact:
         DemlawsError
             If a value is not admissible, or if both bodies are flats.
         """
-        for name, material in (("material1", material1), ("material2", material2)):
-            if not isinstance(material, Material):
-                raise DemlawsError(f"{name} must be a demlaws.Material, got {material!r:.60}")
-        refuse_plain_radius("radius1", radius1)
-        refuse_plain_radius("radius2", radius2)
-        pairs = (material1, roughness1), (material2, roughness2)
-        surfaces = [_usual_surface(material, roughness is not None) for material, roughness in pairs]
-        roughness1 = surfaces[0].roughness if roughness1 is None else roughness1
-        roughness2 = surfaces[1].roughness if roughness2 is None else roughness2
-        if fractal_dimension is None:
-            fractal_dimension = surfaces[0].combined(surfaces[1]).fractal_dimension
-        lengths = {"radius1": radius1, "radius2": radius2, "roughness1": roughness1, "roughness2": roughness2}
-        values = {name: as_float(value, name, "m", array=True) for name, value in lengths.items()}
-        for name, value in values.items():
-            if name.startswith("radius") and not np.all(value > 0):
-                raise DemlawsError(f"{name} = {value} m: a radius must be positive (inf for a flat)")
-            if not np.all(value >= 0):
-                raise DemlawsError(f"{name} = {value} m: {RANGES['roughness'].remedy}")
-        _refuse_lengths(values)
+        first, second = _surface_in("material1", material1, roughness1), _surface_in("material2", material2, roughness2)
+        roughness1 = first.roughness if roughness1 is None else roughness1
+        roughness2 = second.roughness if roughness2 is None else roughness2
+        values = _lengths_of(radius1=radius1, radius2=radius2, roughness1=roughness1, roughness2=roughness2)
         radius1, radius2, roughness1, roughness2 = values.values()
         if np.any(np.isinf(radius1) & np.isinf(radius2)):
             raise DemlawsError("radius1 and radius2 are both inf: two flats have no Hertz contact; give one a radius in m")
+        if fractal_dimension is None:
+            fractal_dimension = first.combined(second).fractal_dimension
         if hardness is None:
-            hardnesses = [s.hardness or m.hardness for s, m in zip(surfaces, (material1, material2), strict=True)]
-            hardness = min((h for h in hardnesses if h is not None), default=None)
+            hardness = softer_hardness((material1, first), (material2, second))
         combined = {
             "radius": effective_radius(radius1, radius2),
             "modulus": effective_modulus(material1, material2),
@@ -427,9 +413,32 @@ def surface_of(material: Material) -> Surface:
     return material.surface or Surface()
 
 
-def _usual_surface(material: Material, measured: bool) -> Surface:
-    """Surface of a body whose own roughness is given, or is that of its material."""
-    return Surface() if measured and isinstance(material.surface, Unknown) else surface_of(material)
+def softer_hardness(*bodies: tuple[Material, Surface]) -> float | None:
+    """Hardness [Pa] of the softer of two bodies: its surface's, else its material's; None where none is known."""
+    hardnesses = (surface.hardness or material.hardness for material, surface in bodies)
+    return min((hardness for hardness in hardnesses if hardness is not None), default=None)
+
+
+def _surface_in(name: str, material: Any, roughness: Any) -> Surface:
+    """Surface of a body whose roughness is given, or None: that of its material."""
+    if not isinstance(material, Material):
+        raise DemlawsError(f"{name} must be a demlaws.Material, got {material!r:.60}")
+    return Surface() if roughness is not None and isinstance(material.surface, Unknown) else surface_of(material)
+
+
+def _lengths_of(**lengths: Any) -> dict[str, np.ndarray]:
+    """Radii and roughnesses [m] of two bodies as arrays; DemlawsError for inadmissible values."""
+    values = {}
+    for name, length in lengths.items():
+        is_radius = name.startswith("radius")
+        if is_radius:
+            refuse_plain_radius(name, length)
+        values[name] = value = as_float(length, name, "m", array=True)
+        if not np.all(value > 0 if is_radius else value >= 0):
+            remedy = "a radius must be positive (inf for a flat)" if is_radius else RANGES["roughness"].remedy
+            raise DemlawsError(f"{name} = {value} m: {remedy}")
+    _refuse_lengths(values)
+    return values
 
 
 def as_contact(value: Any) -> Contact:

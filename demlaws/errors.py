@@ -72,10 +72,6 @@ class TimeStepWarning(UserWarning):
     """A time stepper of the engine list had no bound that is stable for the law."""
 
 
-class CoefficientWarning(UserWarning):
-    """A script or an engine has changed kno or kso of a contact, which the law writes in each step."""
-
-
 class ShapeWarning(UserWarning):
     """A contact of a shape that is neither sphere nor flat has the distance from the body's centre as R, without a choice."""
 

@@ -5,6 +5,7 @@ import io
 import os
 import sys
 import tempfile
+import textwrap
 from pathlib import Path
 from typing import Any
 
@@ -109,3 +110,14 @@ def _waiting(path, data):
         os.unlink(temporary)
         raise
     return temporary
+
+
+WIDTH = 100
+"""Characters per line of printed results."""
+
+
+def wrapped(text, first="", rest="    "):
+    """Lines of at most `WIDTH` characters; `rest` begins those after the first."""
+    return textwrap.fill(
+        text, WIDTH, initial_indent=first, subsequent_indent=rest, break_long_words=False, break_on_hyphens=False
+    )

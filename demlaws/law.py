@@ -298,13 +298,13 @@ class Table(Law):
 
     def bound_to(self, contact: Contact) -> "Table":
         """The same curve for another contact (or array of contacts); only a law whose curve collapses allows that."""
-        return self._on(contact, True)
+        return self._bound_to(contact, True)
 
     def for_unloading(self, contact: Contact) -> "Table":
         """`bound_to` of an unloading curve: only radius, modulus and roughness must be those of the contact."""
-        return self._on(contact, False)
+        return self._bound_to(contact, False)
 
-    def _on(self, contact, surface_matters):
+    def _bound_to(self, contact, surface_matters):
         curve = self.curve if self.collapses else dataclasses.replace(self.curve, collapses=False)
         contact, unloading = curve.bound_to(contact, surface_matters), self.unloading_parts
         if unloading.curve is not None:

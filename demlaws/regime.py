@@ -75,21 +75,22 @@ class Regime(NamedTuple):
         }[self.deforms]
         if self.yield_pressure is not None:
             return (
-                f"P = {self.load:g} N: α = {self.roughness_parameter:.3g}, p0 = {self.hertz_pressure / 1e9:.4g} GPa, "
-                f"p0/p_y = {self.ratio:.3f} with the measured p_y = {self.yield_pressure / 1e9:.4g} GPa: {part}\n"
-                f"the answer changes (p0 = p_y) at {self.transition_load:.4g} N"
+                f"P = {self.load:g} N: {part}\n"
+                f"α = {self.roughness_parameter:.3g}, p0 = {self.hertz_pressure / 1e9:.4g} GPa, "
+                f"p0/p_y = {self.ratio:.3f} with the measured p_y = {self.yield_pressure / 1e9:.4g} GPa\n"
+                f"transition (p0 = p_y) at {self.transition_load:.4g} N"
             )
         how = "by its closed fit" if self.mu is None else f"by Greenwood & Tripp's solution at μ = {self.mu:g}"
         change = f"{self.transition_load:.4g} N" if math.isfinite(self.transition_load) else "no load"
         roughness = (
-            f"σ = {self.transition_roughness * 1e6:.3g} µm at this load"
+            f"at this load at σ = {self.transition_roughness * 1e6:.3g} µm"
             if self.transition_roughness > 0
-            else "at this load the bulk of a smooth contact is elastic too"
+            else "at this load even a smooth contact has an elastic bulk"
         )
         return (
-            f"P = {self.load:g} N: α = {self.roughness_parameter:.3g}, p0 = {self.hertz_pressure / 1e9:.4g} GPa, "
-            f"p(0)/H_m = {self.ratio:.3f} {how}: {part}\n"
-            f"the answer changes (p(0)/H_m = {YIELD_RATIO}) at {change}; {roughness}"
+            f"P = {self.load:g} N: {part}\n"
+            f"α = {self.roughness_parameter:.3g}, p0 = {self.hertz_pressure / 1e9:.4g} GPa, p(0)/H_m = {self.ratio:.3f} {how}\n"
+            f"transition (p(0)/H_m = {YIELD_RATIO}) at {change}; {roughness}"
         )
 
 
@@ -228,7 +229,7 @@ def advise(contact: Contact, load: Any, yield_pressure: Any = None, *, mu: float
         ratio = float(np.max(hertz_pressure(contact, load))) / _yield_pressure(yield_pressure)
         yields, state = ratio > 1.0, f"p0/p_y = {ratio:.2f}"
     elif contact.hardness is None:
-        yields, state = False, "no hardness given: bulk yield not judged"
+        yields, state = False, "no hardness: bulk yield unknown"
     else:
         ratio = float(np.max(pressure_ratio(contact, load, mu)))
         yields, state = ratio > YIELD_RATIO, f"p(0)/H_m = {ratio:.2f}"

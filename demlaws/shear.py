@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from demlaws.core.levels import DEFAULT_LEVELS, levels_loop
-from demlaws.core.shear import CHOICES, DEFAULT, SLIP
+from demlaws.core.levels import levels_loop
+from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, SLIP
 from demlaws.core.slip import SAMPLES, slip_loop
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, as_law

@@ -73,6 +73,9 @@ def read(
     return heights
 
 
+_NO_PIXEL = "{} does not say its pixel size: give pixel (command line: --pixel 0.8um)"
+
+
 def read_unchecked(path, pixel=None, unit="m", *, missing=None, channel=None):
     """As `read`, without the check of plausibility; the map, and metres per unit of height in the file."""
     path = as_path(path)
@@ -96,14 +99,15 @@ def read_unchecked(path, pixel=None, unit="m", *, missing=None, channel=None):
     elif suffix in (".csv", ".txt", ".tsv", ".asc"):
         heights, header = _read_text(path)
     else:
-        heights, pixels, scale = _read_instrument(path, pixels, channel)
-        return _map(heights, pixels, scale, filler)
+        heights, header = _read_instrument(path, channel, pixels, unit)
+        channel = None
     if channel is not None:
         raise DemlawsError(f"channel = {channel!r}: {path.name} has one channel only")
     plausibility.refuse_list_of_points(heights, path)
+    _refuse_contradiction(path, header, pixels, unit)
     pixels = pixels or header.get("pixel")
     if pixels is None:
-        raise DemlawsError(f"{path} does not say its pixel size: give pixel (command line: --pixel 0.8um)")
+        raise DemlawsError(_NO_PIXEL.format(path))
     scale = header.get("scale", UNITS[unit])
     return _map(np.asarray(heights, float), pixels, scale, filler)
 
@@ -113,6 +117,18 @@ def _map(heights, pixels, scale, filler):
     if filler is not None:
         heights = np.where(heights == filler, np.nan, heights)
     return HeightMap(heights * scale, *pixels), scale
+
+
+def _refuse_contradiction(path, header, pixels, unit):
+    """Raise if a pixel size or unit of heights is given, and the file contains another."""
+    found = header.get("pixel")
+    if pixels and found and not np.allclose(pixels, found, rtol=0.01):
+        raise DemlawsError(
+            f"{path} has pixels of {found[0] * 1e6:.5g} x {found[1] * 1e6:.5g} µm, pixel = {pixels[0] * 1e6:.5g} x "
+            f"{pixels[1] * 1e6:.5g} µm is given: leave it out, or correct the file"
+        )
+    if unit != "m" and header.get("scale", UNITS[unit]) != UNITS[unit]:
+        raise DemlawsError(f"{path} has heights in units of {header['scale']:g} m, unit = {unit!r} is given: leave it out")
 
 
 def _pixel_pair(pixel):
@@ -190,8 +206,11 @@ def _split(text):
     return text.split()
 
 
-def _read_instrument(path, pixels, channel):
-    """Heights, pixel sizes [m] and metres per unit of height of a file that SurfaceTopography reads."""
+def _read_instrument(path, channel, pixels, unit):
+    """Heights and header (pixel sizes [m], metres per unit of height) of a file that SurfaceTopography reads.
+
+    pixels and unit are those of files that contain none.
+    """
     try:
         import SurfaceTopography
     except ImportError:
@@ -201,23 +220,30 @@ def _read_instrument(path, pixels, channel):
         ) from None
     try:
         reader = SurfaceTopography.open_topography(str(path))
-        topography = _channel(reader, path, channel).topography()
-        if topography.dim != 2:
+        chosen = _channel(reader, path, channel)
+        sizes = chosen.physical_sizes
+        if chosen.dim != 2:
             raise DemlawsError(f"{path} is a line scan: a height map has two dimensions")
+        if sizes is None and pixels is None:
+            raise DemlawsError(_NO_PIXEL.format(path))
+        topography = chosen.topography(**({"physical_sizes": chosen.nb_grid_pts} if sizes is None else {}))
         heights = np.ma.filled(np.ma.asarray(topography.heights(), float), np.nan)
-        unit = topography.unit or "m"
-        sizes = topography.physical_sizes
     except DemlawsError:
         raise
     except Exception as error:  # every reader of theirs has its own errors
         reason = (str(error).strip().splitlines() or [type(error).__name__])[0][:120]
         raise DemlawsError(f"SurfaceTopography cannot read {path}: {reason}") from None
+    if topography.unit is None:
+        warn(f"{path} names no unit of length: heights and sizes are taken in {unit!r} (--unit)", MapWarning)
+    unit = topography.unit or unit
     if unit not in UNITS:
         raise DemlawsError(f"{path}: unit {unit!r} is not a length demlaws knows ({', '.join(UNITS)})")
     # their first axis is x
     heights = heights.T
-    pixels = pixels or tuple(size * UNITS[unit] / n for size, n in zip(sizes, heights.shape[::-1], strict=True))
-    return heights, pixels, UNITS[unit]
+    header = {"scale": UNITS[unit]}
+    if sizes is not None:
+        header["pixel"] = tuple(size * UNITS[unit] / n for size, n in zip(sizes, heights.shape[::-1], strict=True))
+    return heights, header
 
 
 def _channel(reader, path, name):

@@ -26,6 +26,7 @@ from numpy.typing import ArrayLike
 
 from demlaws.contact import Material
 from demlaws.core.loops import first_loading, unloaded_loop
+from demlaws.core.shear import LARGEST_SHEAR_RATIO
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, as_law
 from demlaws.units import SMALL_OVERLAP, number
@@ -38,8 +39,6 @@ SOFTENING_SAFETY = 0.56
 unloading curve of another law): an oscillation about such a kink is in resonance in narrow windows of the step, which get rarer
 and slower as the step falls but do not end. Where unloading is stiffer than loading, energy is lost, and no window was found
 (docs/plastic-laws.md)."""
-LARGEST_SHEAR_RATIO = 4.0 / 3.0
-"""Largest K_t/K: 2(1-ν)/(2-ν) at ν = -1."""
 COORDINATION = 6.0
 """Default mean number of contacts per grain, and the least that the estimate of a packing is made for."""
 
@@ -75,19 +74,53 @@ def pair_limit(stiffness: float, mass1: float, mass2: float = math.inf, *, shear
     return 2.0 / math.sqrt(stiffness * (1.0 / mass1 + 1.0 / mass2) * max(1.0, 3.5 * ratio))
 
 
-def packing_limit(
-    stiffness: float,
-    mass: float,
-    coordination: float = COORDINATION,
-    *,
-    shear_ratio: float = 1.0,
-    size_ratio: float = 1.0,
-    largest_coordination: float | None = None,
+def packing_limit(stiffness: float, mass: float, largest_coordination: int, *, shear_ratio: float = 1.0) -> float:
+    """Bound of the limit of any packing, never above it: ω² ≤ 2 Z_max K/m max(1, 7/2 K_t/K).
+
+    With S_i the sum of K over the contacts of grain i, ω² is at most the largest (S_i/m_i + S_j/m_j) max(1, 7/2 K_t/K) of all
+    contacts (Irons & Treharne 1971), and S_i/m_i ≤ Z_max K/m. The bound is 0.4 to 0.65 of the limit where a grain has 12
+    contacts, and the limit itself for two equal grains.
+
+    Parameters
+    ----------
+    stiffness, mass : float
+        K [N/m] and the lighter grain's m [kg] of the contact with the largest K/m.
+    largest_coordination : int
+        Z_max, the largest number of contacts of one grain; of equal spheres 12.
+    shear_ratio : float
+        K_t/K.
+
+    Returns
+    -------
+    float
+        Time step [s].
+
+    Raises
+    ------
+    DemlawsError
+        For a number of contacts that is not whole: a mean belongs to `packing_estimate`.
+
+    Examples
+    --------
+    >>> round(packing_limit(1e6, 1e-3, 12, shear_ratio=0.857) * 1e6, 3)  # µs
+    7.454
+    """
+    stiffness, mass, ratio = _stiffness(stiffness), number(mass, "mass", "kg"), _ratio(shear_ratio)
+    most = number(largest_coordination, "largest_coordination", "", 1.0, 1e6, allow_low=True)
+    if most != int(most):
+        raise DemlawsError(
+            f"largest_coordination = {most:g}: must be the whole number of contacts of the grain with most; the limit has no "
+            f"bound by a mean number, from which packing_estimate estimates it"
+        )
+    return pair_limit(most * stiffness, mass, mass, shear_ratio=ratio)
+
+
+def packing_estimate(
+    stiffness: float, mass: float, coordination: float = COORDINATION, *, shear_ratio: float = 1.0, size_ratio: float = 1.0
 ) -> float:
     """Estimate of the limit of a packing: 0.5 to 1 times the exact limit in lattices and random packings (tests).
 
     2/ω with ω² = 2/3 (1 + 1/s)/2 max((Z + 4)(1 + 2 K_t/K), (Z + 2.5) 5 K_t/K) K/m; a Z below 6 counts as 6.
-    With `largest_coordination` the rigorous bound ω² ≤ 2 Z_max K/m max(1, 7/2 K_t/K), at most 0.65 of the exact limit.
 
     Parameters
     ----------
@@ -99,11 +132,6 @@ def packing_limit(
         K_t/K.
     size_ratio : float
         s, the mean radius over the smallest one; 1 is the safe choice: small grains have fewer contacts than others.
-    largest_coordination : float, optional
-        Z_max, the largest number of contacts of one grain. Needed outside the scope of the estimate, which is grains that are
-        the heavier the larger they are (the step is up to 1.2 of the limit if a few large grains weigh no more than the
-        small ones) and whose contacts are spread over all grains (1.1 if grains with 12 contacts touch others with one). The
-        step of `timestep` is 0.8 of the estimate, so that it is below the limit in these packings, too.
 
     Returns
     -------
@@ -112,8 +140,9 @@ def packing_limit(
 
     Notes
     -----
-    The bound is Irons & Treharne's (1971): with S_i the sum of K over the contacts of grain i, ω² is at most the largest
-    (S_i/m_i + S_j/m_j) max(1, 7/2 K_t/K) of all contacts, and here S_i/m_i ≤ Z_max K/m.
+    Scope: grains that are the heavier the larger they are, with contacts spread over all of them. Outside it the estimate
+    exceeds the limit: 1.1 times for a layer of grains with 12 contacts that touch grains with one, 1.2 where five large grains
+    weigh as much as a small one, 2.3 where one such grain has 100 contacts (tests). `packing_limit` is valid there.
 
     With Z in place of Z + 4 and Z + 2.5 and s = 1 this is the bound of this module for a grain with contacts in all directions
     alike and with equal neighbours; it is exact in simple and body-centred cubic lattices. The first term is for motion, the
@@ -121,9 +150,6 @@ def packing_limit(
     and the dependence on s are fitted to random packings.
     """
     stiffness, mass, ratio = _stiffness(stiffness), number(mass, "mass", "kg"), _ratio(shear_ratio)
-    if largest_coordination is not None:
-        most = number(largest_coordination, "largest_coordination", "", 1.0, 1e6, allow_low=True)
-        return pair_limit(most * stiffness, mass, mass, shear_ratio=ratio)
     mean = max(number(coordination, "coordination", "", 0.0, 100.0, allow_low=True), COORDINATION)
     sizes = 0.5 * (1.0 + 1.0 / number(size_ratio, "size_ratio", "", 1.0, allow_low=True))
     moving, rolling = (mean + 4.0) * (1.0 + 2.0 * ratio), (mean + 2.5) * 5.0 * ratio
@@ -187,7 +213,7 @@ def timestep(
     coordination: float = COORDINATION,
     shear_ratio: float = 1.0,
     size_ratio: float = 1.0,
-    largest_coordination: float | None = None,
+    largest_coordination: int | None = None,
 ) -> float:
     """Stable time step of velocity Verlet with contacts of a law.
 
@@ -206,8 +232,11 @@ def timestep(
         Mean number of contacts per grain, of a packing.
     shear_ratio : float
         K_t/K, at most 4/3; 0 without friction.
-    size_ratio, largest_coordination : float, optional
-        As in `packing_limit`.
+    size_ratio : float
+        Mean radius over the smallest one, of a packing; 1 is the safe choice.
+    largest_coordination : int, optional
+        Largest number of contacts of one grain: the step is then 0.8 of the bound `packing_limit`. Needed where large grains
+        weigh no more than small ones or have far more contacts than the others, which `packing_estimate` does not cover.
 
     Returns
     -------
@@ -232,17 +261,12 @@ def timestep(
     largest = stiffest(law, max_force)
     lossless = law.unloading_law if law.state_size else law
     falls = lossless is not None and _jumps_down(lossless, float(lossless.overlap(max_force)))
-    if other_mass is None:
-        limit = packing_limit(
-            largest,
-            mass,
-            coordination,
-            shear_ratio=shear_ratio,
-            size_ratio=size_ratio,
-            largest_coordination=largest_coordination,
-        )
-    else:
+    if other_mass is not None:
         limit = pair_limit(largest, mass, _mass(other_mass, "other_mass"), shear_ratio=shear_ratio)
+    elif largest_coordination is not None:
+        limit = packing_limit(largest, mass, largest_coordination, shear_ratio=shear_ratio)
+    else:
+        limit = packing_estimate(largest, mass, coordination, shear_ratio=shear_ratio, size_ratio=size_ratio)
     return (SOFTENING_SAFETY if falls else STEP_SAFETY) * limit
 
 

@@ -16,7 +16,7 @@ from demlaws.errors import DemlawsError
 SMALL_OVERLAP = 0.1
 """Overlap over effective radius up to which contact laws hold: all take the bodies for half-spaces. One warning beyond it."""
 LARGEST_OVERLAP = 1.0
-"""Overlap over effective radius beyond which no law answers."""
+"""Overlap over effective radius above which laws are undefined."""
 
 
 def large_overlap(overlap, radius, count=1, total=1):

@@ -1,6 +1,7 @@
 """Materials, surfaces and contacts: derived quantities and input checks."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import demlaws as dl
+from demlaws.plugins.grains import Grain
 from demlaws.units import UNITS, quantity
 
 GRANITE = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9)
@@ -113,3 +115,15 @@ def test_every_spelling_of_a_unit(unit):
         expected = OTHERS.get(symbol, PREFIXES[symbol.removesuffix(unit)] if symbol.endswith(unit) else None)
         assert factor == pytest.approx(expected, rel=1e-15)
         assert quantity(f"2.5 {symbol}", "x", unit) == pytest.approx(2.5 * expected, rel=1e-15)
+
+
+def test_the_softer_body_decides_in_every_way_to_a_contact():
+    """It is its surface's hardness, else its material's. Before, a grain without one on its surface counted for nothing."""
+    hard, soft = dl.Material(60e9, 0.25, hardness=4e9), dl.Material(60e9, 0.25, hardness=1e9)
+    measured, plain = dl.Surface(1e-6, 2.2, hardness=5e9), dl.Surface(1e-6, 2.2)
+    scene = dl.Scene(radii=5e-3, materials=[hard, soft], surfaces=[measured, plain], force=(1.0, 10.0))
+    first, second = Grain(5e-3, hard, measured), Grain(5e-3, soft, plain)
+    bodies = [replace(hard, surface=measured), replace(soft, surface=plain)]
+    between = dl.Contact.between(*bodies, radius1=5e-3, radius2=5e-3)
+    assert between.hardness == first.contact(second).hardness == scene.contacts(2.5e-3)[1].hardness == 1e9
+    assert first.contact(first).hardness == scene.contacts(2.5e-3)[0].hardness == 5e9

@@ -121,12 +121,12 @@ def test_timestep_of_a_body_on_a_wall():
 @pytest.mark.parametrize("ratio", [0.2, 6 / 7])
 def test_estimates_of_the_time_step(ratio):
     """2/ω, ω² = 2/3 (1 + 1/s)/2 max((Z + 4)(1 + 2r), (Z + 2.5) 5r) K/m; Rayleigh's π R √(ρ/G)/(0.1631 ν + 0.8766)."""
-    from demlaws.timestep import packing_limit, rayleigh_step
+    from demlaws.timestep import packing_estimate, rayleigh_step
 
     for coordination, size in ((6.0, 1.0), (7.5, 1.7), (4.5, 1.7)):
         r, z, s = map(mpf, (ratio, max(coordination, 6.0), size))
         square = mpf(2) / 3 * (1 + 1 / s) / 2 * max((z + 4) * (1 + 2 * r), (z + mpf("2.5")) * 5 * r) * mpf(1e6) / mpf(1e-3)
-        found = packing_limit(1e6, 1e-3, coordination, shear_ratio=ratio, size_ratio=size)
+        found = packing_estimate(1e6, 1e-3, coordination, shear_ratio=ratio, size_ratio=size)
         assert found == pytest.approx(float(2 / mpmath.sqrt(square)), rel=1e-14)
     shear = mpf(60e9) / 2 / (1 + mpf(0.25))
     wave = mp.pi * mpf(2e-3) * mpmath.sqrt(2650 / shear) / (mpf("0.1631") * mpf(0.25) + mpf("0.8766"))

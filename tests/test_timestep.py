@@ -16,6 +16,7 @@ from demlaws.timestep import (
     SOFTENING_SAFETY,
     STEP_SAFETY,
     from_contacts,
+    packing_estimate,
     packing_limit,
     pair_limit,
     stiffest,
@@ -66,9 +67,11 @@ def test_estimate_and_bound_are_half_to_all_of_the_exact_limit(kind):
     for stiffness, ratio in itertools.product(stiffnesses, RATIOS):
         limits = from_contacts(grains.pairs, grains.normals, stiffness, shear_stiffness=ratio * stiffness, masses=grains.mass)
         largest = np.max(stiffness / grains.mass[grains.pairs].min(axis=1))
-        estimate = packing_limit(largest, 1.0, grains.coordination, shear_ratio=ratio, size_ratio=sizes)
+        estimate = packing_estimate(largest, 1.0, grains.coordination, shear_ratio=ratio, size_ratio=sizes)
         assert 0.5 <= estimate / limits.exact <= 1.0, (ratio, estimate / limits.exact)
         assert 0.85 <= limits.bound / limits.exact <= 1.0 + 1e-6, (ratio, limits.bound / limits.exact)
+        most = np.bincount(grains.pairs.ravel()).max()
+        assert 0.15 < packing_limit(largest, 1.0, most, shear_ratio=ratio) / limits.exact < 1.0
 
 
 @pytest.mark.parametrize("kind", ["sc", "bcc"])
@@ -98,18 +101,27 @@ def limits_of_hubs(count, ratio):
 
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_few_grains_with_many_contacts(ratio):
-    """The estimate of the mean number of contacts was up to 1.29 times the limit; so many contacts on a row: rigorous bound."""
-    for count in (1, 2):
+    """Grains with 12 contacts alone, in pairs (the estimate is valid) and in a row (it is not): the bound is one."""
+    for count in (1, 2, 8):
         exact, contacts = limits_of_hubs(count, ratio)
-        assert 0.8 < packing_limit(1.0, 1.0, contacts.mean(), shear_ratio=ratio) / exact < 1.0
-        assert 0.4 < packing_limit(1.0, 1.0, contacts.mean(), shear_ratio=ratio, largest_coordination=12) / exact < 1.0
+        assert 0.4 < packing_limit(1.0, 1.0, contacts.max(), shear_ratio=ratio) / exact < 1.0
+        assert 0.8 < packing_estimate(1.0, 1.0, contacts.mean(), shear_ratio=ratio) / exact < (1.0 if count < 8 else 1.15)
+        with pytest.raises(dl.DemlawsError, match="packing_estimate"):
+            packing_limit(1.0, 1.0, contacts.mean(), shear_ratio=ratio)
     # two grains with one contact each: the bound is the limit
-    assert packing_limit(1e6, 1e-3, 1.0, shear_ratio=ratio, largest_coordination=1) == pytest.approx(
-        pair_limit(1e6, 1e-3, 1e-3, shear_ratio=ratio)
-    )
-    exact, contacts = limits_of_hubs(8, ratio)
-    assert packing_limit(1.0, 1.0, contacts.mean(), shear_ratio=ratio, largest_coordination=contacts.max()) < exact
-    assert STEP_SAFETY * packing_limit(1.0, 1.0, contacts.mean(), shear_ratio=ratio) < exact  # out of the estimate's scope
+    assert packing_limit(1e6, 1e-3, 1, shear_ratio=ratio) == pytest.approx(pair_limit(1e6, 1e-3, 1e-3, shear_ratio=ratio))
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+def test_a_grain_of_100_contacts_as_light_as_its_neighbours(ratio):
+    height = 1.0 - 2.0 * (np.arange(100) + 0.5) / 100
+    around = np.pi * (3.0 - math.sqrt(5.0)) * np.arange(100)
+    level = np.sqrt(1.0 - height**2)
+    normals = np.column_stack([level * np.cos(around), level * np.sin(around), height])
+    pairs = np.column_stack([np.zeros(100, int), np.arange(1, 101)])
+    exact = from_contacts(pairs, normals, 1.0, shear_stiffness=ratio, masses=np.ones(101)).exact
+    assert 0.3 < packing_limit(1.0, 1.0, 100, shear_ratio=ratio) / exact < 1.0
+    assert 2.0 < packing_estimate(1.0, 1.0, shear_ratio=ratio) / exact < 2.5  # as its docstring states
 
 
 def test_light_large_grains_need_their_number_of_contacts():
@@ -131,9 +143,9 @@ def test_light_large_grains_need_their_number_of_contacts():
     contacts = np.bincount(pairs.ravel())
     for ratio in (0.0, 0.857):
         exact = from_contacts(pairs, normals, stiffness, shear_stiffness=ratio * stiffness, masses=np.ones(160)).exact
-        estimate = functools.partial(packing_limit, stiffness.max(), 1.0, contacts[contacts > 0].mean(), shear_ratio=ratio)
-        assert estimate(largest_coordination=contacts.max()) < exact < 1.3 * estimate()
-        assert STEP_SAFETY * estimate() < exact
+        estimate = packing_estimate(stiffness.max(), 1.0, contacts[contacts > 0].mean(), shear_ratio=ratio)
+        assert packing_limit(stiffness.max(), 1.0, contacts.max(), shear_ratio=ratio) < exact < 1.3 * estimate
+        assert STEP_SAFETY * estimate < exact
 
 
 # --- the present stiffness of contacts with a history
@@ -230,9 +242,9 @@ def test_scene_of_unlike_grains():
         lambda: from_contacts([[0, 1]], [X], 1.0, shear_stiffness=1.0, masses=[1.0, 1.0], blocked=np.ones((2, 6))),
         lambda: from_contacts([[0, 1]], [X], 1.0, shear_stiffness=1.0, masses=[1.0, 1.0], blocked=np.zeros((2, 3))),
         lambda: pair_limit(1.0, 1.0, shear_ratio=1.34),
-        lambda: packing_limit(1.0, 1.0, shear_ratio=-0.1),
+        lambda: packing_limit(1.0, 1.0, 6, shear_ratio=-0.1),
         lambda: dl.timestep(LAW, 1.0, 1.0, shear_ratio=1.34),
-        lambda: packing_limit(1.0, 1.0, largest_coordination=0.5),
+        lambda: packing_limit(1.0, 1.0, 0),
     ],
 )
 def test_bad_calls(call):

@@ -24,8 +24,8 @@ from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, NeedsClasses, NotPassive, quiet
 from demlaws.law import Law, Table
+from demlaws.laws import HERTZ
 from demlaws.laws.definition import bulk_yield
-from demlaws.laws.names import HERTZ
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
 from demlaws.make import rebound
@@ -307,7 +307,7 @@ _ONE_SIZE = "one table per pair of sizes"
 _NO_TABLE = "its curve depends on the radius; list grain sizes as classes"
 
 
-class _Judge:
+class _Evaluator:
     """Errors, step factors and state sizes of plans on one scene."""
 
     def __init__(self, scene, reference, tables=True):
@@ -355,6 +355,8 @@ class _Judge:
         if not find(plan.name).collapses:
             if np.ptp(contact.radius) > 0.0:
                 raise NeedsClasses(f"no table: {_NO_TABLE}")
+            if self.scene.engine == "yade" and len(self.scene.pair_radii()) > 1:
+                raise NeedsClasses(f"no table: {_ONE_SIZE}, and YADE takes one per pair of materials")
             contact = contact.with_values(radius=float(contact.radius[0]))
         return plan.bind(contact, self.max_force)
 
@@ -448,7 +450,7 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter, *, proc
     if not isinstance(scene, Scene):
         raise DemlawsError(f"scene must be a demlaws.Scene, got {scene!r:.60}")
     reference = reference_plan(scene)
-    judge = _Judge(scene, reference, tables)
+    judge = _Evaluator(scene, reference, tables)
     notes = [f"the reference itself ({reference.name}) leaves its range: {breach}" for breach in judge.breaches]
     ruled_out, errors = {}, {}
     for entries, why in results(judge.consider, plans(scene, reference), processes, progress):

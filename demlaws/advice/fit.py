@@ -51,7 +51,7 @@ class Ranking(Tabular, list):
     def title(self) -> str:
         """A line where no law describes the points."""
         none = all(fit.systematic for fit in self)
-        return "no law fits to the noise: weights compare these laws with each other only" if none else ""
+        return "no law fits within the noise: weights only compare these laws with each other" if none else ""
 
     def columns(self) -> dict:
         """Law, unloading, misfit, ΔAICc, weight, kind of misfit and parameters, each a list."""
@@ -180,8 +180,9 @@ class _Test(NamedTuple):
     def fit(self, job):
         """The `Fit` of a law, its rule, and the names of its free quantities."""
         name, rule, free = job
-        points = self.displacement, self.force, self.displacement_noise
-        return fitted(Model(name, rule, free, self.contact, self.options.get(name, {}), *points), *self[-2:])
+        points = {"displacement": self.displacement, "force": self.force, "noise": self.displacement_noise}
+        model = Model(name, rule, free, contact=self.contact, options=self.options.get(name, {}), **points)
+        return fitted(model, self.displacement_noise, self.force_noise)
 
     def fit_or_reason(self, job):
         """The `Fit`, or why there is none."""
@@ -234,10 +235,10 @@ def _suspicions(best, test):
     if best.law.definition.solved or not float(np.sum(misfit[1:] * misfit[:-1])) > 1.7 / math.sqrt(misfit.size) * spread > 0.0:
         return
     variables = [name for name in best.coordinates if name != ZERO]
-    wrong = f"speaks against the given E* = {test.contact.modulus * 1e-9:.4g} GPa"
+    wrong = f"the given E* = {test.contact.modulus * 1e-9:.4g} GPa may be wrong"
     hints = {
-        "modulus": (1e-9, "GPa", wrong, "fit the modulus, too"),
-        COMPLIANCE: (1e6, "µm/N", "a compliant apparatus makes", "measure the compliance and give it, or fit it, too"),
+        "modulus": (1e-9, "GPa", wrong, "fit the modulus"),
+        COMPLIANCE: (1e6, "µm/N", "the apparatus may be compliant", "measure the compliance and give it, or fit it"),
     }
     for name, (unit, symbol, meaning, remedy) in hints.items():
         if name in variables:
@@ -250,4 +251,4 @@ def _suspicions(best, test):
         if value > 0.0 and other.aicc < best.aicc - _DECISIVE:
             fall = f"from {best.misfit * 1e6:.3g} to {other.misfit * 1e6:.3g} µm"
             interval = f"{value:.4g} {symbol} [{low:.4g}, {high:.4g}]"
-            yield f"the misfit has a pattern that {meaning}: with {interval} it falls {fall}; {remedy}"
+            yield f"{meaning}: with {interval} the misfit falls {fall}; {remedy}"

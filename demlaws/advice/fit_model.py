@@ -49,7 +49,7 @@ def history(law, force):
 class Model:
     """A law with free quantities. Coordinates are these (ln of positive ones) and, last, the zero in units of `scale`."""
 
-    def __init__(self, name, rule, free, contact, options, displacement, force, noise):
+    def __init__(self, name, rule, free, *, contact, options, displacement, force, noise):
         self.definition, self.unloading, self.free = find(name), rule, tuple(free)
         self.rule = self.definition.rule(rule)
         self.parameters = {**OF_CONTACT, COMPLIANCE: _COMPLIANCE, **self.definition.fitting.parameters}
@@ -203,20 +203,20 @@ class Model:
 
         free, whole = np.arange(x.size) != fixed, x.copy()
 
-        def at(part):
+        def completed(part):
             whole[free] = part
             return whole
 
         solution = least_squares(
-            lambda part: self.residual(at(part)),
+            lambda part: self.residual(completed(part)),
             np.clip(x[free], self.low[free], self.high[free]),
-            jac=lambda part: self.jacobian(at(part))[:, free],
+            jac=lambda part: self.jacobian(completed(part))[:, free],
             bounds=(self.low[free], self.high[free]),
             x_scale="jac",
             **dict.fromkeys(("xtol", "ftol", "gtol"), tolerance),
             max_nfev=steps,
         )
-        return at(solution.x).copy(), 2.0 * float(solution.cost)
+        return completed(solution.x).copy(), 2.0 * float(solution.cost)
 
     def law(self, x):
         """The law at `x`, all its values checked: a pair with the rule that would create energy is a `NotPassive`."""

@@ -16,7 +16,7 @@ from demlaws.law import Law
 _ENDS = {"fractal_dimension", COMPLIANCE}
 """Quantities with a natural end of their range (2 ≤ Df ≤ 3, compliance ≥ 0), not one of the search."""
 _CONFIDENCE = 0.95
-SYSTEMATIC = "systematic misfit: neighbouring points deviate alike (drift, or a wrong law): do not trust these intervals"
+SYSTEMATIC = "systematic misfit (drift, or a wrong law): do not trust these intervals"
 _IMPROBABLE = 1e-3  # probability of a larger χ², with the given noise, below which a misfit is systematic
 
 
@@ -76,9 +76,9 @@ def fitted(model, displacement_noise, force_noise):
         uneven = float(np.max(model.sigma)) / model.scale
         if uneven > 2.0:
             notes.append(
-                f"the points scatter up to {uneven:.2g} times as much where the contact is soft, as with noise of the force, "
-                "and are weighted for it; the intervals held the true value in 81 to 98 % of tests: give force_noise and "
-                "displacement_noise if known"
+                f"scatter up to {uneven:.2g} times larger where the contact is soft: points are weighted as with noise of the "
+                "force; intervals contained the true value in 81 to 98 % of tests: give force_noise and displacement_noise if "
+                "known"
             )
     return _report(model, x, squares, displacement_noise is not None, notes)
 
@@ -205,7 +205,7 @@ def _estimates(model, solution, errors, ends):
         if np.all(stopped[i]):
             note = "not determined" + (f": {note}" if note else "")
         elif name not in _ENDS and np.any(stopped[i]):
-            note = f"the points give no {'lower' if stopped[i][0] else 'upper'} end" + (f", {note}" if note else "")
+            note = f"no {'lower' if stopped[i][0] else 'upper'} end" + (f", {note}" if note else "")
         unit = model.scale if name == ZERO else 1.0
         value, error, lower, upper = (float(v * unit) for v in (solution.x[i], errors[i], *ends[i]))
         if name != ZERO and model.parameters[name].logarithmic:

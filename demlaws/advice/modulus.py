@@ -21,7 +21,7 @@ from demlaws.advice.scene import PROCESSES, Scene, stable_step, unloading_rule
 from demlaws.advice.soften import Softening, soften
 from demlaws.contact import DENSITY
 from demlaws.errors import DemlawsError, quiet
-from demlaws.laws.names import USUAL
+from demlaws.laws import USUAL
 from demlaws.make import law as bind_law
 from demlaws.make import rebound
 from demlaws.timestep import STEP_SAFETY
@@ -52,7 +52,7 @@ STANDARD = HALF * STUDY_STEP
 """The same as a part of the stability limit."""
 PARTS = (STANDARD, STEP_SAFETY)
 """Parts of the stability limit that are advised. In the study, with damping, 0.95 was accurate; at 1.2 grains vibrate however
-slow the loading (docs/trade.md)."""
+slow the loading (docs/softening.md)."""
 WAYS = tuple((factor, rate, part) for factor in FACTORS for rate in INERTIAL for part in PARTS)
 """(factor, I, part of the stability limit) of which the fastest within the tolerance is advised."""
 MARGIN = 1.15
@@ -75,13 +75,13 @@ class Numbers(NamedTuple):
     branch: float  # relative error of stiffness if σ, hardness and yield pressure are left alone, at weak contacts
 
 
-class Curve(NamedTuple):
+class ErrorCurve(NamedTuple):
     """Measured errors against what causes them, made monotone: a power law between neighbours."""
 
     place: np.ndarray
     error: np.ndarray
 
-    def at(self, place: float) -> float:
+    def error_at(self, place: float) -> float:
         """Error there: below the first point it goes as the first two do (at least as the square root, at most in
         proportion); infinite beyond the last."""
         if place > self.place[-1] * (1.0 + 1e-9):
@@ -93,25 +93,25 @@ class Curve(NamedTuple):
         return float(self.error[0] * (place / self.place[0]) ** min(max(power, 0.5), 1.0))
 
 
-class Curves(NamedTuple):
+class ErrorCurves(NamedTuple):
     """What the study measured of a quantity in a process."""
 
-    geometry: Curve  # over x
+    geometry: ErrorCurve  # over x
     chance: float  # scatter of one copy at full modulus
-    unbalanced: Curve  # unbalanced force over the mean force, over the same as `rate`
-    rate: Curve | None = None  # over y, in shear over I, at full modulus; None: the process has no rate
-    soft_rate: Curve | None = None  # the same of softer grains, against the same grains at `STEADY`
-    step: Curve | None = None  # over the step in the study's unit, against HALF; None: no other was run
+    unbalanced: ErrorCurve  # unbalanced force over the mean force, over the same as `rate`
+    rate: ErrorCurve | None = None  # over y, in shear over I, at full modulus; None: the process has no rate
+    soft_rate: ErrorCurve | None = None  # the same of softer grains, against the same grains at `STEADY`
+    step: ErrorCurve | None = None  # over the step in the study's unit, against HALF; None: no other was run
 
 
 @functools.cache
-def curves(process: str, quantity: str, unloads: bool) -> Curves:
-    """`Curves` of a quantity in a process, as `make trade` fitted them to runs in YADE."""
+def curves(process: str, quantity: str, unloads: bool) -> ErrorCurves:
+    """`ErrorCurves` of a quantity in a process, as `make trade` fitted them to runs in YADE."""
     data = kept()["curves"][process]
     entries = data["+".join(n for n in MEASURED[process][quantity] if unloads or n != "unloading")]
     points = {"unbalanced": data["unbalanced"], **entries}
-    fits = {name: Curve(*np.array(points[name])) for name in Curves._fields if name != "chance" and name in points}
-    return Curves(**fits, chance=entries["chance"])
+    fits = {name: ErrorCurve(*np.array(points[name])) for name in ErrorCurves._fields if name != "chance" and name in points}
+    return ErrorCurves(**fits, chance=entries["chance"])
 
 
 def numbers_of(scene: Scene, name: str, options: dict, factor: float, inertial: float) -> Numbers:
@@ -163,27 +163,27 @@ class Advice(NamedTuple):
     def lines(self) -> list[str]:
         """As text."""
         n, scaled = self.numbers, Softening(self.factor)
-        first = "full modulus: softer grains would cost more than they save within this tolerance"
+        first = "full modulus: within this tolerance softer grains save no steps"
         if not self.measured:
-            first = "full modulus: what softer grains cost of this quantity in this process has not been measured"
+            first = "full modulus: the error of softer grains has not been measured for this quantity and process"
         if self.factor != 1.0:
             first = (
-                f"modulus / {self.factor:g} (σ, hardness, yield pressure scaled along: demlaws soften), time step × "
-                f"{scaled.step:.3g}"
+                f"divide the modulus by {self.factor:g} (demlaws soften: roughness, hardness and yield pressure too); the time "
+                f"step grows by {scaled.step:.3g}"
             )
         lines = [first, f"  time step {self.dt:.3g} s, {self.part:.2g} of the estimated stability limit"]
         numbers = f"κ_K = {n.kappa:.3g}, overlap/diameter {n.depth:.2g}"
         if self.scene.process != "pour":
             force = "" if self.unbalanced != self.unbalanced else f", unbalanced force up to {self.unbalanced:.2g} of the mean"
             numbers = f"strain rate up to {self.rate:.3g} 1/s (I = {self.inertial:.2g}{force}); {numbers}"
-        to = {"oedometer": "to the stress", "pour": "of the fall"}.get(self.scene.process, "to a given strain")
         lines.append(f"  {numbers}")
-        lines.append(f"  steps {to} × {self.steps:.2g} of full modulus at I = {STEADY:g} and {STANDARD:.2g} of the limit")
+        slow = "" if self.scene.process == "pour" else f" at I = {STEADY:g}"
+        lines.append(f"  needs {self.steps:.2g} times the steps of an unsoftened run{slow} with {STANDARD:.2g} of the limit")
         if not self.measured:
-            return [*lines, f"  no error is predicted: I ≤ {QUASISTATIC:g} is the literature's bound of quasi-static loading"]
+            return [*lines, f"  no predicted error; I ≤ {QUASISTATIC:g} is quasi-static loading in the literature"]
         causes = [(self.geometry, "geometry"), (self.waves, "rate"), (self.coarse, "time step")]
         of = ", ".join(f"{name} {100 * error:.2g} %" for error, name in causes)
-        alone = "" if self.factor == 1.0 else f"; with E alone softened {100 * self.left_alone:.2g} %"
+        alone = "" if self.factor == 1.0 else f"; {100 * self.left_alone:.2g} % if only E is divided"
         return [*lines, f"  predicted error of the packing's {self.what}: {100 * self.error:.2g} % ({of}){alone}"]
 
 
@@ -217,16 +217,16 @@ def _errors(scene, factor, inertial, part, here):
         return {**dict.fromkeys(names, math.nan), "what": scene.quantity}
     fits = curves(process, scene.quantity, scene.unloads)
     place = here.waves if process == "oedometer" else inertial
-    geometry = 0.0 if factor == 1.0 else MARGIN * fits.geometry.at(here.depth)
+    geometry = 0.0 if factor == 1.0 else MARGIN * fits.geometry.error_at(here.depth)
     rates = fits.rate if factor == 1.0 else fits.soft_rate
     if rates is None or (factor != 1.0 and inertial <= STEADY):  # what it costs there is part of geometry's curve
         waves = 0.0
     else:
-        waves = MARGIN * rates.at(place)
+        waves = MARGIN * rates.error_at(place)
     if part <= STANDARD * (1.0 + 1e-9):  # the study's own step, than which none is taken to be better
         coarse = 0.0
     else:
-        coarse = math.inf if fits.step is None else MARGIN * fits.step.at(part / STUDY_STEP)
+        coarse = math.inf if fits.step is None else MARGIN * fits.step.error_at(part / STUDY_STEP)
     error = (1.0 + geometry) * (1.0 + waves) * (1.0 + coarse) - 1.0 + 2.0 * fits.chance
     return {
         "geometry": geometry,
@@ -234,7 +234,7 @@ def _errors(scene, factor, inertial, part, here):
         "coarse": coarse,
         "error": error,
         "left_alone": (1.0 + error) * (1.0 + here.branch) - 1.0,
-        "unbalanced": math.nan if process == "pour" else fits.unbalanced.at(place),
+        "unbalanced": math.nan if process == "pour" else fits.unbalanced.error_at(place),
         "what": NAMES[MEASURED[process][scene.quantity][0]],
     }
 
@@ -243,12 +243,13 @@ def predict(
     scene: Scene,
     factor: float,
     inertial: float = STEADY,
+    *,
     law: str = USUAL,
     options: dict | None = None,
     part: float = STANDARD,
 ) -> Advice:
     """Predicted error of the scene's quantity with grains softer by `factor`, at inertial number `inertial`, in steps of `part`
-    of the stability limit, which is estimated (`packing_limit`).
+    of the stability limit, which is estimated (`packing_estimate`).
 
     The quantity is that of a packing under the scene's largest pressure. Raises DemlawsError without a pressure, for
     restitution, which is no packing's, or for a law that cannot be softened.
@@ -290,7 +291,7 @@ def advise(scene: Scene, law: str = USUAL, options: dict | None = None, ways: tu
         numbers_of(scene, law, options, 1.0, 1.0)  # refuses a scene without a pressure
         highest = scene.rate * _inertial_of_rate(scene)
     if scene.quantity not in MEASURED[_process(scene)]:
-        return predict(scene, 1.0, min(QUASISTATIC, highest), law, options)
+        return predict(scene, 1.0, min(QUASISTATIC, highest), law=law, options=options)
     numbers: dict[float, Numbers] = {}
     for factor, fastest, part in sorted(ways, key=lambda way: _steps(scene, way[0], min(way[1], highest), way[2])):
         inertial = min(fastest, highest)
@@ -303,5 +304,5 @@ def advise(scene: Scene, law: str = USUAL, options: dict | None = None, ways: tu
             continue
         here = numbers[factor]._replace(waves=inertial * numbers[factor].waves)
         if _errors(scene, factor, inertial, part, here)["error"] <= scene.tolerance:
-            return predict(scene, factor, inertial, law, options, part)
+            return predict(scene, factor, inertial, law=law, options=options, part=part)
     return None

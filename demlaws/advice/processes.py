@@ -25,7 +25,7 @@ def _begin(path):
     warnings.simplefilter("ignore")  # they would pass the caller's filters
 
 
-def _do(job):
+def _work_on(job):
     return _work(job)
 
 
@@ -51,7 +51,7 @@ def results(work: Callable, jobs: list, processes: int = 1, progress: Callable =
                 stack.callback(pool.shutdown, wait=False, cancel_futures=True)
                 with contextlib.suppress(BrokenProcessPool):
                     for n in reversed(range(number + 1, len(jobs))):
-                        futures[n] = pool.submit(_do, jobs[n])
+                        futures[n] = pool.submit(_work_on, jobs[n])
             if number not in futures or futures[number].cancel():
                 yield work(job)
                 continue

@@ -11,7 +11,16 @@ from pathlib import Path
 import numpy as np
 
 from demlaws.advice.errors import QUANTITIES, Sample
-from demlaws.contact import DENSITY, Contact, Material, Surface, effective_modulus, effective_radius, surface_of
+from demlaws.contact import (
+    DENSITY,
+    Contact,
+    Material,
+    Surface,
+    effective_modulus,
+    effective_radius,
+    softer_hardness,
+    surface_of,
+)
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, NotPassive, refuses_unknown_keywords
 from demlaws.files import names_a_file, read_text
@@ -186,17 +195,8 @@ class Scene:
         kinds = list(zip(self.materials, self.surfaces, strict=True))
         pairs = []
         for (m1, s1), (m2, s2) in itertools.combinations_with_replacement(kinds, 2):
-            surface = s1.combined(s2)
-            hardness = [h for h in (m1.hardness, m2.hardness, surface.hardness) if h is not None]
-            pairs.append(
-                Contact(
-                    radius,
-                    effective_modulus(m1, m2),
-                    surface.roughness,
-                    surface.fractal_dimension,
-                    min(hardness) if hardness else None,
-                )
-            )
+            surface, hardness = s1.combined(s2), softer_hardness((m1, s1), (m2, s2))
+            pairs.append(Contact(radius, effective_modulus(m1, m2), surface.roughness, surface.fractal_dimension, hardness))
         return pairs
 
     def effective_radii(self) -> tuple:

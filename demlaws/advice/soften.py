@@ -234,7 +234,7 @@ def softened_option(law: str, name: str, option: Option, value: Any, factor: flo
     if exponent is None:
         if option.unit not in ("", "N"):
             raise DemlawsError(
-                f"law {law!r} cannot be softened: nothing says how its option {name} [{option.unit}] scales "
+                f"law {law!r} cannot be softened: no scaling is defined for its option {name} [{option.unit}] "
                 "(Option.softens in the law's file)"
             )
         exponent = 0.0
@@ -280,15 +280,15 @@ class Report:
 
     def lines(self) -> list[str]:
         """As text."""
-        lines = [f"{'at ' + format(self.force, 'g') + ' N':34}{'overlap (m)':>14}{'stiffness (N/m)':>18}{'overlap/R':>12}"]
-        names = ("as it is", "softened, all scaled", "softened, E alone (not to be done)")
+        lines = [f"{'at ' + format(self.force, 'g') + ' N':34}{'overlap (µm)':>14}{'stiffness (N/µm)':>18}{'overlap/R':>12}"]
+        names = ("unsoftened", "softened, all scaled", "only E divided (not recommended)")
         for name, at in zip(names, (self.before, self.after, self.left_alone), strict=True):
-            lines.append(f"{name:34}{at.overlap:14.4g}{at.stiffness:18.4g}{at.over_radius:12.3g}")
+            lines.append(f"{name:34}{at.overlap * 1e6:14.4g}{at.stiffness * 1e-6:18.4g}{at.over_radius:12.3g}")
         lines.append(
-            f"stiffness times s^(2/3) against the contact as it is: {self.stiffness_error:+.1e} with all scaled, "
-            f"{100 * self.left_alone_error:+.1f} % with E alone"
+            f"stiffness times s^(2/3) against the unsoftened contact: {self.stiffness_error:+.1e} with all scaled, "
+            f"{100 * self.left_alone_error:+.1f} % if only E is divided"
         )
         if self.too_deep:
-            end = "no law answers beyond R" if self.after.over_radius > LARGEST_OVERLAP else "geometry is lost"
+            end = "laws are undefined above R" if self.after.over_radius > LARGEST_OVERLAP else "large geometric error"
             lines.append(f"overlap/R is above {SMALL_OVERLAP:g}: too soft for this force ({end})")
         return lines

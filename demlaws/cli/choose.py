@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 from demlaws.cli import example
-from demlaws.cli.output import Output, record, write_csv
+from demlaws.cli.output import Output, record, say, write_csv
 from demlaws.errors import DemlawsError
 
 FIELDS = ("error", "mean_error", "ns", "step_factor", "step", "state_bytes", "table_rows", "meets")
@@ -71,7 +71,7 @@ def run(arguments):
     _print_best(best, scene)
     if advice is not None:
         print(f"softer grains, {'applied here' if arguments.soften else 'with --soften'}:")
-        print("\n".join(advice.lines()))
+        say("\n".join(advice.lines()))
     print(best.script(arguments.out or Path("law.tbl"), advice.dt if arguments.soften else None))
     if arguments.out is not None:
         _write(best, scene, arguments.out)
@@ -81,22 +81,23 @@ def _print_choices(choices, scene, name, every):
     """The ranking, without the laws that miss the tolerance unless `every`, and what was ruled out."""
     from demlaws.advice.errors import QUANTITIES
 
-    print(f"{name}: {scene.quantity} within {scene.tolerance:g} ({QUANTITIES[scene.quantity]})")
+    say(f"{name}: {scene.quantity} within {scene.tolerance:g} ({QUANTITIES[scene.quantity]})")
     low, high = scene.force_range(scene.contacts(scene.effective_radii()[1])[0])
     print(f"loads {float(low):.3g} to {float(high):.3g} N on the largest contact, {'cyclic' if scene.unloads else 'monotonic'}")
     print(f"reference: {choices.reference.name}, {choices.reference.unloading} unloading\n")
     print(f"{'error':>9} {'mean':>9} {'ns':>6} {'step':>6} {'state':>6} {'rows':>6}  law, unloading, evaluation")
     for choice in choices:
         if choice.meets or every:
-            print(
+            say(
                 f"{choice.error:9.2g} {choice.mean_error:9.2g} {choice.ns:6.2f} {choice.step_factor:6.3f} "
-                f"{choice.state_bytes:4d} B {choice.table_rows:6d}  {choice.describe()}{'' if choice.meets else '  MISSES'}"
+                f"{choice.state_bytes:4d} B {choice.table_rows:6d}  {choice.describe()}{'' if choice.meets else '  too large'}",
+                " " * 49,
             )
-    print("(ns: per contact, of the law alone, as kept from `make trade`; step: over the reference's; ranked by ns over step)")
+    say("(ns: stored time per contact of the law alone; step: stable step over that of the reference; order: by ns/step)")
     for law, reason in choices.ruled_out.items():
-        print(f"ruled out: {law}: {reason}")
+        say(f"ruled out: {law}: {reason}")
     for note in choices.notes:
-        print(f"note: {note}")
+        say(f"note: {note}")
 
 
 def _record(choices, scene, name):
@@ -117,9 +118,9 @@ def _print_best(best, scene):
 
     rayleigh = min(rayleigh_step(scene.radii[0], m.density or DENSITY, m.young, poisson=m.poisson) for m in scene.materials)
     print(f"\nchosen: {best.describe()}")
-    print(f"time step {best.step:.3g} s, at most {STEP_SAFETY:g} of the estimated stability limit (Rayleigh: {rayleigh:.3g} s)")
+    say(f"time step {best.step:.3g} s, at most {STEP_SAFETY:g} of the estimated stability limit (Rayleigh: {rayleigh:.3g} s)")
     for physics, error in best.left_out:
-        print(f"  left out: {physics}: costs {error:.2g} in {scene.quantity}")
+        print(f"  neglected: {physics}: error of the {scene.quantity} {error:.2g}")
 
 
 def _write(best, scene, out):
@@ -148,7 +149,7 @@ def _advice(scene, mandatory):
         advice, problem = None, error
     if mandatory and advice is None:
         raise problem or DemlawsError(
-            f"tolerance = {scene.tolerance:g}: no softening and no rate are known whose error is within it; ask for a larger "
-            "one, or keep the modulus and load more slowly"
+            f"tolerance = {scene.tolerance:g}: no known softening and rate meet it; give a larger one, or keep the modulus and "
+            "load more slowly"
         )
     return advice

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from demlaws.cli import example
-from demlaws.cli.output import Output, record, write_csv
+from demlaws.cli.output import Output, record, say, write_csv
 from demlaws.cli.timestep import LAMMPS_CASE, contacts_of_dump, frames
 from demlaws.errors import DemlawsError
 
@@ -51,7 +51,7 @@ def run(arguments):
     yielded = table.yielded
     record(contacts=len(table), yielded=None if yielded is None else int(yielded.sum()))
     if yielded is None:
-        print("history: not in this dump (no law with history, or name its columns: --largest-overlap, --plastic-overlap)")
+        say("history: not in this dump (no law with history, or name its columns: --largest-overlap, --plastic-overlap)")
     elif len(table):
         print(f"{int(yielded.sum())} of {len(table)} contacts have yielded")
     return 0
@@ -84,7 +84,8 @@ def read(arguments):
             "--plastic-overlap"
         )
     if np.any(rounding > 0.01 * np.abs(overlap)):
-        print(f"overlaps are from the places in {arguments.snapshot}, to {float(np.max(rounding)):.1g} m: dump more digits")
+        error = float(np.max(rounding))
+        say(f"overlaps are computed from the rounded positions of {arguments.snapshot} (error {error:.1g} m): dump more digits")
     centres = np.stack([atoms[axis] for axis in "xyz"], axis=1)
     first = centres[pairs[:, 0]]
     bodies = atoms["id"].astype(int)[pairs]

@@ -8,9 +8,9 @@ import sys
 from demlaws.cli import Parser, example, option
 from demlaws.cli.arguments import density, force, law_name, length, plain, pressure, whole
 from demlaws.cli.contact import law_of_unloading
-from demlaws.cli.output import output, record
+from demlaws.cli.output import output, record, say
 from demlaws.errors import DemlawsError
-from demlaws.laws.names import USUAL
+from demlaws.laws import USUAL
 
 EXPORT_EXAMPLE = """\
   demlaws {name} export case --law pohrt-popov --radius 0.004 0.005 --roughness 1.7e-6 --fractal-dimension 2.22
@@ -123,7 +123,7 @@ def _add_convert(parts, name):
         out, conversion = convert_file(arguments.input, name, arguments.table, out=out)
         record(file=out, notes=conversion.notes)
         last = "no line converted, no file written" if out is None else f"wrote {out}"
-        print("\n".join([*conversion.report(arguments.input), last]))
+        say("\n".join([*conversion.report(arguments.input), last]))
         return 0 if conversion.complete else 1
 
     converts = parts.add_parser(
@@ -212,7 +212,7 @@ def _grain_arguments(export):
     export.add_argument(
         "--shear-ratio", type=plain, help="K_t/K of all contacts, above 0, at most 4/3 (default: that of Poisson's ratio)"
     )
-    export.add_argument("--levels", type=whole(high=8), help="levels of the shear model, 1 to 8 (default 3)")
+    export.add_argument("--levels", type=whole(), help="levels of the shear model, 1 to 8 (default 3)")
     export.add_argument("--count", type=whole(), default=1000, help="number of grains (default %(default)s)")
 
 

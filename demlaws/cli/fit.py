@@ -1,15 +1,14 @@
 """`demlaws fit`: laws fitted to measured points."""
 
 import os
-import textwrap
 from pathlib import Path
 
 from demlaws.cli import example, in_options
 from demlaws.cli.arguments import compliance, force, law_name, length
 from demlaws.cli.contact import add_contact_arguments, contact_from, describe
 from demlaws.cli.output import Output, output, record, write_csv
+from demlaws.files import wrapped
 
-WIDTH = 100
 TITLES = [
     *("law", "unloading", "misfit_m", "aicc", "delta", "weight"),
     *("parameter", "value", "standard_error", "low", "high", "note"),
@@ -65,15 +64,16 @@ def shown(name, estimate, unit):
     if estimate.note.startswith("not determined"):
         return f"{name} {estimate.note}"
     unit, factor = HANDY.get(unit, (unit, 1.0))
-    text = f"{name} {estimate.value * factor:.5g}"
-    if estimate.low == estimate.low:
-        text += f" [{estimate.low * factor:.4g}, {estimate.high * factor:.4g}]"
-    return f"{text} {unit}".rstrip() + (f" ({estimate.note})" if estimate.note else "")
-
-
-def wrapped(text, first="", rest="    "):
-    """Lines of at most `WIDTH` characters."""
-    return textwrap.fill(text, WIDTH, initial_indent=first, subsequent_indent=rest, break_long_words=False)
+    note = estimate.note
+    if note.startswith("no lower end"):
+        note, text = note.removeprefix("no lower end").strip(", "), f"{name} below {estimate.high * factor:.4g}"
+    elif note.startswith("no upper end"):
+        note, text = note.removeprefix("no upper end").strip(", "), f"{name} above {estimate.low * factor:.4g}"
+    else:
+        text = f"{name} {estimate.value * factor:.5g}"
+        if estimate.low == estimate.low:
+            text += f" [{estimate.low * factor:.4g}, {estimate.high * factor:.4g}]"
+    return f"{text} {unit}".rstrip() + (f" ({note})" if note else "")
 
 
 def table_lines(ranking, arguments):

@@ -1,7 +1,7 @@
 """`demlaws laws`: the laws, and the options of each."""
 
 from demlaws.cli import example
-from demlaws.cli.output import record
+from demlaws.cli.output import record, say
 from demlaws.errors import DemlawsError
 
 
@@ -41,21 +41,21 @@ def run(arguments):
     if arguments.name is None:
         record(laws={name: d.description for name, d in registry().items()}, unloading=list(RULES))
         print_laws()
-        print(f"unloading: {', '.join(RULES)}; options of a law, and its further rules: demlaws laws NAME")
+        print(f"unloading: {', '.join(RULES)}; options and further rules of a law: demlaws laws NAME")
         return 0
     definition = find(arguments.name)
     fields = ("name", "description", "equation", "source", "needs", "default_unloading")
     record(**{name: getattr(definition, name) for name in fields}, unloading=list(definition.offered()))
     record(options={name: option._asdict() for name, option in definition.options.items()})
-    print(f"{definition.name}: {definition.description}\n  {definition.equation}\n  {definition.source}")
+    say(f"{definition.name}: {definition.description}\n  {definition.equation}\n  {definition.source}")
     print(f"  needs of the contact: {', '.join(('radius', 'modulus', *definition.needs))}")
     lines = list(definition.option_lines())
     print("  no options" if not lines else "  options:")
     for line in lines:
-        print(f"    {line}")
+        say(f"    {line}", "        ")
     if definition.unloading:
-        print(f"  unloading: {', '.join(definition.offered())} (except those that would create energy)")
+        say(f"  unloading: {', '.join(definition.offered())} (except those that would create energy)")
         print(f"  default: {definition.default_unloading}")
     for rule in definition.rules:
-        print(f"  {rule.name}, a rule of this law only: {rule.description}")
+        say(f"  {rule.name}, a rule of this law only: {rule.description}")
     return 0

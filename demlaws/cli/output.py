@@ -57,6 +57,14 @@ def recorded(name, default):
     return _results.get(name, default)
 
 
+def say(text, rest="    "):
+    """Print each line of a text, wrapped."""
+    from demlaws.files import wrapped
+
+    for line in text.splitlines():
+        print(wrapped(line, rest=rest))
+
+
 def write_csv(path, titles, rows):
     """Write rows to a CSV file and print its name, or to standard output if the path is "-"."""
     from demlaws.files import csv_text, write_atomically

@@ -3,7 +3,7 @@
 from demlaws.cli import example
 from demlaws.cli.arguments import force, plain, pressure
 from demlaws.cli.contact import add_contact_arguments, contact_from, draw
-from demlaws.cli.output import output, record
+from demlaws.cli.output import output, record, say
 from demlaws.errors import DemlawsError
 
 
@@ -55,9 +55,9 @@ def run_regime(arguments):
         assessment = regime.assess(pair, arguments.load, arguments.mu, yield_pressure=limit)
         laws = regime.advise(pair, arguments.load, limit, mu=arguments.mu)
         record(contact=pair, assessment=assessment, laws=laws)
-        print(assessment)
+        say(str(assessment))
         print("laws at this load:")
         for advice in laws:
-            print(f"  {advice.law:16} {'fits' if advice.fits else 'no'}: {advice.reason}")
+            say(f"  {advice.law:16} {'applies' if advice.fits else 'no':7} {advice.reason}", " " * 27)
     draw(arguments.figure, lambda plots: plots.regime_figure(pair, arguments.load))
     return 0

@@ -3,7 +3,15 @@
 from demlaws.cli import example
 from demlaws.cli.arguments import force, plain
 from demlaws.cli.contact import add_law_arguments, law_from
-from demlaws.cli.output import record
+from demlaws.cli.output import record, say
+
+_UNITS = {
+    "radius": ("mm", 1e3),
+    "modulus": ("GPa", 1e-9),
+    "roughness": ("µm", 1e6),
+    "fractal_dimension": ("", 1),
+    "hardness": ("GPa", 1e-9),
+}
 
 
 def register(add):
@@ -25,8 +33,8 @@ def register(add):
 
 def run(arguments):
     """Do what the command's arguments ask."""
-    from demlaws.advice.soften import EXPONENTS, Softening
-    from demlaws.contact import Contact
+    from demlaws.advice.soften import Softening
+    from demlaws.units import HANDY
 
     softening = Softening(arguments.factor)
     law = law_from(arguments)
@@ -35,17 +43,20 @@ def run(arguments):
     record(law=law.name, unloading=law.unloading, factor=softening.factor, contact=law.contact, options=law.options)
     record(softened={"contact": report.law.contact, "options": report.law.options}, report=report.lines())
     record(effects=[dict(zip(("quantity", "factor", "power"), row, strict=True)) for row in softening.effects()])
-    units = {"radius": "m", "modulus": "Pa", "roughness": "m", "hardness": "Pa"}
-    print(f"{'input':34}{'original':>14}{'softened':>18}")
-    for name in EXPONENTS[Contact]:
-        if (value := getattr(law.contact, name)) is not None:
-            unit = f" [{units[name]}]" if name in units else ""
-            print(f"{name.replace('_', ' ') + unit:34}{value:14.6g}{getattr(report.law.contact, name):18.6g}")
+    rows = [(n.replace("_", " "), *unit, getattr(law.contact, n), getattr(report.law.contact, n)) for n, unit in _UNITS.items()]
     for name, value in law.options.items():
-        if isinstance(value, int | float):
-            unit = law.definition.options[name].unit if name in law.definition.options else ""
-            print(f"{name + (f' [{unit}]' if unit else ''):34}{value:14.6g}{report.law.options[name]:18.6g}")
-    print(f"\n{'effect':72}{'×':>10}")
+        unit = law.definition.options[name].unit if name in law.definition.options else ""
+        rows.append((name, *HANDY.get(unit, (unit, 1.0)), value, report.law.options[name]))
+    print(f"{'input':34}{'original':>14}{'softened':>18}")
+    for name, unit, times, before, after in rows:
+        if isinstance(before, int | float):
+            title = f"{name} [{unit}]" if unit else name
+            print(f"{title:34}{before * times:14.6g}{after * times:18.6g}")
+    print(f"\n{'effect':66}{'×':>10}")
     for quantity, times, power in softening.effects():
-        print(f"{quantity:72}{times:>10}  {power}")
-    print("\n" + "\n".join(report.lines()))
+        if len(power) > 20:
+            say(f"{quantity}: {power}")
+        else:
+            print(f"{quantity:66}{times:>10}  {power}")
+    print()
+    say("\n".join(report.lines()))

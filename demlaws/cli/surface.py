@@ -7,7 +7,7 @@ from demlaws.cli.arguments import force, length, plain, share, whole
 from demlaws.cli.contact import add_contact_arguments, contact_from, draw
 from demlaws.cli.output import Output, output, record, recorded, write_csv
 from demlaws.errors import DemlawsError
-from demlaws.laws.names import ASPERITY
+from demlaws.laws import ASPERITY
 
 MICRO_CONTACTS = (
     "x",

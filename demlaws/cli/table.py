@@ -5,7 +5,7 @@ from pathlib import Path
 from demlaws.cli import example
 from demlaws.cli.arguments import force, length, plain
 from demlaws.cli.contact import add_law_arguments, contact_from, describe, law_from
-from demlaws.cli.output import output, record
+from demlaws.cli.output import output, record, say
 from demlaws.errors import DemlawsError
 from demlaws.files import names_a_file
 
@@ -77,7 +77,7 @@ def measured_table(arguments):
     curves = [(test.displacement[first] - arguments.zero, test.force[first])]
     unloading = "elastic" if arguments.unloading is None else arguments.unloading
     if arguments.unloading_law is not None:
-        raise DemlawsError("--unloading-law goes with --law: with --points give --unloading FILE, a table or points")
+        raise DemlawsError("--unloading-law needs --law; with --points give --unloading FILE, a table or points")
     text = str(unloading)
     if names_a_file(text) and not _is_table(text):
         back = read_points(Path(text))
@@ -96,14 +96,12 @@ def measured_table(arguments):
     )
     rest = int(test.force.size - np.count_nonzero(first))
     knots = table.knots
-    print(
-        f"{arguments.points}: {knots.points} points of first loading; smoothing: {knots.smoothing}; the points lie up to "
+    say(
+        f"{arguments.points}: {knots.points} points of first loading; smoothing: {knots.smoothing}; points deviate by up to "
         f"{knots.departure:.3g} N from the curve"
     )
     if rest and len(curves) == 1:
-        print(
-            f"{rest} points of unloading and reloading are not used: give --unloading {arguments.points} to unload along them"
-        )
+        say(f"{rest} points of unloading and reloading are not used: give --unloading {arguments.points} to unload along them")
     if not np.isnan(knots.uncertainty).all():
         k = int(np.nanargmax(knots.uncertainty / knots.force))
         print(
@@ -130,19 +128,19 @@ def run(arguments):
     table.save(arguments.out)
     record(file=str(arguments.out), rows=table.nodes.u.size, largest_force=table.largest_force, rtol=table.rtol)
     record(force_error=table.force_error, stiffness_error=table.stiffness_error)
-    print(
+    say(
         f"{arguments.out}: {table.nodes.u.size} rows, {2**table.curve.rows.bits} cells per octave, "
         f"to {table.largest_force:.4g} N; largest relative error: force {table.force_error:.1e}, "
         f"stiffness {table.stiffness_error:.1e}"
     )
     curve = table.unloading_law
     if curve is not None:
-        print(
+        say(
             f"unloading along {curve.name!r}: {curve.nodes.u.size} rows, to {curve.largest_force:.4g} N; "
             f"largest relative error: force {curve.force_error:.1e}, stiffness {curve.stiffness_error:.1e}"
         )
     if not table.collapses:
-        print(f"the curve of {table.name!r} has no single dimensionless form: this table holds for this contact only")
+        say(f"the curve of {table.name!r} depends on the radius or modulus: this table is valid for this contact only")
     if arguments.figure is not None:
         picture = plots.table_figure(table, law) if curves is None else plots.points_figure(table, curves)
         print(plots.save(picture, arguments.figure))

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from demlaws.cli import example
 from demlaws.cli.arguments import density, plain
 from demlaws.cli.contact import add_law_arguments, law_from
-from demlaws.cli.output import record
+from demlaws.cli.output import record, say
 from demlaws.errors import DemlawsError
 
 LAYOUTS = {"index": (2, 3, 4, 5, 6), "c_": (7, 8, 10, 11, 12)}
@@ -101,18 +101,18 @@ def run(arguments):
     motion = "with shear and rotation" if shear.any() else "without friction"
     if shear.any() and np.all(np.asarray(shot.blocked)[free, 3:]):
         motion = "with shear, without rotation"
-    which = "between grains; walls are not in the dump" if shot.step is None else "as they are"
+    which = "between grains" if shot.step is None else "as they are"
     histories = {
         "known": "",
         "none": "",
         "stiffest": "the stiffest tangent of all histories that allow the contacts' forces and overlaps",
     }
     print(f"{len(shot.pairs)} contacts, {np.sum(free)} grains, {mean:.3g} contacts per grain")
-    print(f"{name:<17} {limits.exact:.4g} s  2/ω_max {motion}, contacts {which}")
+    say(f"{name:<17} {limits.exact:.4g} s  2/ω_max {motion}, contacts {which}", " " * 18)
     if histories[shot.history]:
-        print(f"history           {histories[shot.history]}")
+        say(f"history           {histories[shot.history]}", " " * 18)
     if shot.note:
-        print(f"note              {shot.note}")
+        say(f"note              {shot.note}", " " * 18)
     share = f"of the {name}"
     print(f"rigorous bound    {limits.bound:.4g} s  {limits.bound / limits.exact:.2f} {share}")
     if shot.rayleigh is not None:
@@ -180,7 +180,7 @@ def _frame(path, what):
         return Frame(frame["TIMESTEP"][1].strip(), np.where(periodic, edges, np.inf), columns, resolution)
     except (KeyError, IndexError, ValueError) as error:
         raise DemlawsError(
-            f"{path}: its end is no complete frame of {what} in an orthogonal box; is it a text dump, and has its run ended?"
+            f"{path}: no complete last frame of {what} in an orthogonal box: write a text dump, after the run has ended"
         ) from error
 
 
@@ -204,7 +204,20 @@ def frames(arguments):
     missing = [name for name in ("id", *_PLACES) if name not in atoms]
     if missing:
         raise DemlawsError(f"{arguments.snapshot} lacks the columns {', '.join(missing)}")
+    if not len(atoms["id"]):
+        raise DemlawsError(f"{arguments.snapshot}: its last frame has no grains")
+    needed = ("id", *_PLACES, "mass", "density")
+    _check_finite(arguments.snapshot, {name: atoms[name] for name in needed if name in atoms})
     return atoms, lengths, entries, resolution
+
+
+def _check_finite(path, columns):
+    """Raise where a value is NaN or infinite: its contacts would be left out."""
+    import numpy as np
+
+    for name, values in columns.items():
+        for row in np.flatnonzero(~np.isfinite(values))[:1]:
+            raise DemlawsError(f"{path}: {name} of row {row + 1} is {values[row]}: has the run diverged?")
 
 
 def _from_dumps(arguments):
@@ -250,6 +263,7 @@ def contacts_of_dump(arguments, atoms, lengths, entries):
         raise DemlawsError(
             f"{arguments.contacts} has the columns {' '.join(entries)}: name those needed with --columns, --largest-overlap"
         )
+    _check_finite(arguments.contacts, {name: entries[name] for k, name in enumerate(entries, 1) if k in needed})
     first, second, *force = (list(entries.values())[column - 1] for column in columns)
     number = {int(name): place for place, name in enumerate(atoms["id"])}
     try:
@@ -264,6 +278,12 @@ def contacts_of_dump(arguments, atoms, lengths, entries):
     if np.any(np.abs(distance / atoms["radius"][pairs].sum(axis=1) - 1.0) > 0.5):
         raise DemlawsError(f"{arguments.contacts}: grains in contact are far apart or one and the same; check --columns")
     force = np.abs(np.sum(between * np.stack(force, axis=1), axis=1)) / distance
+    each, times = np.unique(np.sort(pairs[force > 0.0], axis=1), axis=0, return_counts=True)
+    for a, b in each[times > 1][:1]:
+        raise DemlawsError(
+            f"{arguments.contacts}: the contact of grains {atoms['id'][a]:.0f} and {atoms['id'][b]:.0f} is listed twice: dump "
+            "each contact once, and use a box of at least three grains across"
+        )
     largest = None if history is None else list(entries.values())[history - 1]
     if largest is not None and np.any(largest[force > 0.0] <= 0.0):
         if arguments.largest_overlap is not None:
@@ -276,7 +296,8 @@ def contacts_of_dump(arguments, atoms, lengths, entries):
 
 def _ratio_and_rayleigh(arguments, kinds):
     """K_t/K, and the smallest Rayleigh step [s] of `kinds`, (radius, density), or None."""
-    from demlaws.timestep import LARGEST_SHEAR_RATIO, rayleigh_step
+    from demlaws.core.shear import LARGEST_SHEAR_RATIO
+    from demlaws.timestep import rayleigh_step
     from demlaws.units import number
 
     ratio, rayleigh = 1.0, None

@@ -5,20 +5,8 @@ import subprocess
 from demlaws.cli import Parser
 from demlaws.errors import DemlawsError
 
-WITH_VALUE = (
-    "-j",
-    "--threads",
-    "--batch",
-    "--cores",
-    "--nice",
-    "-f",
-    "-L",
-    "--libs",
-    "--job-threads",
-    "--lines",
-    "--log",
-    "--law-file",
-)
+OURS = ("-j", "--threads", "--batch", "--law-file")
+WITH_VALUE = (*OURS, "--cores", "--nice", "-f", "-L", "--libs", "--job-threads", "--lines", "--log")
 """Options, ours and of yade and yade-batch, whose value may be the next word."""
 
 
@@ -100,8 +88,8 @@ def _run(arguments):
         arguments.script,
         arguments.arguments,
         arguments.threads,
-        arguments.gui,
-        arguments.batch,
+        gui=arguments.gui,
+        batch=arguments.batch,
         stay=not arguments.leave,
         yade_options=arguments.yade_options,
     ).returncode

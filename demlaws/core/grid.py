@@ -103,7 +103,7 @@ def _padded(kinks):
 
 
 def shape_from_nodes(
-    nodes, bits_per_octave, length_over_roughness, length_over_radius, bulk=NO_YIELD, straight=False, floor=None
+    nodes, bits_per_octave, length_over_roughness, length_over_radius, *, bulk=NO_YIELD, straight=False, floor=None
 ):
     """Cubic Hermite cells through the rows of a table; straight, floor: see `_below`."""
     u, s, slope = nodes.curve()

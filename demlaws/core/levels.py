@@ -21,11 +21,7 @@ import numpy as np
 from demlaws.core.dispatch import gather, scatter, step
 from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import kernel, loop
-from demlaws.core.shear import shear_stiffness
-
-DEFAULT_LEVELS = 3
-EMPTY = 1e-9
-"""Of K_t: a level of less stiffness counts as empty; otherwise a rise by rounding would join two levels."""
+from demlaws.core.shear import EMPTY, shear_stiffness
 
 
 @kernel

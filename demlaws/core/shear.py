@@ -13,6 +13,13 @@ from demlaws.core.fastmath import cbrt, sqrt
 from demlaws.core.numba_compat import kernel, loop
 from demlaws.core.unloading import Elastic, Given, Hertz, Thornton
 
+DEFAULT_LEVELS, MOST_LEVELS = 3, 8
+"""Levels of springs (`levels`)."""
+LARGEST_SHEAR_RATIO = 4.0 / 3.0
+"""Largest K_t/K: 2(1-ν)/(2-ν) at ν = -1."""
+EMPTY = 1e-9
+"""Of K_t: a level of less stiffness counts as empty; otherwise a rise by rounding would join two levels."""
+
 
 class ElasticShear(NamedTuple):
     """The stiffness with which the contact would unload now, on whatever branch it is: continuous through a reversal."""
@@ -22,7 +29,7 @@ class LoadingShear(NamedTuple):
     """The tangent of first loading at the force that the contact carries now."""
 
 
-class Choice(NamedTuple):
+class ShearChoice(NamedTuple):
     """What is known of a choice beside its kernel."""
 
     name: str
@@ -34,8 +41,8 @@ class Choice(NamedTuple):
 CHOICES = {
     choice.name: choice
     for choice in (
-        Choice("elastic", ElasticShear(), 1, "the stiffness with which the contact would unload now"),
-        Choice("loading", LoadingShear(), 2, "the tangent of first loading at the force carried now"),
+        ShearChoice("elastic", ElasticShear(), 1, "the stiffness with which the contact would unload now"),
+        ShearChoice("loading", LoadingShear(), 2, "the tangent of first loading at the force carried now"),
     )
 }
 """Name → the choices that any law and rule may take."""

@@ -21,6 +21,9 @@ constexpr const char *const RULE_KEYS[][4] = {{}, {}, {}, {}, {"linear_first", "
 // Normal stiffness that the tangential stiffness is a multiple of; restart files have the numbers.
 enum Shear { ELASTIC_SHEAR = 1, LOADING_SHEAR = 2, SLIP_SHEAR = 3 };
 constexpr const char *const SHEAR_NAMES[] = {"", "elastic", "loading", "slip"};
+constexpr int LEVELS = 3, MOST_LEVELS = 8; // by default; at most
+constexpr double EMPTY_LEVEL = 1e-09; // of K_t: a level of less stiffness counts as empty
+constexpr double LARGEST_SHEAR_RATIO = 1.3333333333333333; // K_t/K
 
 // First line of a table file, its keys and kinds of their values.
 constexpr const char *const FORMAT = "# demlaws-table 3";

@@ -1,4 +1,5 @@
-// demlaws_shear.h: shear force of a contact that sticks until it slides, without creating energy. C++11, no dependency.
+// demlaws_shear.h: shear force of a contact that sticks until it slides, without creating energy. C++11, needs
+// demlaws_facts.h.
 //
 // The springs of a contact in at most M levels, ordered by the K_t at which they touched. Where K_t falls, the springs
 // above it open and take their force and their energy along; where K_t rises, the springs that touch are not stretched.
@@ -9,6 +10,7 @@
 // Licence: GPL-2.0-or-later, as the package demlaws.
 #ifndef DEMLAWS_SHEAR_H
 #define DEMLAWS_SHEAR_H
+#include "demlaws_facts.h"
 #include <algorithm>
 #include <cmath>
 
@@ -26,8 +28,6 @@ struct ShearStep {
   double lost() const { return work - (energy - before); }
 };
 
-static const int LEVELS = 3, MOST_LEVELS = 8; // by default; at most
-static const double EMPTY_LEVEL = 1e-9;       // of K_t: a level of less stiffness counts as empty
 inline bool may_have_levels(double count) { return count == (int)count && count >= 1. && count <= MOST_LEVELS; }
 inline int levels_size(int count) { return 4 * count; }
 

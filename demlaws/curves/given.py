@@ -48,6 +48,7 @@ def from_points(
     """(contact, curve, unloading) of `Table.from_points`; the unloading is a `TableCurve` where it is points."""
     definition = _definition(contact, name, description, scales_with)
     overlap, force = columns_of(points)
+    _check_loading_alone(overlap, force)
     curve = MeasuredCurve(overlap, force, uncertainty)
     check_overlaps(curve.largest, contact.radius)
     table = replace(tabulate_given(curve, definition, contact, rtol), knots=curve.knots)
@@ -67,6 +68,25 @@ def from_points(
         other.largest = max(other.largest, _overlap_of(lambda d: other.evaluate(np.array([d]))[0][0], most, float(past.max())))
         unloading = replace(_unloading_table(other, table, contact), knots=other.knots)
     return contact, table, unloading
+
+
+def _check_loading_alone(overlap, force):
+    """Refuse a whole test, whose unloading would be averaged with its loading.
+
+    Points may be in any order, and of several tests. A test in its own order makes short steps, and its overlap, averaged over
+    blocks, falls by more than a tenth of its range, also if read from its end.
+    """
+    span, steps = np.ptp(overlap), np.diff(overlap)
+    if overlap.size < 10 or np.sum(np.abs(steps)) > overlap.size / 6.0 * span:
+        return
+    course = np.cumsum(np.where(np.abs(steps) > 0.1 * span, 0.0, steps))  # without jumps to another test
+    blocks = np.array([block.mean() for block in np.array_split(course, min(20, course.size))])
+    if min(np.max(np.maximum.accumulate(b) - b) for b in (blocks, blocks[::-1])) > 0.1 * span:
+        peak = int(np.argmax(force))
+        raise DemlawsError(
+            f"points: the overlap rises and falls (the largest force, {force[peak]:.6g} N, is point {peak}): give those of "
+            f"first loading alone, and those of unloading as unloading=points[{peak}:]; dl.fit takes the whole test"
+        )
 
 
 def _are_points(value):

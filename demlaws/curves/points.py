@@ -195,7 +195,7 @@ def _smooth(x, y, counts, relative):
 
 def _equal_groups(overlap):
     """Places of points of one overlap, or of neighbours in equal number where there are more than MOST_PLACES."""
-    edges = np.flatnonzero(np.diff(overlap) > 0.0) + 1
+    edges = np.flatnonzero(np.diff(overlap) > 1e-9 * overlap[1:]) + 1  # closer ones differ by rounding
     groups = np.split(np.arange(overlap.size), edges)
     if len(groups) <= MOST_PLACES:
         return groups

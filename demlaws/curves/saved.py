@@ -88,7 +88,7 @@ def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
     def curve(prefix, rows, collapses, bulk=NO_YIELD, floor=None):
         """The curve that the rows and the keys with this prefix describe."""
         lengths = values["length_over_roughness"], values["length_over_radius"]
-        shape = shape_from_nodes(rows.nodes, rows.bits, *lengths, bulk, rows.straight, floor)
+        shape = shape_from_nodes(rows.nodes, rows.bits, *lengths, bulk=bulk, straight=rows.straight, floor=floor)
         certificate = Certificate(values[f"{prefix}force_error"], values[f"{prefix}stiffness_error"])
         definition, options = _definition(file, rule, prefix, collapses), values[f"{prefix}options"]
         knots = _knots(file.header.get(f"{prefix}points"), path)

@@ -82,7 +82,7 @@ class CurveSampler(NamedTuple):
         return Certificate(float(np.max(errors[0])), float(np.max(errors[1])))
 
 
-def _smallest_table(source, contact, lengths, rtol, name, span, first_bits=1, bulk=None, straight=False, floor=None):
+def _smallest_table(source, contact, lengths, *, rtol, name, span, first_bits=1, bulk=None, straight=False, floor=None):
     """(shape, nodes, certificate) of the table with the fewest cells whose certificate is within rtol.
 
     span: bits per octave → largest u; bulk: largest u of the nodes → `BulkYield`.
@@ -94,7 +94,7 @@ def _smallest_table(source, contact, lengths, rtol, name, span, first_bits=1, bu
         if not np.all(np.isfinite(nodes.force)):  # an unloading curve that is a table ends within the last cell
             continue
         yields = NO_YIELD if bulk is None else bulk(nodes.u[-1])
-        shape = shape_from_nodes(nodes, bits_per_octave, *lengths, yields, straight, floor)
+        shape = shape_from_nodes(nodes, bits_per_octave, *lengths, bulk=yields, straight=straight, floor=floor)
         certificate = source.certify(shape, bind_params(shape, contact))
         if max(certificate) <= rtol:
             return shape, nodes, certificate
@@ -133,9 +133,9 @@ def tabulate(contact: Contact, curve: Any, rtol: float, largest_overlap: float |
         source,
         one,
         lengths,
-        rtol,
-        definition.name,
-        lambda bits: largest,
+        rtol=rtol,
+        name=definition.name,
+        span=lambda bits: largest,
         bulk=lambda highest: curve.bulk(params, length, highest),
         straight=curve.starts_from_force,
     )
@@ -171,9 +171,9 @@ def rescaled(table: TableCurve, contact: Contact, unloading: Unloading) -> Table
         source,
         one,
         (table.shape.length_over_roughness, table.shape.length_over_radius),
-        table.rtol,
-        curve.definition.name,
-        span,
+        rtol=table.rtol,
+        name=curve.definition.name,
+        span=span,
         first_bits=52 - table.shape.grid.shift,
         straight=curve.starts_from_force,
         floor=table.floor,
@@ -202,7 +202,7 @@ def tabulate_given(curve: Any, definition: Definition, contact: Contact, rtol: f
             f"is {start:.3g} N), and the stiffness grows without bound: it must go as δ or a higher power"
         )
     shape, nodes, certificate = _smallest_table(
-        source, contact, (float(rough), float(not rough)), rtol, definition.name, lambda bits: largest
+        source, contact, (float(rough), float(not rough)), rtol=rtol, name=definition.name, span=lambda bits: largest
     )
     return TableCurve(definition, {}, shape, nodes, certificate, rtol, contact, definition.collapses)
 

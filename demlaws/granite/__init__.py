@@ -15,7 +15,7 @@ from demlaws import driver
 from demlaws.contact import GRANITE, GRANITE_YIELD_PRESSURE, Contact
 from demlaws.errors import DemlawsError, LargeOverlap, ValidityWarning, quiet
 from demlaws.files import save_csv
-from demlaws.laws.names import POHRT_POPOV
+from demlaws.laws import POHRT_POPOV
 from demlaws.laws.registry import registry
 from demlaws.make import law
 from demlaws.responses.path import Path
@@ -159,8 +159,8 @@ def run_test(name, test):
         warnings.simplefilter("always", ValidityWarning)
         bound = bind(name, test)
         paths = tuple(protocol(bound, stage) for stage in test.stages)
-    messages = [str(w.message) for w in caught if not isinstance(w.message, LargeOverlap)]
-    return Run(test, bound, paths), messages
+    messages = dict.fromkeys(str(w.message) for w in caught if not isinstance(w.message, LargeOverlap))
+    return Run(test, bound, paths), list(messages)
 
 
 def displacement_gained(bound, low=0.1, high=100.0):

@@ -24,8 +24,8 @@ from demlaws.granite import (
     stages_of,
     stiffness_at,
 )
+from demlaws.laws import GODDARD, GREENWOOD_TRIPP, HERTZ, POHRT_POPOV, RMS, ROUGH_PLASTIC, YIP_VENART
 from demlaws.laws.greenwood_tripp import MU
-from demlaws.laws.names import GODDARD, GREENWOOD_TRIPP, HERTZ, POHRT_POPOV, RMS, ROUGH_PLASTIC, YIP_VENART
 from demlaws.make import law
 
 REPRODUCED, NOT_REPRODUCED = "reproduced", "not reproduced"

@@ -1,15 +1,14 @@
 """The command `demlaws granite`: tables, claims, CSV files and figures."""
 
 import math
-import shutil
 import textwrap
 
 from demlaws import granite, plots
 from demlaws.errors import quiet
-from demlaws.files import save_csv
+from demlaws.files import WIDTH, save_csv, wrapped
 from demlaws.granite import claims
 from demlaws.granite import figures as pictures
-from demlaws.laws.names import POHRT_POPOV, ROUGH_PLASTIC
+from demlaws.laws import POHRT_POPOV, ROUGH_PLASTIC
 from demlaws.laws.registry import find
 
 STAGE_TITLES = (
@@ -76,7 +75,7 @@ def print_tables(tests, runs, notes):
             if test.cyclic and result.law.definition.before_yield is not None:
                 print_stages(result)
             for message in notes[test.name, result.law.name]:
-                print(f"  warning: {message}")
+                print(wrapped(f"  warning: {message}"))
 
 
 def print_stages(result):
@@ -94,13 +93,12 @@ def print_stages(result):
 
 def print_claims(verdicts):
     """Print each claim, what the runs give, the verdict, and how many of each."""
-    width = max(80, min(150, shutil.get_terminal_size((120, 24)).columns))
     print("\nClaims of the paper against the runs")
     for claim in verdicts:
-        print(f"  {claim.test}: {claim.claim}")
-        for line in textwrap.wrap(claim.gives, width - 8):
+        print(wrapped(f"  {claim.test}: {claim.claim}"))
+        for line in textwrap.wrap(claim.gives, WIDTH - 6):
             print(f"      {line}")
-        print(f"      → {claim.verdict}" + (f" ({claim.criterion})" if claim.criterion else ""))
+        print(wrapped(f"      → {claim.verdict}" + (f" ({claim.criterion})" if claim.criterion else ""), rest="        "))
     counts = {verdict: sum(c.verdict == verdict for c in verdicts) for verdict in dict.fromkeys(c.verdict for c in verdicts)}
     print("  " + "; ".join(f"{n} {verdict}" for verdict, n in counts.items()))
 

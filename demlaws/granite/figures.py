@@ -8,7 +8,7 @@ import functools
 import numpy as np
 
 from demlaws import granite
-from demlaws.laws.names import BAHRAMI, HERTZ, POHRT_POPOV, RMS, YIP_VENART
+from demlaws.laws import BAHRAMI, HERTZ, POHRT_POPOV, RMS, YIP_VENART
 from demlaws.plots import colour, draw_line, figure
 
 MICRO = 1e6

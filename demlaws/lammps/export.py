@@ -9,7 +9,7 @@ import demlaws
 from demlaws.contact import effective_modulus, young_against_itself
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
-from demlaws.laws.names import USUAL
+from demlaws.laws import USUAL
 from demlaws.laws.registry import find
 from demlaws.plugins.grains import make_case, output_folder
 

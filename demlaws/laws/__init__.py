@@ -18,3 +18,13 @@ MODULES = (
     "luding",
     "eepa",
 )
+
+# Laws that code outside this folder means by name: a name misspelt is an error on import, not in a run.
+HERTZ, RMS, POHRT_POPOV, GODDARD = "hertz", "rms", "pohrt-popov", "goddard"
+YIP_VENART, BAHRAMI, GREENWOOD_TRIPP, ROUGH_PLASTIC = "yip-venart", "bahrami", "greenwood-tripp", "rough-plastic"
+ASPERITY, THORNTON_NING, CONICAL_DAMAGE = "asperity", "thornton-ning", "conical-damage"
+JACKSON_GREEN, KOGUT_ETSION = "jackson-green", "kogut-etsion"
+WALTON_BRAUN, LUDING, EEPA = "walton-braun", "luding", "eepa"
+
+USUAL = POHRT_POPOV
+"""Default law of commands and exports."""

@@ -59,7 +59,7 @@ bind(RowsShape, scale=_rows_scale)
 # --- one curve
 
 
-class Curve(NamedTuple):
+class PairCurve(NamedTuple):
     """s(u) of one pair, smooth; x = log2 u."""
 
     start: float  # u below which it is a power law
@@ -68,7 +68,7 @@ class Curve(NamedTuple):
     rise: Callable  # s - s(start) as a function of x
     rate: Callable  # ds/dx
 
-    def at(self, u):
+    def evaluate(self, u):
         """s and ds/du."""
         x = np.log2(np.maximum(u, self.start))
         s, slope = self.first + self.rise(x), self.rate(x) / (np.maximum(u, self.start) * math.log(2.0))
@@ -78,10 +78,10 @@ class Curve(NamedTuple):
         return np.where(u < self.start, below, s), np.where(u < self.start, power * below / u, slope)
 
 
-def _curve(pair, surface, curve, load, max_force, poisson, plastic_factor, plastic_ratio, reach):
+def _curve(pair, surface, reach, *, curve, load, max_force, **plasticity):
     from demlaws.solvers.contact import RoughContact
 
-    rough = RoughContact(surface, pair, poisson, plastic_factor, plastic_ratio)
+    rough = RoughContact(surface, pair, **plasticity)
     start = 0.0
     if curve == "reloading":
         rough = rough.unload(rough.load(load, 1e-6))
@@ -130,7 +130,7 @@ def _limit_force(rough):
 
 
 def _smooth(u, s, reach):
-    """A smooth monotone `Curve` through (u, s), up to `reach`, never steeper than Hertz.
+    """A smooth monotone `PairCurve` through (u, s), up to `reach`, never steeper than Hertz.
 
     ln s is a local parabola in ln u, wide enough to bridge the falls of force where patches merge. A slope ds/du above
     1 would be a contact stiffer than a smooth one at equal load, which comes from leaving the bulk rigid: it is cut to 1.
@@ -150,7 +150,7 @@ def _smooth(u, s, reach):
     steep = np.minimum(slope * 2.0 ** (value - fine), 1e6)
     steep /= (1.0 + steep**12) ** (1 / 12)
     rate = CubicSpline(fine, steep * 2.0**fine * math.log(2.0))
-    return Curve(2.0 ** fine[0], 2.0 ** x[-1], 2.0 ** value[0], rate.antiderivative(), rate)
+    return PairCurve(2.0 ** fine[0], 2.0 ** x[-1], 2.0 ** value[0], rate.antiderivative(), rate)
 
 
 def _local_parabola(x, y, at):
@@ -168,7 +168,7 @@ def _local_parabola(x, y, at):
 def _shape(curve, pair, start, reach):
     """The curve on a table's grid: the law is what the cells hold."""
     nodes, _ = grid(start, reach, [], _BITS)
-    s, slope = curve.at(nodes)
+    s, slope = curve.evaluate(nodes)
     steepest = _steepest(nodes, s, slope)
     rough = not pair.is_smooth
     return shape_from_nodes(Nodes.from_curve(nodes, s / steepest, slope / steepest), _BITS, float(rough), float(not rough))
@@ -218,8 +218,9 @@ def _prepare(
         return HertzShape()
     pairs, alike = _pairs(contact)
     reach = max(0.2 * pair.radius / _length(pair) for pair in pairs)
-    settings = (curve, load, max_force, poisson, plastic_factor, plastic_ratio, reach)
-    curves = [_curve(pair, surface, *settings) for pair in pairs]
+    settings = {"curve": curve, "load": load, "max_force": max_force, "poisson": poisson}
+    settings |= {"plastic_factor": plastic_factor, "plastic_ratio": plastic_ratio}
+    curves = [_curve(pair, surface, reach, **settings) for pair in pairs]
     start = min(c.start for c in curves)
     shapes = [_shape(c, pair, start, reach) for c, pair in zip(curves, pairs, strict=True)]
     if len(pairs) == 1:

@@ -7,10 +7,10 @@ import numpy as np
 
 import demlaws
 from demlaws.contact import young_against_itself
-from demlaws.core.levels import DEFAULT_LEVELS
+from demlaws.core.shear import DEFAULT_LEVELS
 from demlaws.errors import DemlawsError, quiet
 from demlaws.files import write_atomically
-from demlaws.laws.names import USUAL
+from demlaws.laws import USUAL
 from demlaws.make import law as make_law
 from demlaws.plugins.grains import make_case, output_folder
 from demlaws.units import number

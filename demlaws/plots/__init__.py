@@ -98,12 +98,15 @@ def plot(result, ax=None, *, overlap=None, unload_at=None, **style):
     """
     try:
         import matplotlib.pyplot as plt
+        from matplotlib.axes import Axes
     except ImportError as error:
         raise DemlawsError(MISSING) from error
     if ax is None:
         ax = plt.subplots(layout="constrained")[1]
         ax.grid(alpha=0.3)
         ax.spines[["top", "right"]].set_visible(False)
+    elif not isinstance(ax, Axes):
+        raise DemlawsError(f"ax must be axes of matplotlib, for instance those of plt.subplots(), got {ax!r:.60}")
     path = result
     if hasattr(result, "follow"):
         if unload_at is not None:
@@ -113,7 +116,10 @@ def plot(result, ax=None, *, overlap=None, unload_at=None, **style):
         style = {"color": colour(result.name), "label": f"{result.name}, {result.unloading} unloading", **style}
         rise = np.linspace(0.0, overlap, 201)
         path = result.follow(np.append(rise, rise[-2::-1]))
-    ax.plot(path.overlap * 1e6, path.force, **style)
+    try:
+        ax.plot(path.overlap * 1e6, path.force, **style)
+    except (AttributeError, TypeError, ValueError) as error:
+        raise DemlawsError(f"matplotlib cannot draw a line with {style}: {error}") from error
     ax.set(xlabel="overlap (µm)", ylabel="force (N)")
     return ax
 

@@ -37,7 +37,7 @@ class Converted(NamedTuple):
         """Lines for the user."""
         lines = [f"{name}, line {note.line}: {'' if note.served else 'NOT CONVERTED: '}{note.text}" for note in self.notes]
         if not self.complete:
-            lines.append("lines that are not converted keep the engine's own model, or stop the run: change them before it")
+            lines.append("lines that are not converted keep the engine's model or stop the run: change them first")
         return lines
 
 
@@ -51,7 +51,7 @@ def convert(text, engine, table, folder=None, name=""):
     job = _Conversion(engine, str(table), folder, {name} if name else set())
     converted = job.text(text)
     if engine == "lammps" and not job.commands & {"units", "include", "read_restart"}:
-        job.notes.insert(0, Note(1, "no units line, so that LAMMPS takes units lj: write the input in units si", False))
+        job.notes.insert(0, Note(1, "no units line: LAMMPS uses units lj; write the input in units si", False))
     if not job.found:
         raise DemlawsError(f"no pair_style or wall/gran line of {engine}'s granular models in this input: nothing to convert")
     return Converted(converted, job.notes, job.changed)
@@ -156,7 +156,7 @@ class _Conversion:
             return self._granular(words)
         elif first == "delete_atoms" and "compress no" not in " ".join(words):
             self.note(
-                "delete_atoms gives particles new numbers, by which contacts find their history: add `compress no`, or the run "
+                "delete_atoms renumbers the particles, and contacts lose their history: add `compress no`; otherwise the run "
                 "stops here once there are contacts"
             )
         elif first in ("if", "run"):
@@ -178,7 +178,7 @@ class _Conversion:
         self.found = self.changed = True
         kept = {id(word) for word in new}
         if any(word.raw is None or (word.raw != word and id(word) not in kept) for word in words):
-            self.note("values of variables are written out here: this line no longer reads these variables, nor their -var")
+            self.note("variables in this line are replaced by their values: later changes and -var have no effect")
         return " ".join(getattr(word, "raw", None) or word for word in new)
 
     def _words(self, code):
@@ -224,7 +224,7 @@ class _Conversion:
 
     def _other_file(self, command, name):
         """Follow a file that the input includes; name it if it has granular lines or cannot be read."""
-        remedy = "convert it, too, and write the new name here"
+        remedy = "convert that file and write its new name here"
         path = Path(self.folder or "", name)
         self.files.add(str(name))
         if self.folder is None or not path.is_file():
@@ -298,13 +298,13 @@ def _liggghts(job, words):
                 value = "demlaws"
                 job.note("tangential history is now tangential demlaws, which creates no energy")
             elif "$" in value:
-                job.leave(f"{word} {value}: no single value in this input, so that the model stays; write it here")
+                job.leave(f"{word} {value}: no single value in this input: the model is not converted; write it here")
             elif value not in _SUB_MODELS[word]:
                 job.leave(f"{word} {value}: demlaws/table does not run with it; choose one of {', '.join(_SUB_MODELS[word])}")
             out += [word, value]
             at += 2
         elif word in _STOCK_SETTINGS:
-            job.note(f"{word} {value} belongs to {normal} and was left out")
+            job.note(f"{word} {value} is an option of {normal} and was deleted")
             at += 2
         else:
             if "$" in word:
@@ -351,9 +351,9 @@ def _lammps(job, words):
         job.note(f"tangential {model} NULL is now tangential demlaws, which creates no energy")
         rest[shear : shear + 2] = ["demlaws"]
         if "synchronized_verlet" in rest:
-            job.leave("synchronized_verlet: LAMMPS refuses it beside tangential demlaws; leave it out")
+            job.leave("synchronized_verlet: LAMMPS refuses it with tangential demlaws; delete it")
     elif "$" in model:
-        job.leave(f"tangential {model}: no single value in this input, so that the model stays")
+        job.leave(f"tangential {model}: no single value in this input: the model is not converted")
     elif model and model != "demlaws":
         job.note(f"tangential {model} stays")
     return [*words[:at], "demlaws/table", job.table, *rest]
@@ -387,7 +387,7 @@ def _normal_of(job, words):
 def _leave_old(job, words, style, stiffness):
     """Name an old style; for Hertz with the modulus that has its stiffness."""
     name = " ".join([*words[: 1 if words[0] == "pair_style" else 4], *style])
-    text = f"{name}: an old style; write it as granular with {_MATERIAL} E eta nu first"
+    text = f"{name}: an old style; write `granular` with {_MATERIAL} E eta nu first"
     try:
         job.leave(f"{text}, where E/(2 (1 - nu²)) = {0.75 * float(stiffness[0]):g}" if "hertz" in style[0] else text)
     except (ValueError, IndexError):

@@ -344,7 +344,7 @@ class Engine:
             raise DemlawsError(f"{path} holds no timing of a run")
         return float(loop[-1]), float(pair[-1])
 
-    def follow(self, law, text, radius=None, rtol=1e-5, folder=None, ranks=1, **variables):
+    def follow(self, law, text, radius=None, *, rtol=1e-5, folder=None, ranks=1, **variables):
         """One contact on the path of an input: the log, with columns overlap, force, stored, lost, and the law's path.
 
         law: one contact with ν = 0.25 of two spheres of `radius` (default: equal ones), or of one and a wall.
@@ -439,7 +439,7 @@ def self_test(report, log, path, name, limit):
 def laws_to_check():
     """(law, tolerance of its table, allowed error, name) of the self-tests: one contact of two granite spheres of 17.4 mm."""
     from demlaws.contact import Contact
-    from demlaws.laws.names import USUAL
+    from demlaws.laws import USUAL
     from demlaws.make import law
 
     contact = Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22)

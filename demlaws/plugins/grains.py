@@ -9,17 +9,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-from demlaws.contact import DENSITY, Contact, Material, Surface, surface_of
+from demlaws.contact import DENSITY, Contact, Material, Surface, softer_hardness, surface_of
+from demlaws.core.shear import LARGEST_SHEAR_RATIO, MOST_LEVELS
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
-from demlaws.laws.names import USUAL
+from demlaws.laws import USUAL
 from demlaws.make import known_unloading, rebound, unloading_of_case
 from demlaws.make import law as make_law
 from demlaws.timestep import timestep
 from demlaws.units import number, whole
-
-LARGEST_SHEAR_RATIO, MOST_LEVELS = 4.0 / 3.0, 8
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,6 @@ class Grain:
 
     def contact(self, other, wall=False):
         """Contact of this grain with another, or with a plane wall of the other's material and surface (`wall`)."""
-        surface = self.surface.combined(other.surface)
         return Contact.between(
             self.material,
             other.material,
@@ -44,8 +42,8 @@ class Grain:
             radius2=math.inf if wall else other.radius,
             roughness1=self.surface.roughness,
             roughness2=other.surface.roughness,
-            fractal_dimension=surface.fractal_dimension,
-            hardness=surface.hardness,
+            fractal_dimension=self.surface.combined(other.surface).fractal_dimension,
+            hardness=softer_hardness((self.material, self.surface), (other.material, other.surface)),
         )
 
     @property

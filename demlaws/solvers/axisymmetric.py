@@ -193,12 +193,9 @@ class _State(NamedTuple):
 class _Solver:
     """Marches along one curve with ln f; Newton on (s, U) at given load, polynomial predictor on moving nodes."""
 
-    def __init__(self, model, parameter, refine=1.0):
+    def __init__(self, model, parameter):
         self.model, self.parameter = _MODELS[model], float(parameter)
-        self.inner, self.outer = round(_INNER * refine), round(_OUTER * refine)
         self.history = []
-        self.newton_steps = 0
-        self.retries = 0
         self.points = []
         self.flat = False
 
@@ -211,7 +208,7 @@ class _Solver:
             s = np.linspace(d, d + 60, 60001)
             log_g = np.log(np.maximum(self.model.layer(s)[0], 1e-300))
             level = np.interp([-_FLANK, -_END], log_g[0] - log_g, s)
-            edges = panel_edges(0.5 * np.log(level - d), self.inner, self.outer)
+            edges = panel_edges(0.5 * np.log(level - d), _INNER, _OUTER)
             r = nodes_of(edges)
             return d + r * r, -d, edges
         past = self.history[-4:]
@@ -220,7 +217,7 @@ class _Solver:
         _, approach, s, r, levels = (
             sum(w * item for w, item in zip(weights, items, strict=True)) for items in zip(*past, strict=True)
         )
-        edges = panel_edges(levels, self.inner, self.outer)
+        edges = panel_edges(levels, _INNER, _OUTER)
         return s + np.gradient(s, r) * (nodes_of(edges) - r), approach, edges
 
     def _newton(self, log_force, s, approach, edges):
@@ -231,7 +228,6 @@ class _Solver:
         load = math.pi * math.sqrt(2) * r * dr
         diagonal = np.arange(r.size)
         for _ in range(30):
-            self.newton_steps += 1
             g, g1, g2 = (self.parameter * x for x in self.model.layer(s))
             force = load @ g
             if not force > 0:
@@ -302,7 +298,6 @@ class _Solver:
                 if result is not None and self.model.flat(result[0].separation[0]) <= 0:
                     break
                 step *= 0.5
-                self.retries += 1
             else:
                 raise ArithmeticError(f"{self.model.name} {self.parameter:g}: no solution at f = {math.exp(here):g}")
             state, point = result
@@ -527,7 +522,7 @@ def _blend_error(model, low, high, reference_force, highest):
     return max(np.abs(f / forces - 1).max(), np.abs(k / middle.evaluate(u)[1] - 1).max())
 
 
-def family(model, low, high, rtol=1e-4, reference_force=1e-4, highest=1e6):
+def family(model, low, high, *, rtol=1e-4, reference_force=1e-4, highest=1e6):
     """Geometrically spaced parameters low..high whose curves, blended linearly in ln A, meet rtol in force and stiffness.
 
     What is blended is s = (3f/4)^(2/3) at equal overlap x = U - U(f_ref), where f_ref is one dimensionless force for all

@@ -314,9 +314,9 @@ class RoughContact:
         window = self._whole()
         low, high = base, math.inf
         low_f, high_f = -math.inf, math.inf
-        x, evaluations, side = guess, 0, 0
+        x, evaluations, side, high_window = guess, 0, 0, window
         while evaluations < 300:
-            trial = (self._high_window if high < math.inf else window).copy()
+            trial = high_window.copy()
             force, _, _ = self._force(self.origin - x, trial)
             evaluations += 1
             if abs(force - load) <= rtol * load:
@@ -330,7 +330,7 @@ class RoughContact:
                 if side > 0 and low_f > -math.inf:
                     low_f *= 0.5
                 high, high_f, side = x, f, 1
-                self._high_window = trial
+                high_window = trial
             if high == math.inf:
                 if deepest is None:
                     deepest = self.origin - float(np.nanmin(self.gap)) + 10 * scale

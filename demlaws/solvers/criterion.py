@@ -152,17 +152,17 @@ def _root(function, start):
     from scipy.optimize import brentq
 
     @functools.cache  # a solved curve takes long: the ends of the bracket are known when brentq asks for them
-    def at(logarithm):
+    def of_logarithm(logarithm):
         return function(math.exp(logarithm))
 
     low = high = math.log(start)
-    while at(low) > 0.0:
+    while of_logarithm(low) > 0.0:
         low -= math.log(2.0)
-    while at(high) < 0.0:
+    while of_logarithm(high) < 0.0:
         high += math.log(2.0)
     if low == high:
         return start
-    return math.exp(brentq(at, low, high, xtol=1e-6))
+    return math.exp(brentq(of_logarithm, low, high, xtol=1e-6))
 
 
 def _single_contact(contact):

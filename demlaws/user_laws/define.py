@@ -28,8 +28,8 @@ _unknown = itertools.count(1)
 
 def define(
     name: str,
-    force: Callable,
-    stiffness: Callable,
+    force: Callable | None = None,
+    stiffness: Callable | None = None,
     *,
     overlap: Callable | None = None,
     energy: Callable | None = None,

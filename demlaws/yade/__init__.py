@@ -9,20 +9,20 @@ YADE's Python.
 
 import importlib
 
-from demlaws.errors import BridgeWarning, CoefficientWarning, DemlawsError, ShapeWarning, TimeStepWarning
+from demlaws.errors import BridgeWarning, DemlawsError, ShapeWarning, TimeStepWarning
 
 _HOMES = {
     "Law2_ScGeom_MindlinPhys_Demlaws": "functor",
     "Curvature": "radii",
     "Totals": "contacts",
     "attached": "scene",
-    "engines": "engines",
+    "engines": "scene",
     "guard": "scene",
     "public_finish": "scene",
     "public_step": "scene",
 }
 
-__all__ = ["BridgeWarning", "CoefficientWarning", "ShapeWarning", "TimeStepWarning", *_HOMES]
+__all__ = ["BridgeWarning", "ShapeWarning", "TimeStepWarning", *_HOMES]
 
 
 def __getattr__(name):

@@ -1,22 +1,17 @@
 """One law at work in one scene: its account of energy, its state for users, its checks."""
 
-import base64
-import json
 import math
 import threading
-import zlib
 from collections import deque
 
 import numpy as np
 import yade
 import yade.utils
 
-from demlaws.errors import CoefficientWarning, DemlawsError, EngineStopped, LargeOverlap, ShapeWarning, warn
+from demlaws.errors import DemlawsError, EngineStopped, LargeOverlap, ShapeWarning, warn
 from demlaws.units import LARGE_RADIUS, LARGE_ROUGHNESS, LARGEST_ROUGHNESS, SMALL_OVERLAP, judge
 from demlaws.yade import layout, native
-from demlaws.yade.contacts import LOOKS, SHEAR, Totals, is_our_contact, radius_fault, real_contacts, state_of, with_overlaps
-from demlaws.yade.pairs import Pairs
-from demlaws.yade.radii import body_radius_text
+from demlaws.yade.omega import LOOKS, is_our_contact, radius_fault, real_contacts, with_overlaps
 
 O = yade.O  # noqa: E741  YADE's name
 REACH = 4.0
@@ -41,16 +36,16 @@ class _Request:
 class Binding:
     """A law at work under a functor's label, in the scene whose token is `scene` (None: in none).
 
-    runner: the PyRunner before this law's contacts; held: contacts that the public way keeps between steps; share: the part of
-    the critical step for a time stepper, from `engines(law, timestep=…)`.
+    contacts: how many the native bridge has room for; runner: the PyRunner before this law's contacts; held: contacts that the
+    public way keeps between steps; share: the part of the critical step for a time stepper, from `engines(law, timestep=…)`.
     """
 
-    def __init__(self, label, pairs, bridge):
+    def __init__(self, label, pairs, bridge, contacts=native.MOST_ROWS):
         self.label, self.pairs = label, pairs
         self.attachment = self.reason = self.held = self.runner = self.share = None
         if bridge != "public":
             try:
-                self.attachment = native.Attachment(pairs)
+                self.attachment = native.Attachment(pairs, contacts)
             except native.BridgeUnavailable as error:
                 if bridge == "native":
                     raise
@@ -97,38 +92,6 @@ class Binding:
         self.runner = runner
         if self.attachment is not None:
             self.attachment.watched_by(runner)
-
-    def same_as(self, other):
-        """Whether two bindings are the same law: contacts of one may continue with the other."""
-        return (self.bridge, self.pairs.as_text(True)) == (other.bridge, other.pairs.as_text(True))
-
-    # --- saved with the scene
-
-    def as_text(self, attributes):
-        """JSON from which `from_text` restores the law in another process; attributes: the functor's."""
-        content = {"bridge": self.bridge, "account": self.account, "attributes": attributes}
-        return json.dumps(content | {"pairs": self.pairs.as_text()})
-
-    @classmethod
-    def from_text(cls, label, text):
-        """The binding described by `as_text`, in no scene, and the functor's attributes."""
-        content = json.loads(text)
-        binding = cls(label, Pairs.from_text(content["pairs"]), content["bridge"])
-        return binding, content["attributes"]
-
-    def history(self):
-        """Text of the current scene's contacts with their history, for `restore`."""
-        bodies, rows = self.memory.saved(real_contacts())
-        content = zlib.compress(bodies.tobytes() + rows.tobytes())
-        return json.dumps({"contacts": len(rows), "content": base64.b64encode(content).decode()})
-
-    def restore(self, text):
-        """Give the contacts of the current scene, which was loaded, the history that they were saved with."""
-        saved = json.loads(text)
-        count, content = saved["contacts"], zlib.decompress(base64.b64decode(saved["content"]))
-        bodies = np.frombuffer(content, np.int64, 2 * count).reshape(count, 2)
-        rows = np.frombuffer(content, self.memory.saved_dtype, count, bodies.nbytes)
-        self.memory.restore(bodies, rows, real_contacts())
 
     @property
     def memory(self):
@@ -177,6 +140,8 @@ class Binding:
         return self.between_engines(self._totals)
 
     def _totals(self):
+        from demlaws.yade.contacts import Totals
+
         self.raise_fault()
         self.judge_validity()
         rows = self.rows(real_contacts())
@@ -192,6 +157,8 @@ class Binding:
 
     def contacts(self, interactions=None):
         """`Contacts`: all real contacts of the scene (or of the given ones); also while the simulation runs."""
+
+        from demlaws.yade.contacts import SHEAR, state_of
 
         def read():
             selection = [interactions] if isinstance(interactions, yade.Interaction) else interactions
@@ -218,7 +185,7 @@ class Binding:
         self.judge_unlisted(self.context.take_unlisted())
         self.judge_shapes()
         self.warn_of_joints()
-        self.warn_of_changes()
+        self.refuse_changes()
         if self.context.take("deep"):
             rows = self.rows(real_contacts())
             self.warn_of_deep(rows[rows["tag"] > 0])
@@ -233,7 +200,7 @@ class Binding:
     def verify(self):
         """Raise unless every contact of the law's class has this law's mark, and materials are admissible.
 
-        Coefficients are not compared: engines of YADE may scale them (TriaxialStressController with internalCompaction).
+        kn and ks are not compared: engines of YADE may scale them (TriaxialStressController with internalCompaction).
         """
         contacts = real_contacts()
         touching = [O.bodies[number] for number in {n for contact in contacts for n in (contact.id1, contact.id2)}]
@@ -295,12 +262,14 @@ class Binding:
         elif self.pairs.roughnesses[number] > LARGEST_ROUGHNESS * radius:
             kind = layout.TOO_ROUGH
         if kind:
-            raise EngineStopped(f"contact {bodies[0]}+{bodies[1]}{self.fault_text(kind, *bodies, radius)}")
+            raise EngineStopped(f"contact {bodies[0]}+{bodies[1]}{self.fault_text(kind, bodies, radius)}")
         return radius
 
     def warn_of_shapes(self):
         """Warn once where a shape that is neither sphere nor flat has the body's R without a choice."""
         if self.context.take("unknown_shape"):
+            from demlaws.yade.reports import body_radius_text
+
             contact = O.interactions[self.context.bodies("unknown_shape")]
             text = body_radius_text(contact, float(self.memory.rows_of([contact])["radius"][0]))
             warn(f"law {self.label!r}: {text}", ShapeWarning)
@@ -312,12 +281,13 @@ class Binding:
 
             warn(f"law {self.label!r}: {joint_text(*self.context.bodies('shared'))}", ShapeWarning)
 
-    def warn_of_changes(self):
-        """Warn once where something else has changed the coefficients of a contact."""
-        if self.context.take("changed"):
+    def refuse_changes(self):
+        """Raise where something else has changed the coefficients of a contact."""
+        if self.context["changed"]:
             from demlaws.yade.reports import changed_text
 
-            warn(f"law {self.label!r}: {changed_text(*self.context.bodies('changed'))}", CoefficientWarning)
+            self.context["changed"] = layout.UNSEEN
+            raise EngineStopped(f"law {self.label!r}: {changed_text(*self.context.bodies('changed'))}")
 
     def warn_of_deep(self, rows):
         """Warn of the contacts beyond SMALL_OVERLAP of their R among rows of `layout.CONTACT`."""
@@ -351,14 +321,14 @@ class Binding:
         """Raise the last fault of native code: a contact that the law does not serve."""
         fault = self.context.take_fault()
         if fault is not None:
-            kind, first, second, value = fault
-            raise EngineStopped(f"contact {first}+{second}{self.fault_text(kind, first, second, value)}")
+            kind, *bodies, value = fault
+            raise EngineStopped(f"contact {bodies[0]}+{bodies[1]}{self.fault_text(kind, bodies, value)}")
 
-    def fault_text(self, kind, first, second, value, radius=None):
+    def fault_text(self, kind, bodies, value, *, radius=None):
         """Message about a fault of the contact of two bodies; value: overlap or R [m], or E* [Pa]; radius: R [m]."""
         from demlaws.yade.reports import fault_text  # loaded only for a run that stops
 
-        return fault_text(self, kind, first, second, value, radius)
+        return fault_text(self, kind, bodies, value=value, radius=radius)
 
     def roughness_text(self, first, second, radius):
         """Finding of `judge` on the roughness of a pair of materials' labels, with that of each surface; None: nothing."""

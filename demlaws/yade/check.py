@@ -3,7 +3,7 @@
 import platform
 import time
 
-from demlaws.laws.names import HERTZ, USUAL
+from demlaws.laws import HERTZ, USUAL
 
 QUICK = ((HERTZ, "elastic"), (USUAL, "hertz"))
 

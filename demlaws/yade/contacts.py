@@ -1,4 +1,4 @@
-"""The contacts of the current scene as arrays, and their energies."""
+"""The contacts of the current scene as a table, and their energies."""
 
 import math
 from typing import NamedTuple
@@ -6,12 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import yade
 
-from demlaws.units import RANGES
-
 O = yade.O  # noqa: E741  YADE's name
-PHYSICS = tuple(getattr(yade, name) for name in ("MindlinPhys", "MindlinCapillaryPhys") if hasattr(yade, name))
-LOOKS = (2, 3, 12, 102, 1002)
-"""Calls of the guard with a check of every contact and body, which takes time."""
 
 
 class _Energies(NamedTuple):
@@ -37,33 +32,6 @@ class Totals(_Energies):
         missing = f", without the dissipation of {self.unaccounted} erased contacts" if self.unaccounted else ""
         shear = f"shear_stored={self.shear_stored!r}, shear_dissipated={self.shear_dissipated!r}, viscous={self.viscous!r}"
         return f"Totals(stored={self.stored!r}, dissipated={self.dissipated!r}, {shear}{missing})"
-
-
-def real_contacts():
-    """The current scene's contacts that a law of ours acts on."""
-    return [i for i in O.interactions if is_our_contact(i)]
-
-
-def is_our_contact(contact):
-    """Whether a contact is real and of a class that a law of ours acts on."""
-    return contact.isReal and type(contact.phys) in PHYSICS
-
-
-def radius_fault(body):
-    """Message about a sphere whose radius is not a positive number, or None."""
-    radius = body.shape.radius if isinstance(body.shape, yade.Sphere) else 1.0
-    if 0.0 < radius < math.inf:
-        return None
-    return f"body {body.id} is a sphere with radius = {radius:g} m: {RANGES['radius'].remedy}"
-
-
-def with_overlaps(rows, contacts):
-    """Rows of `layout.CONTACT` with the present overlaps, which a loaded scene does not know before its first step."""
-    for row, contact in zip(rows, contacts, strict=True):
-        overlap = contact.geom.penetrationDepth
-        if not math.isnan(overlap):
-            row["overlap"] = overlap
-    return rows
 
 
 SHEAR = {"shear_stored": "held", "shear_dissipated": "lost", "viscous": "viscous"}

@@ -10,10 +10,10 @@ import yade
 from demlaws.contact import compliance, effective_radius
 from demlaws.core.shear import DEFAULT, SLIP
 from demlaws.errors import BridgeWarning, DemlawsError, warn
-from demlaws.laws.names import HERTZ
+from demlaws.laws import HERTZ
 from demlaws.yade import native, selftest
 from demlaws.yade.binding import Binding
-from demlaws.yade.contacts import radius_fault
+from demlaws.yade.omega import radius_fault
 from demlaws.yade.pairs import Pairs, Span
 
 NATIVE_ATTRIBUTES = frozenset(yade.Law2_ScGeom_MindlinPhys_Mindlin().dict()) | {"preventGranularRatcheting"}
@@ -89,8 +89,10 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
 
     @classmethod
     def _from_text(cls, label, text):
-        """The functor described by `Binding.as_text`, in no scene."""
-        binding, attributes = Binding.from_text(label, text)
+        """The functor described by `saving.law_text`, in no scene."""
+        from demlaws.yade.saving import law_from
+
+        binding, attributes = law_from(label, text)
         functor = cls.__new__(cls)
         yade.Law2_ScGeom_MindlinPhys_Mindlin.__init__(functor, label=label, **attributes)
         functor.binding = binding
@@ -100,7 +102,9 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
 
     def __reduce__(self):
         """Copies and pickles: YADE's own would make a functor without arguments, which is Hertz's law."""
-        return type(self)._from_text, (self.label, self.binding.as_text(self.settings()))
+        from demlaws.yade.saving import law_text
+
+        return type(self)._from_text, (self.label, law_text(self.binding, self.settings()))
 
     def __repr__(self):
         return f"<{type(self).__name__} {self.label!r}: {self.binding.describe()}>"

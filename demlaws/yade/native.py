@@ -330,12 +330,12 @@ def _reserve(count, row):
 class Attachment:
     """A law made ready for functors: context, pairs of surfaces, rows and a patched table of virtual functions."""
 
-    def __init__(self, pairs):
+    def __init__(self, pairs, contacts=MOST_ROWS):
         self.layout, self.context = find_layout(), layout.Context()
         self._fill_context(pairs)
         self.saved_dtype = pairs.saved
         self._pairs, self._runner = pairs, None  # referenced: native code reads the pairs and writes into the runner
-        self.rows, self._free = _reserve(MOST_ROWS, pairs.row), np.zeros(0, np.int64)
+        self.rows, self._free = _reserve(contacts, pairs.row), np.zeros(0, np.int64)
         self.context["rows"], self.context["capacity"] = self.rows.ctypes.data, len(self.rows)
         probe = yade.Law2_ScGeom_MindlinPhys_Mindlin()
         offset, index, _ = self.layout.find_slot(probe)

@@ -1,14 +1,19 @@
-"""YADE's engine list with guards: its own property `O.engines`, which `patches` replaces after this module is imported; and
-scenes of our own beside the user's."""
+"""YADE's engine list with guards: its own property `O.engines`, which `patches` replaces after this module is imported; the
+contacts of the current scene; and scenes of our own beside the user's."""
 
 import contextlib
+import math
 
 import yade
 
 from demlaws.errors import DemlawsError
+from demlaws.units import RANGES
 
 O = yade.O  # noqa: E741  YADE's name
 _engines = yade.wrapper.Omega.engines
+PHYSICS = tuple(getattr(yade, name) for name in ("MindlinPhys", "MindlinCapillaryPhys") if hasattr(yade, name))
+LOOKS = (2, 3, 12, 102, 1002)
+"""Calls of the guard with a check of every contact and body, which takes time."""
 
 
 def get_engines():
@@ -35,3 +40,30 @@ def scratch_scene():
     finally:
         O.resetThisScene()
         O.switchToScene(home)
+
+
+def real_contacts():
+    """The current scene's contacts that a law of ours acts on."""
+    return [i for i in O.interactions if is_our_contact(i)]
+
+
+def is_our_contact(contact):
+    """Whether a contact is real and of a class that a law of ours acts on."""
+    return contact.isReal and type(contact.phys) in PHYSICS
+
+
+def radius_fault(body):
+    """Message about a sphere whose radius is not a positive number, or None."""
+    radius = body.shape.radius if isinstance(body.shape, yade.Sphere) else 1.0
+    if 0.0 < radius < math.inf:
+        return None
+    return f"body {body.id} is a sphere with radius = {radius:g} m: {RANGES['radius'].remedy}"
+
+
+def with_overlaps(rows, contacts):
+    """Rows of `layout.CONTACT` with the present overlaps, which a loaded scene does not know before its first step."""
+    for row, contact in zip(rows, contacts, strict=True):
+        overlap = contact.geom.penetrationDepth
+        if not math.isnan(overlap):
+            row["overlap"] = overlap
+    return rows

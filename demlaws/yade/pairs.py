@@ -1,28 +1,22 @@
 """Which law acts between which surfaces: from a user's arguments to the records that compiled code reads."""
 
-import base64
-import json
 import math
-import tempfile
-import zlib
 from numbers import Integral
-from pathlib import Path
 from typing import NamedTuple
 
 import numba
 import numpy as np
 
 from demlaws.contact import Contact, Material, Surface, surface_of
-from demlaws.core.levels import DEFAULT_LEVELS
 from demlaws.core.loops import clamped_roughness, loading_part, scale_contact
-from demlaws.core.shear import CHOICES, DEFAULT, SLIP
+from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, LARGEST_SHEAR_RATIO, MOST_LEVELS, SLIP
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.errors import DemlawsError, did_you_mean, quiet
 from demlaws.files import names_a_file
 from demlaws.law import Law, Table
+from demlaws.laws import HERTZ
 from demlaws.laws.hertz import HertzShape
-from demlaws.laws.names import HERTZ
-from demlaws.laws.registry import find, home_of, laws
+from demlaws.laws.registry import find
 from demlaws.make import known_unloading, law, rebound
 from demlaws.units import number
 from demlaws.yade import kernel, layout, tuples
@@ -32,9 +26,6 @@ from demlaws.yade.shear import MODES, SPRINGS, Levels
 EVERY = "*"
 """In place of a label: every material whose label is not listed."""
 FLATS = ("yade", "plane")
-MOST_LEVELS = 8
-LARGEST_SHEAR_RATIO = 4.0 / 3.0
-"""K_t/K of Poisson's ratio -1."""
 NOMINAL = {"radius": (5e-3, 5e-3), "modulus": (30e9, 30e9)}
 """Effective radius [m] and modulus [Pa] with which a law is made and checked where YADE's contacts are not known yet."""
 
@@ -122,12 +113,12 @@ class LawSource:
     @property
     def needs_span(self):
         """Whether the law's curve must be solved for the contacts that occur: their range must be known beforehand."""
-        return self._is("solved")
+        return self._any_states("solved")
 
     @property
     def needs_one_contact(self):
         """Whether the law's curve is solved for one R and E* alone: a height map's."""
-        return self._is("needs_map")
+        return self._any_states("needs_map")
 
     def definitions(self):
         """Those that take part: the law's, its loading's, the unloading curve's. (A table stands for itself.)"""
@@ -135,7 +126,7 @@ class LawSource:
         taking_part = [self.definition, *([find(loading)] if isinstance(loading, str) else [])]
         return (taking_part if self.table is None else []) + (self.curve.definitions() if self.curve is not None else [])
 
-    def _is(self, fact):
+    def _any_states(self, fact):
         """Whether a definition that takes part says so of itself."""
         return any(getattr(definition, fact) for definition in self.definitions())
 
@@ -202,34 +193,6 @@ class LawSource:
                 return source.table.contact.radius / of_radius, source.table.contact.modulus / of_modulus
         return 0.0, 0.0
 
-    def as_dict(self):
-        """Plain content for a saved scene."""
-        if self.table is None:
-            content = {"law": self.name, "options": self.options}
-            return content if self.curve is None else {**content, "curve": self.curve.as_dict(), "ratios": self.ratios}
-        with tempfile.TemporaryDirectory() as folder:
-            text = self.table.save(Path(folder) / "table.txt").read_bytes()
-        return {"table": base64.b64encode(zlib.compress(text, 9)).decode()}
-
-    @classmethod
-    def from_dict(cls, content):
-        """A source from the content of a saved scene."""
-        if "table" not in content:
-            if content["law"] not in laws():
-                raise DemlawsError(
-                    f"the scene was saved with law {content['law']!r}, which is not registered in this process: register it "
-                    "as it was (dl.register, or DEMLAWS_LAWS=FILE.py) before O.load"
-                )
-            source = cls(content["law"], content["options"])
-            if "curve" in content:
-                source.curve, source.ratios = cls.from_dict(content["curve"]), tuple(content["ratios"])
-                source.unloading = GIVEN
-            return source
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "table.txt"
-            path.write_bytes(zlib.decompress(base64.b64decode(content["table"])))
-            return cls(Table.load(path), {})
-
 
 class Pairs:
     """Laws between labelled surfaces. Number 0 stands for every material whose label is not listed: smooth.
@@ -292,9 +255,9 @@ class Pairs:
         if unloading is not None and not (unloading == GIVEN and rules == {GIVEN}):
             named = unloading if unloading == GIVEN else known_unloading(unloading)
             self.unloading = GIVEN if isinstance(named, Law) else named
-            for source in self._sources if isinstance(named, Law) else ():
+            for source in self.sources if isinstance(named, Law) else ():
                 source.unload_along(named)
-        records = {source.definition.rule(self.unloading) for source in self._sources}  # each law must take the rule
+        records = {source.definition.rule(self.unloading) for source in self.sources}  # each law must take the rule
         rule = records.pop() if records else RULES["elastic"]
         self.rule, self.state_names, self.rule_curve = rule.tag, rule.state, rule.curve
         if self.springs and rule.springs is None:
@@ -321,7 +284,8 @@ class Pairs:
         return law if isinstance(law, LawSource) else LawSource(law, options)
 
     @property
-    def _sources(self):
+    def sources(self):
+        """Every `LawSource`."""
         return [source for source in (self.default, *self.by_pair.values()) if source is not None]
 
     def _key(self, pair):
@@ -427,7 +391,8 @@ class Pairs:
             raise DemlawsError(text) from None
         return shape, (0.0, 0.0) if shape is None else source.only_for(span)
 
-    def _known_spans(self):
+    def known_spans(self):
+        """(labels, `Span`) of all pairs of which something is known."""
         for i, second in enumerate(self.labels):
             for first in self.labels[: i + 1]:
                 span = self._spans((first, second))
@@ -491,77 +456,10 @@ class Pairs:
     @property
     def only_hertz(self):
         """Whether the law needs no surface, being Hertz for every pair."""
-        return all(source.definition.hertzian for source in self._sources)
+        return all(source.definition.hertzian for source in self.sources)
 
     @property
     def name(self):
         """What acts, in words."""
-        sources = {source.name + (" (table)" if source.table else "") for source in self._sources}
+        sources = {source.name + (" (table)" if source.table else "") for source in self.sources}
         return f"{', '.join(sorted(sources))}, {self.unloading} unloading"
-
-    def as_text(self, identity=False):
-        """JSON from which `from_text` makes the same pairs in another process; identity: what makes two laws the same."""
-        content = {
-            "unloading": self.unloading,
-            "spans": [[a, b, *span] for (a, b), span in self._known_spans()],
-            "surfaces": {label: vars(surface) for label, surface in self.all_surfaces().items()},
-            "default": self.default and self.default.as_dict(),
-            "special": [[*pair, source.as_dict()] for pair, source in self.by_pair.items()],
-            "smooth": self.smooth,
-            "flats": self.flats,
-            "shear": self.shear_name,
-            "levels": self.levels,
-            "shear_ratio": self.shear_ratio,
-            "radius": self.radii.portable(),
-        }
-        if self._user_laws():
-            content["answers"] = self._answers()
-        if identity:
-            del content["spans"], content["smooth"]
-        try:
-            return json.dumps(content, default=lambda value: value.portable())
-        except (TypeError, AttributeError) as error:
-            raise DemlawsError(f"the law's options cannot be saved with the simulation: {error}") from None
-
-    def _user_laws(self):
-        """Names of the laws that take part which are not the package's: a name says nothing of their functions."""
-        return sorted({d.name for source in self._sources for d in source.definitions() if home_of(d.name) != home_of("hertz")})
-
-    def _answers(self):
-        """Forces [N] that tell laws of one name apart: of every pair on loading, unloading and loading further.
-
-        At one R and E* whatever the bodies are, since more of them may have come when the same law is made again.
-        """
-        rows = np.zeros(len(self.shapes), layout.CONTACT)
-        rows["ratio"], rows["tag"] = 1.0, 1.0 + np.arange(len(rows))
-        rows["radius"], rows["modulus"] = NOMINAL["radius"][0], NOMINAL["modulus"][0]
-        forces = []
-        for depth in (1e-5, 1e-4, 1e-3, 9e-4, 4e-3):
-            rows["overlap"] = depth * rows["radius"]
-            forces.append([float(f"{force:.9e}") for force in self.respond(rows)[0]["kno"] * rows["overlap"] ** 1.5])
-        return forces
-
-    @classmethod
-    def from_text(cls, text):
-        """Pairs from the text of a saved scene."""
-        content = json.loads(text)
-        if "levels" not in content:
-            raise DemlawsError(
-                "the scene was saved by a former version of demlaws, whose contacts have another history of shear: continue it "
-                "with that version, or take its bodies into a new scene"
-            )
-        law = {(a, b): LawSource.from_dict(one) for a, b, one in content["special"]}
-        if content["default"]:
-            law = LawSource.from_dict(content["default"])
-        spans = {(a, b): Span(tuple(radius), tuple(modulus), *meets) for a, b, radius, modulus, *meets in content["spans"]}
-        options = {name: content[name] for name in ("smooth", "flats", "shear", "shear_ratio")}
-        options["levels"] = content["levels"] or None
-        options["radius"] = Radii.from_portable(content.get("radius"))
-        pairs = cls(law, content["surfaces"], content["unloading"], {}, spans, **options)
-        answers = content.get("answers")
-        if answers is not None and not np.allclose(answers, pairs._answers(), rtol=1e-8, atol=0.0, equal_nan=True):
-            raise DemlawsError(
-                f"law {', '.join(map(repr, pairs._user_laws()))} is registered, but gives other forces than when the scene was "
-                "saved: the history of the contacts belongs to the former law. Register the law unchanged"
-            )
-        return pairs

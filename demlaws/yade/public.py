@@ -11,7 +11,7 @@ import yade
 from demlaws.errors import DemlawsError, EngineStopped
 from demlaws.units import LARGEST_OVERLAP, LARGEST_ROUGHNESS, SMALL_OVERLAP, outside
 from demlaws.yade import kernel, layout, native
-from demlaws.yade.contacts import LOOKS, is_our_contact
+from demlaws.yade.omega import LOOKS, is_our_contact
 from demlaws.yade.shear import move_loop, relax_loop
 
 
@@ -114,12 +114,12 @@ def step(binding):
     rows["shear"] = stiffness
     memory.tangents = answer["tangent"].tolist()
     binding.warn_of_shapes()
-    binding.warn_of_changes()
+    binding.refuse_changes()
 
 
 def _stop(binding, bodies, kind, value, radius=None):
-    first, second = bodies[:2]
-    raise EngineStopped(f"contact {first}+{second}{binding.fault_text(kind, first, second, value, radius)}")
+    text = binding.fault_text(kind, bodies[:2], value, radius=radius)
+    raise EngineStopped(f"contact {bodies[0]}+{bodies[1]}{text}")
 
 
 def initialise_contact(binding, contact, row):

@@ -5,7 +5,6 @@ from numbers import Real
 from typing import NamedTuple
 
 import numpy as np
-import yade
 
 from demlaws.errors import DemlawsError, EngineStopped
 from demlaws.yade import layout
@@ -52,17 +51,6 @@ class Radii:
         self.edges = edges
         self.known = {}  # (body, body) → step in which the contact began, for a function
 
-    def portable(self):
-        """The choice for JSON."""
-        if callable(self.choice):
-            raise DemlawsError("radius= is a function, which cannot be saved with the simulation: give a number or a name")
-        return [self.choice.largest] if isinstance(self.choice, Curvature) else self.choice
-
-    @staticmethod
-    def from_portable(value):
-        """The choice from its JSON."""
-        return Curvature(*value) if isinstance(value, list) else value
-
     def is_new(self, contact):
         """Whether a contact has not been seen by this method: true once."""
         key, start = (contact.id1, contact.id2), contact.iterMadeReal
@@ -87,13 +75,3 @@ class Radii:
     def gap_address(self):
         """Address of `curvature.gap_radius` for compiled code; 0 for other choices."""
         return 0 if self.shapes is None else self.shapes.gap_address()
-
-
-def body_radius_text(contact, radius):
-    """Warning about a contact with the body's R."""
-    names = " on ".join(type(yade.O.bodies[number].shape).__name__ for number in (contact.id1, contact.id2))
-    return (
-        f"contact {contact.id1}+{contact.id2} ({names}) has R = {radius:.4g} m from the distances between "
-        "the bodies' centres and the contact, which is not a radius of curvature; force, yield and the effect of roughness "
-        'follow from it. Choose radius="curvature" (level sets), the measured edge radius in m, or radius="body"'
-    )

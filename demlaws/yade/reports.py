@@ -6,7 +6,7 @@ import yade
 from demlaws.errors import did_you_mean
 from demlaws.units import RANGES, SMALL_OVERLAP, large_overlap, too_large_overlap
 from demlaws.yade import layout
-from demlaws.yade.contacts import radius_fault, real_contacts
+from demlaws.yade.omega import radius_fault, real_contacts
 from demlaws.yade.pairs import NOT_SERVED
 
 O = yade.O  # noqa: E741  YADE's name
@@ -27,10 +27,11 @@ def unlisted_text(binding, bodies, missing):
     )
 
 
-def fault_text(binding, kind, first, second, value, radius=None):
+def fault_text(binding, kind, bodies, *, value, radius=None):
     """Message about a fault of the contact of two bodies; value: overlap or R [m], or E* [Pa]; radius: R [m]."""
-    stones = [O.bodies[number].material for number in (first, second)]
-    wrong = next(filter(None, (radius_fault(O.bodies[number]) for number in (first, second))), None)
+    first, second = bodies
+    stones = [O.bodies[number].material for number in bodies]
+    wrong = next(filter(None, (radius_fault(O.bodies[number]) for number in bodies)), None)
     if wrong is not None:
         return f": {wrong}"
     if kind in (layout.FLAT_GAP, layout.NO_CURVATURE):
@@ -114,12 +115,22 @@ def joint_text(first, second):
     )
 
 
+def body_radius_text(contact, radius):
+    """Warning about a contact with the body's R."""
+    names = " on ".join(type(O.bodies[number].shape).__name__ for number in (contact.id1, contact.id2))
+    return (
+        f"contact {contact.id1}+{contact.id2} ({names}) has R = {radius:.4g} m from the distances between "
+        "the bodies' centres and the contact, which is not a radius of curvature; force, yield and the effect of roughness "
+        'follow from it. Choose radius="curvature" (level sets), the measured edge radius in m, or radius="body"'
+    )
+
+
 def changed_text(first, second):
     """Message about a contact whose coefficients something else has changed."""
     return (
-        f"kno or kso of contact {first}+{second} was changed by the script or an engine, without effect: the law writes both "
-        "in each step, from R, E* and surfaces. Give radius=… or other materials for another force, shear_ratio=… for another "
-        "K_t, or use Law2_ScGeom_MindlinPhys_Mindlin"
+        f"kno or kso of contact {first}+{second} was changed by the script; the law writes both in each step, from R, E* and "
+        "surfaces. For another force give radius= a function of the contact (Hertz: kno grows as √R) or other materials, for "
+        "another K_t shear_ratio=, or use Law2_ScGeom_MindlinPhys_Mindlin"
     )
 
 

@@ -16,7 +16,8 @@ from demlaws.contact import effective_modulus, effective_radius
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.units import SMALL_OVERLAP
 from demlaws.yade.binding import Binding
-from demlaws.yade.omega import O, set_engines
+from demlaws.yade.native import FEW_ROWS
+from demlaws.yade.omega import O, scratch_scene, set_engines
 
 STEPS = 600
 """Steps of a Hertz contact's duration: the rebound is within 1e-3 of its limit."""
@@ -44,14 +45,8 @@ def restitution(pairs, first, second, speed, en=None):
         raise DemlawsError(f"mass = {min(masses):g} kg: the mass of a body that moves must be positive")
     if all(map(math.isinf, masses)):
         raise DemlawsError("two fixed bodies do not collide: give one that moves (a sphere without fixed=True)")
-    home = O.thisScene
-    scratch = O.addScene()
-    O.switchToScene(scratch)
-    try:
-        return _bounce(Binding("impact", pairs, "native"), lower, upper, 1.0 / sum(1.0 / m for m in masses), speed, en)
-    finally:
-        O.resetThisScene()
-        O.switchToScene(home)
+    with scratch_scene():
+        return _bounce(pairs, lower, upper, mass=1.0 / sum(1.0 / m for m in masses), speed=speed, en=en)
 
 
 def en_for(pairs, first, second, speed, ratio):
@@ -82,7 +77,8 @@ def _like(body):
     return yade.FrictMat(**{name: getattr(body.material, name) for name in names})
 
 
-def _bounce(binding, lower, upper, mass, speed, en):
+def _bounce(pairs, lower, upper, *, mass, speed, en):
+    binding = Binding("impact", pairs, "native", FEW_ROWS)
     size, radius, stone = 4 * _radius(upper), _radius(upper), _like(lower)
     if _radius(lower):
         base = utils.sphere((0, 0, -_radius(lower)), _radius(lower), fixed=True, material=stone)

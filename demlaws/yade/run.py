@@ -39,12 +39,6 @@ def python_of(yade):
     return tuple(int(part) for part in version) if len(version) == 2 and all(part.isdigit() for part in version) else None
 
 
-def modules_of(yade):
-    """Folder of YADE's Python modules that a yade start script puts on the path, or None where it does not say."""
-    match = re.search(r"^sys\.path\.insert\(\d+, *'([^']+)'\)", Path(yade).read_text(errors="replace"), re.M)
-    return Path(match.group(1)) if match else None
-
-
 def numpy_built_for(folder="/usr/lib/python3/dist-packages"):
     """Major version of the numpy that the system's Python packages, YADE among them, are built for; None if there is none."""
     versions = [d.version for d in importlib.metadata.distributions(name="numpy", path=[folder])]
@@ -80,7 +74,7 @@ def environment():
     return {**os.environ, **registry.environment(), "PYTHONPATH": os.pathsep.join([*folders, *([old] if old else [])])}
 
 
-def command(script, arguments=(), threads=1, gui=False, batch=None, *, stay=False, options=()):
+def command(script, arguments=(), threads=1, *, gui=False, batch=None, stay=False, options=()):
     """The command line that runs `script`.
 
     gui: with the graphical interface; batch: a parameter table for yade-batch; stay: keep the interpreter when the script has
@@ -108,10 +102,10 @@ FAILED = re.compile(r"#\d+ \(.*\) FAILED ")
 """How a line of yade-batch about a job that failed begins; its own exit status is 0 nevertheless."""
 
 
-def run(script, arguments=(), threads=1, gui=False, batch=None, stay=False, yade_options=(), **options):
+def run(script, arguments=(), threads=1, *, gui=False, batch=None, stay=False, yade_options=(), **options):
     """Run a script under YADE; returns the `subprocess.CompletedProcess`, whatever its exit status (a batch of which a job has
     failed: 1)."""
-    line = command(script, arguments, threads, gui, batch, stay=stay, options=yade_options)
+    line = command(script, arguments, threads, gui=gui, batch=batch, stay=stay, options=yade_options)
     if batch is None or options:
         return subprocess.run(line, env=environment(), check=False, **options)
     failed = 0

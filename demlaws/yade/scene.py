@@ -8,6 +8,7 @@ loading and puts the law there. Without a guard YADE ends with an error; the nat
 
 import json
 import uuid
+from numbers import Real
 
 import yade
 
@@ -147,9 +148,10 @@ def set_functors(dispatcher, functors):
 
 
 def with_energies(tracker):
-    """YADE's EnergyTracker with the present energies [J] of the laws of the scene, if it tracks energies."""
+    """YADE's EnergyTracker with the present energies [J] of the laws of the scene, if it tracks energies; as YADE's own they
+    exist from the first step."""
     _attach_loaded()
-    for label, functor in laws_here().items() if O.trackEnergy else ():
+    for label, functor in laws_here().items() if O.trackEnergy and O.iter else ():
         totals = functor.totals()
         parts = {"Elastic": totals.stored, "Plastic": totals.dissipated}
         parts |= {"ShearElastic": totals.shear_stored, "ShearLost": totals.shear_dissipated}
@@ -247,7 +249,11 @@ def _refuse_other_physics(engine):
 
 def _take_over(functor, old):
     """Let a functor that is the same law as the one at work continue its contacts and account."""
-    if old is not None and old is not functor and functor.binding is not old.binding and functor.binding.same_as(old.binding):
+    if old is None or functor.binding is old.binding:
+        return
+    from demlaws.yade.saving import are_same
+
+    if are_same(functor.binding, old.binding):
         functor.binding = old.binding
         if old.binding.attachment is not None:
             old.binding.attachment.patch(functor)
@@ -264,10 +270,12 @@ def _refuse_switch(engines, before, laws, old):
     new_others, old_others = others(engines), others(before)
     if (not laws and not new_others) or (not old and not old_others):
         return
+    from demlaws.yade.saving import are_same
+
     same = set(laws) == set(old) and new_others == old_others
     for label, functor in laws.items() if same else ():
         former = old[label]
-        same &= functor is former or (former.binding.same_as(functor.binding) and former.settings() == functor.settings())
+        same &= functor is former or (are_same(former.binding, functor.binding) and former.settings() == functor.settings())
     if not same:
         raise DemlawsError(_switch_text())
 
@@ -318,6 +326,43 @@ def _warn(line):
         warn(line, TimeStepWarning)
 
 
+def engines(law, *, geometries=None, bounds=None, physics=None, before=(), after=(), newton=None, verlet=0.1, timestep=None):
+    """A whole engine list for spheres, facets, walls and boxes: `O.engines = engines(law)`.
+
+    geometries, bounds: functors in place of the usual ones; physics: an Ip2_FrictMat_FrictMat_MindlinPhys, for damping; before,
+    after: engines before and behind the contacts (forces, boundaries); newton: a NewtonIntegrator (default: no damping);
+    verlet: `InsertionSortCollider.verletDist` in units of the smallest radius; timestep: the part, up to 1, of the critical
+    step for a GlobalStiffnessTimeStepper, None for a constant `O.dt`. The stepper's step stays below this part of 4
+    PWaveTimeStep() of the bodies, later ones included: the present stiffness of a contact does not bound that of the next step,
+    and 4 r √(ρ/E) is stable for a sphere with four contacts per side that have grown to 0.3 R, under every law.
+    """
+    if not isinstance(law, yade.LawFunctor):
+        raise DemlawsError(f"engines(law): give the law functor, Law2_ScGeom_MindlinPhys_Demlaws(…), got {law!r}")
+    bounds = bounds or [yade.Bo1_Sphere_Aabb(), yade.Bo1_Facet_Aabb(), yade.Bo1_Wall_Aabb(), yade.Bo1_Box_Aabb()]
+    geometries = geometries or [
+        yade.Ig2_Sphere_Sphere_ScGeom(),
+        yade.Ig2_Facet_Sphere_ScGeom(),
+        yade.Ig2_Wall_Sphere_ScGeom(),
+        yade.Ig2_Box_Sphere_ScGeom(),
+    ]
+    stepper = []
+    if timestep is not None:
+        if not (isinstance(timestep, Real) and 0.0 < timestep <= 1.0):
+            raise DemlawsError(f"timestep = {timestep!r}: a share of the critical step, above 0 and up to 1")
+        stepper = [yade.GlobalStiffnessTimeStepper(timestepSafetyCoefficient=timestep, timeStepUpdateInterval=10)]
+    if hasattr(law, "binding"):
+        law.binding.share = timestep
+    return [
+        yade.ForceResetter(),
+        yade.InsertionSortCollider(bounds, verletDist=-verlet),
+        *before,
+        yade.InteractionLoop(geometries, [physics or yade.Ip2_FrictMat_FrictMat_MindlinPhys()], [law]),
+        *stepper,
+        *after,
+        newton or yade.NewtonIntegrator(damping=0),
+    ]
+
+
 # --- saving and loading
 
 
@@ -334,11 +379,13 @@ class as_saved:
     """Within this context the scene is as in its file: laws in tags, placeholders in their places, guards due at once."""
 
     def __enter__(self):
+        from demlaws.yade import saving
+
         self.kept = []
         for _, dispatcher, functor in law_functors(get_engines()):
             if is_our_law(functor):
-                O.tags[LAW.format(label=functor.label)] = functor.binding.as_text(functor.attributes())
-                O.tags[HISTORY.format(label=functor.label)] = functor.binding.history()
+                O.tags[LAW.format(label=functor.label)] = saving.law_text(functor.binding, functor.attributes())
+                O.tags[HISTORY.format(label=functor.label)] = saving.history(functor.binding)
                 self.kept.append((dispatcher, list(dispatcher.functors)))
         self.runners = [(engine, engine.nDone) for engine in get_engines() if _runs(engine, GUARD_COMMAND)]
         for dispatcher, functors in self.kept:
@@ -371,12 +418,14 @@ def attach_saved():
     placeholders = [(dispatcher, functor.label, text) for dispatcher, functor, text in placeholders if text]
     if not placeholders:
         return
+    from demlaws.yade import saving
+
     token = O.tags[TOKEN] = uuid.uuid4().hex  # the one in the file may be that of another scene of this process
     for dispatcher, label, text in placeholders:
         law = _restored(label, _at_work.get(O.thisScene, {}).get(label), text)
         FUNCTORS.__set__(dispatcher, [law if f.label == label else f for f in dispatcher.functors])
         law.binding.enter(token, json.loads(text)["account"])
-        law.binding.restore(_tag(HISTORY.format(label=label)))
+        saving.restore(law.binding, _tag(HISTORY.format(label=label)))
         commands = GUARD_COMMAND.format(label=label), PREPARE.format(label=label)
         law.binding.watched_by(next((e for e in get_engines() if getattr(e, "command", None) in commands), None))
     set_engines(get_engines())  # YADE sets its variables named by labels
@@ -390,9 +439,11 @@ def _attach_loaded():
 
 
 def _restored(label, former, text):
+    from demlaws.yade import saving
+
     content = json.loads(text)
     if former is not None:
-        current = json.loads(former.binding.as_text(content["attributes"]))
+        current = json.loads(saving.law_text(former.binding, content["attributes"]))
         if current | {"account": None} == content | {"account": None}:
             former.updateAttrs(content["attributes"])
             return former

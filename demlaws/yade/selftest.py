@@ -95,6 +95,7 @@ def _sheared(functor, overlap, damping, periodic):
     image = 4 * size if periodic else 0.0
     base.state.pos, base.state.vel, ball.state.pos = yade.Vector3.Zero, yade.Vector3.Zero, yade.Vector3(0, 0, 2 * size)
     if periodic:
+        O.cell.hSize = yade.Matrix3.Identity * image  # YADE's cell of 1 m may be too small for the spheres
         O.cell.velGrad = yade.Matrix3(0, 0, 0, 0.01, 0.02, 0, 0, 0.03, 0.04) * (1e-6 / O.dt)
         O.step()  # it is used from the next step on
         O.cell.hSize = yade.Matrix3.Identity * image

@@ -13,8 +13,8 @@ import numpy as np
 from numba.extending import overload
 
 from demlaws.core.fastmath import sqrt
-from demlaws.core.levels import EMPTY
 from demlaws.core.numba_compat import INLINED, kernel, loop
+from demlaws.core.shear import EMPTY
 from demlaws.yade import objects
 from demlaws.yade.mindlin import advance, follow, slide, trial_force, trial_of_one_spring, turned
 from demlaws.yade.records import assign, cross, dot, minus_scaled, pointee, scaled, vector, view

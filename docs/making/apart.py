@@ -39,6 +39,11 @@ def report_apart(text):
                     count, passed = count + 1, passed + (row["verdict"] == "pass")
                     rows.append([title, group[-1] if group else "", *(row.get(name, "") for name in COLUMNS)])
             summary.append((title, ", ".join(dict.fromkeys(groups)), str(count), str(passed)))
+        elif title == "One line per law":
+            lines = [cells(line) for line in found[0].group().splitlines()[2:]]
+            rest.append(
+                TABLE.sub("\n".join(f"- {law}: {result} ({passed})" for law, result, passed in lines) + "\n", part, count=1)
+            )
         else:
             rest.append(part)
     lines = ["## What was compared\n", "| type of reference | comparisons | rows | pass |", "|---|---|---:|---:|"]

@@ -1,6 +1,7 @@
 """Words, numbers, tables and pictures of each page: python docs/making/density.py [PAGE ...]; default: all of docs and README.
 
-Numbers are those of the text and of tables, not of listings. A page that is read has few.
+Numbers are those of the text and of tables, not of listings. A page that is read has few. `--repeated` lists figures
+with a unit that stand on three pages or more, other than inputs: a measured figure is stated once in README and once in docs.
 """
 
 import re
@@ -13,10 +14,33 @@ NUMBER = re.compile(r"(?<![\w.])[-−+]?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?")
 
 def density(text):
     """(words, numbers, tables, rows of the longest table, pictures) of a page."""
-    text = re.sub(r"<!--.*?-->", "", re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL), flags=re.DOTALL)
+    text = text_of(text)
     tables = [len(block.splitlines()) - 2 for block in re.findall(r"(?:^\|.*\n?)+", text, re.MULTILINE)]
     words = len(re.findall(r"[^\W\d_]{2,}", text))
     return words, len(NUMBER.findall(text)), len(tables), max(tables, default=0), len(re.findall(r"!\[", text))
+
+
+FIGURE = re.compile(r"(?<![\w.,^])\d+(?:[.,]\d+)?(?:e[-+]?\d+)? ?(?:%|µm|nm|MB|s|ns|µs|N|J|MPa|kPa|times|bytes)(?!\w)")
+INPUTS = {"100 N", "100 kPa", "375 kPa", "0.05 N"}
+"""Loads and stresses that runs are made with."""
+
+
+def text_of(page):
+    """The text of a page without comments and listings."""
+    text = re.sub(r"^```.*?^```", "", page, flags=re.MULTILINE | re.DOTALL)
+    return re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
+
+
+def repeated(found):
+    """{figure: names of its pages}, for figures on three pages or more."""
+    places = {}
+    for path in found:
+        for figure in set(FIGURE.findall(text_of(path.read_text()))) - INPUTS:
+            digits = re.sub(r"e.*|\D", "", figure.split()[0]).strip("0")
+            if len(digits) < 2:
+                continue  # a round figure may stand for several things
+            places.setdefault(figure, []).append(path.relative_to(ROOT).as_posix())
+    return {figure: names for figure, names in sorted(places.items()) if len(names) > 2}
 
 
 def pages():
@@ -28,7 +52,11 @@ def pages():
 
 def main():
     """Print a line per page, most numbers first."""
-    chosen = [Path(name).resolve() for name in sys.argv[1:]] or pages()
+    names = [name for name in sys.argv[1:] if name != "--repeated"]
+    chosen = [Path(name).resolve() for name in names] or pages()
+    if "--repeated" in sys.argv:
+        print("\n".join(f"{figure:12} {', '.join(names)}" for figure, names in repeated(chosen).items()))
+        return
     rows = [(density(path.read_text()), path.relative_to(ROOT)) for path in chosen]
     print(f"{'page':34} {'words':>6} {'numbers':>8} {'tables':>7} {'rows':>5} {'pictures':>9}")
     for counts, path in sorted(rows, key=lambda row: -row[0][1]):

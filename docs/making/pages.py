@@ -45,7 +45,7 @@ SECTIONS = {
         "machines",
     ],
     "reference": ["symbols", "materials", "bibliography", "table-format", "made/citation", "made/changelog"],
-    "validation": ["limits", "trade", "cost", "made/costs"],
+    "validation": ["limits", "trade", "softening", "cost", "made/costs"],
     "inside": ["made/contributing"],
 }
 """Pages outside the folder of their section; any other page of docs/ itself is listed under how-to."""

@@ -18,7 +18,7 @@ import numpy as np
 
 from demlaws.lammps import run
 from demlaws.lammps.run import HEAD
-from demlaws.laws.names import HERTZ, POHRT_POPOV
+from demlaws.laws import HERTZ, POHRT_POPOV
 from studies.assembly.report import spread
 from studies.assembly.stiffness import moduli
 from studies.assembly.study import HERE, START, STORE, Series, append, begin, read

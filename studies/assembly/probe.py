@@ -13,7 +13,7 @@ import numpy as np
 from demlaws.errors import quiet
 from demlaws.lammps import run
 from demlaws.lammps.run import HEAD
-from demlaws.laws.names import POHRT_POPOV
+from demlaws.laws import POHRT_POPOV
 from studies.assembly.packing import Contacts
 from studies.assembly.stiffness import Linear
 from studies.assembly.study import BEADS, CLUMPS, HERE, STORE, Series, append, begin, read

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.laws.names import HERTZ, POHRT_POPOV
+from demlaws.laws import HERTZ, POHRT_POPOV
 
 ALL, LOW = (10.0, 1000.0), (10.0, 100.0)
 """Ranges of pressure [kPa]."""

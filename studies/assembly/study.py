@@ -21,7 +21,7 @@ import numpy as np
 
 import demlaws as dl
 from demlaws.errors import quiet
-from demlaws.laws.names import HERTZ, POHRT_POPOV
+from demlaws.laws import HERTZ, POHRT_POPOV
 from studies.assembly.packing import Bead, Packing
 from studies.assembly.stiffness import first_loading, moduli, prestress
 

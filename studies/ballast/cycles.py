@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.lammps import run
-from demlaws.laws.names import HERTZ, POHRT_POPOV
+from demlaws.laws import HERTZ, POHRT_POPOV
 from studies.assembly.study import append, read
 from studies.ballast import bed
 

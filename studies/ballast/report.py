@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.laws.names import HERTZ, POHRT_POPOV
+from demlaws.laws import HERTZ, POHRT_POPOV
 from studies.assembly.report import spread
 from studies.ballast.bed import DENSITY
 from studies.ballast.cycles import SENSITIVITY, Case

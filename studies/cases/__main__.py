@@ -1,5 +1,6 @@
-"""`python -m studies.cases`: tables and pictures of the cases that the documentation shows."""
+"""`python -m studies.cases`: tables and curves of the cases that the documentation shows."""
 
+import csv
 import sys
 import tempfile
 
@@ -14,34 +15,36 @@ def parser():
         prog="python -m studies.cases",
         description="Runs a case and prints its table: impact (in Python and each engine, 20 s), compression (LIGGGHTS, "
         "2 minutes), ballast (4 minutes), waves (LAMMPS, a minute).",
-        **example("  python -m studies.cases ballast --engine lammps -np 2 --figure settlement.png"),
+        **example("  python -m studies.cases ballast --engine lammps -np 2 --rows settlement.csv"),
     )
     parser.add_argument("case", choices=("impact", "compression", "ballast", "waves"))
     parser.add_argument("--engine", choices=ENGINES, default="liggghts", help="engine of ballast (default: liggghts)")
     parser.add_argument("--quick", action="store_true", help="a small bed or packing, one pressure")
     parser.add_argument("-np", type=int, default=1, help="number of MPI ranks of ballast and waves (default: 1)")
-    parser.add_argument("--figure", type=output, help="picture of the result (not of impact)")
+    parser.add_argument("--rows", type=output, help="CSV of the curves, as docs/gallery draws them (not of impact)")
     parser.set_defaults(func=run)
     return parser
 
 
 def run(arguments):
-    """Run the case, print its table, draw its picture."""
+    """Run the case, print its table, write its curves."""
     with tempfile.TemporaryDirectory() as folder:
         if arguments.case == "ballast":
             found = ballast.Cycles(arguments.engine, folder, arguments.np, arguments.quick)
-            lines, draw = found.table(), found.draw
+            lines, rows = found.table(), found.rows()
         elif arguments.case == "compression":
             found = compression.curves(folder, arguments.quick)
-            lines, draw = compression.table(found), lambda path: compression.draw(found, path)
+            lines, rows = compression.table(found), compression.rows(found)
         elif arguments.case == "waves":
             found = waves.waves(folder, (100,) if arguments.quick else (10, 100), arguments.np)
-            lines, draw = waves.table(found), lambda path: waves.draw(found, path)
+            lines, rows = waves.table(found), waves.rows(found)
         else:
-            lines, draw = impact.table(impact.compare(folder)), None
+            lines, rows = impact.table(impact.compare(folder)), None
         print("\n".join(lines))
-        if arguments.figure is not None and draw:
-            print(draw(arguments.figure))
+        if arguments.rows is not None and rows:
+            with open(arguments.rows, "w", encoding="utf-8", newline="") as file:
+                csv.writer(file, lineterminator="\n").writerows(rows)
+            print(arguments.rows)
 
 
 def main(arguments=None):

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from demlaws import plots
 from studies.cases import defaults, prepared, run_input
 
 QUICK = {"half": 0.08, "mean": 500, "amplitude": 400, "gain": 6e-3, "cycles": 160000}
@@ -19,8 +18,8 @@ class Cycles:
         self.log = log = run_input(engine, script, ranks, given)
         times = {name: int(value) for name, value in defaults(script).items() if name in ("settle", "press", "period")}
         step = log["Step"] - times["settle"] - times["press"]
-        ends = (step >= 0) & (step % times["period"] == 0)
-        self.cyclic = step > 0
+        self.ends = ends = (step >= 0) & (step % times["period"] == 0)
+        self.begun, self.cyclic = step >= 0, step > 0
         self.settlement = log["plate"][ends][0] - log["plate"][ends]
         self.dissipated = log["lost"][ends] - log["lost"][ends][0]
 
@@ -38,12 +37,10 @@ class Cycles:
             settled = self.settlement[n]
             yield f"{n:6d} {settled * 1e3:14.4f} {settled / height * 100:9.4f} {self.dissipated[n]:13.5f}"
 
-    def draw(self, path):
-        """Load against displacement of the plate, settlement against cycle."""
-        figure, (left, right) = plots.figure(columns=2)
-        place = self.log["plate"][self.cyclic]
-        left.plot((place[0] - place) * 1e3, self.log["carried"][self.cyclic] / 1e3, linewidth=0.6)
-        left.set(xlabel="displacement of the plate (mm)", ylabel="load (kN)")
-        right.plot(np.arange(self.settlement.size), self.settlement * 1e3, "o-", markersize=3)
-        right.set(xlabel="cycle", ylabel="permanent settlement (mm)")
-        return plots.save(figure, path)
+    def rows(self):
+        """Head and rows of the curve in the cycles; at the end of a cycle also its number."""
+        yield "displacement (m)", "load (N)", "cycle"
+        first = self.log["plate"][self.begun][0]
+        numbers = np.where(self.ends, np.cumsum(self.ends) - 1, -1)[self.begun]
+        for place, load, number in zip(self.log["plate"][self.begun], self.log["carried"][self.begun], numbers, strict=True):
+            yield f"{first - place:.6g}", f"{load:.5g}", number if number >= 0 else ""

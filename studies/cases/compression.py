@@ -3,7 +3,6 @@
 import numpy as np
 
 import demlaws as dl
-from demlaws import plots
 from studies.cases import prepared, run_input
 
 GRANITE = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9)
@@ -66,11 +65,9 @@ def table(found):
         yield f"{name:22}{values}{curve.exponent:10.3f}{100 * curve.permanent:17.4f}%{curve.loop:18.3f}"
 
 
-def draw(found, path):
-    """Stress against strain of the laws."""
-    figure, axes = plots.figure(width=6)
+def rows(found):
+    """Head and rows of the curves: law, strain, stress [Pa]."""
+    yield "law", "strain", "stress (Pa)"
     for name in LAWS:
-        axes.plot(found[name].strain * 100, found[name].stress / 1e6, color=plots.COLOURS[name], label=name)
-    axes.set(xlabel="axial strain (%)", ylabel="plate stress (MPa)")
-    axes.legend(frameon=False)
-    return plots.save(figure, path)
+        for strain, stress in zip(found[name].strain, found[name].stress, strict=True):
+            yield name, f"{strain:.6g}", f"{stress:.5g}"

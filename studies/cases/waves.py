@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from demlaws import plots
 from studies.cases import prepared, run_input
 
 NEAR, FAR = 18e-3, 40e-3  # distances of two layers from the middle [m]
@@ -58,16 +57,9 @@ def table(found):
         yield f"{wave.name:24}{wave.speed:16.1f} m/s{wave.static:16.1f} m/s{difference:12.2%}{wave.height:8.2f}"
 
 
-def draw(found, path):
-    """Velocities over place and time at the last pressure, with the speeds of the moduli as lines."""
-    figure, axes = plots.figure(columns=2, width=4.2, height=3.8)
-    for ax, wave in zip(axes, found[-2:], strict=True):
-        span = np.abs(wave.velocities).max() / 2
-        ax.grid(False)
-        colours = {"cmap": "RdBu_r", "vmin": -span, "vmax": span, "rasterized": True}
-        ax.pcolormesh(1e3 * wave.places, 1e6 * wave.times, wave.velocities, **colours)
-        for sign in (-1, 1):
-            ax.plot(sign * 1e3 * wave.static * wave.times, 1e6 * wave.times, "k--", lw=1)
-        title = f"{NAMES[wave.axis]}, √({'M' if wave.axis == 'z' else 'G'}/ρ), {wave.pressure} kPa"
-        ax.set(xlabel="place (mm)", ylabel="time (µs)", title=title, xlim=1e3 * wave.places[[0, -1]])
-    return plots.save(figure, path)
+def rows(found):
+    """Head and rows of the pulses at the last pressure: velocities of the layers at every fourth time, speed of the moduli."""
+    yield "wave", "speed by the moduli (m/s)", "time (s)", *(f"{place:.5g} m" for place in found[-1].places)
+    for wave in found[-2:]:
+        for time, velocities in zip(wave.times[::4], wave.velocities[::4], strict=True):
+            yield wave.name, f"{wave.static:.2f}", f"{time:.6g}", *(f"{velocity:.2g}" for velocity in velocities)

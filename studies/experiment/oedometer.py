@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.errors import DemlawsError
-from demlaws.laws.names import HERTZ, POHRT_POPOV
+from demlaws.laws import HERTZ, POHRT_POPOV
 from studies.engines import under_yade
 
 HERE = Path(__file__).parent

@@ -40,13 +40,13 @@ def outcomes(rows, count):
 def table(rows, count):
     """Mean of the seeds and their standard deviation."""
     test = numbers(measured())
-    lines = [f"{'':68}{'seeds':>6}" + "".join(f"{title:>18}" for title in TITLES)]
-    lines.append(f"{'measured':74}" + "".join("" if np.isnan(v) else f"{v:18.3f}" for v in test))
+    lines = [f"| packing | seeds | {' | '.join(TITLES)} |", "|---" * (2 + len(TITLES)) + "|"]
+    lines.append(f"| measured | | {' | '.join('' if np.isnan(v) else f'{v:.3f}' for v in test)} |")
     for label, values in outcomes(rows, count).items():
         mean = values.mean(axis=0)
         spread = values.std(axis=0, ddof=1) if len(values) > 1 else np.full(len(mean), np.nan)
-        cells = "".join(" " * 18 if np.isnan(m) else f"{m:10.3f} ± {s:5.3f}" for m, s in zip(mean, spread, strict=True))
-        lines.append(f"{label:68}{len(values):6d}{cells}")
+        cells = ["" if np.isnan(m) else f"{m:.3f} ± {s:.3f}" for m, s in zip(mean, spread, strict=True)]
+        lines.append(f"| {label} | {len(values)} | {' | '.join(cells)} |")
     return "\n".join(lines)
 
 

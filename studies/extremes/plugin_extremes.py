@@ -9,7 +9,7 @@ import numpy as np
 from demlaws import lammps, liggghts
 from demlaws.errors import EngineStopped
 from demlaws.lammps.run import HEAD as LAMMPS_HEAD
-from demlaws.laws.names import HERTZ
+from demlaws.laws import HERTZ
 from demlaws.laws.registry import registry
 from demlaws.liggghts.run import HEAD as LIGGGHTS_HEAD
 from studies.extremes.stability import GRANITE, POISSON, Balance, Case

@@ -7,7 +7,7 @@ import yade
 import yade.utils
 
 from demlaws.contact import GRANITE, Surface
-from demlaws.laws.names import HERTZ
+from demlaws.laws import HERTZ
 from demlaws.laws.registry import find
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
 from studies.extremes import stability

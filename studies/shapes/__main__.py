@@ -173,6 +173,8 @@ def show(options):
             (add_small_strain if options.small else add_run)(case, options.packings, path, progress)
             progress(f"{' '.join(case)} done")
     if options.small:
+        print("| grains | law | R | pressure, kPa | modulus, MPa | deviation, MPa | contacts per grain | noise, Pa |")
+        print("|---" * 8 + "|")
         print("\n".join(f"| {line.replace(',', ' | ')} |" for line in path.read_text().splitlines()))
         return
     rows = read(path)

@@ -35,7 +35,13 @@ def parser():
     parser.add_argument(
         "--vibrate", choices=[*vibration.SCENES, *vibration.IN_LIGGGHTS], help="run a scene under a vibrating load, or at rest"
     )
-    parser.add_argument("--shaken", type=int, nargs="+", default=[0], help="seeds of shaken grains, with --vibrate oedometer")
+    parser.add_argument(
+        "--shaken",
+        type=int,
+        nargs="+",
+        default=[0],
+        help="seeds of the places of grains, with --vibrate oedometer or rest (0 to 5)",
+    )
     parser.add_argument("--engines", nargs="+", choices=sorted(vibration.OWN), default=["liggghts"], help="with --vibrate")
     parser.add_argument("--models", nargs="+", choices=[*WORDS], default=[*WORDS], help="with --vibrate")
     parser.add_argument("--cycles", type=int, default=300, help="with --vibrate (default 300)")

@@ -59,8 +59,8 @@ RUNS = Path(__file__).with_name("vibration.jsonl")
 """Rows of `--vibrate` that docs/shear.md shows."""
 SHADES = {"1 level": "#9ecae1", "2 levels": "#4292c6", "3 levels": "#08519c", "slip": "#d62728", "own": "#999999"}
 SHADES |= {"ratio 0.3": "#74c476", "ratio 0.086": "#006d2c"}
-LABELS = {"own": "LIGGGHTS history", "3 levels": "3 levels (default)", "ratio 0.3": "3 levels, K_t/K = 0.3"}
-LABELS |= {"ratio 0.086": "3 levels, K_t/K = 0.086"}
+RUN_LABELS = {"own": "LIGGGHTS history", "3 levels": "3 levels (default)", "ratio 0.3": "3 levels, K_t/K = 0.3"}
+RUN_LABELS |= {"ratio 0.086": "3 levels, K_t/K = 0.086"}
 
 
 def runs(scene, engine):
@@ -82,7 +82,7 @@ def draw_creep():
     left.set(title="one contact at half of Coulomb's limit")
     left.legend()
     for model, shaken, rows in runs("oedometer", "liggghts"):
-        style = {"lw": 0.8, "ls": "--"} if shaken else {"label": LABELS.get(model, model)}
+        style = {"lw": 0.8, "ls": "--"} if shaken else {"label": RUN_LABELS.get(model, model)}
         right.plot(rows[:, 0], 1e6 * (rows[0, 2] - rows[:, 2]), color=SHADES[model], **style)
     right.set(xlabel="cycles from 50 to 500 kPa", ylabel="settlement since the first cycle (µm)", xscale="log")
     right.set(title="oedometer, 150 rough granite spheres")

@@ -6,6 +6,7 @@ import itertools
 import math
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,9 +20,10 @@ from demlaws.lammps.run import HEAD as LAMMPS_HEAD
 from demlaws.laws.registry import registry
 from demlaws.liggghts.run import HEAD as LIGGGHTS_HEAD
 from demlaws.make import example
+from studies.engines import under_yade
 
 ENGINES = {"liggghts": liggghts, "lammps": lammps}
-STOCK = {"liggghts": ("history",), "lammps": ("mindlin", "mindlin_rescale", "mindlin_rescale/force")}
+STOCK = {"liggghts": ("history",), "lammps": ("mindlin", "mindlin_rescale", "mindlin_rescale/force"), "yade": ("native",)}
 DIAMETER, SPACING, TIME = 0.0174, 0.02, 0.03  # [m, m, s]
 HEADS = {"liggghts": LIGGGHTS_HEAD, "lammps": f"{LAMMPS_HEAD}boundary f f f\n"}
 START = """\
@@ -78,12 +80,16 @@ class Result(NamedTuple):
     balance: np.ndarray  # with what the contacts report as dissipated; of stock models the same as kept
 
 
+def places_and_speeds(side=4):
+    """Centres [m] and velocities [m/s] of the spheres at the start."""
+    speeds = np.random.default_rng(3).normal(0, 0.3, (side**3, 3))
+    return list(zip((0.01 + SPACING * np.argwhere(np.ones((side,) * 3))).tolist(), speeds.tolist(), strict=True))
+
+
 def _places(side):
     """Lines that create the spheres with their velocities."""
-    places = 0.01 + SPACING * np.argwhere(np.ones((side,) * 3))
-    speeds = np.random.default_rng(3).normal(0, 0.3, (side**3, 3))
     lines = []
-    for n, (place, speed) in enumerate(zip(places, speeds, strict=True)):
+    for n, (place, speed) in enumerate(places_and_speeds(side)):
         lines.append("create_atoms 1 single {:.2f} {:.2f} {:.2f} units box".format(*place))
         lines.append("set atom {} vx {:.6f} vy {:.6f} vz {:.6f}".format(n + 1, *speed))
     return "\n".join(lines)
@@ -148,6 +154,34 @@ def simulate(engine, tangential, friction=100.0, poisson=0.25, words="", tables=
     return Result(kept / kept[0], (kept + log["lost"]) / kept[0])
 
 
+def in_yade(law, rule, runs, steps):
+    """The same in YADE, for all runs (Poisson's ratio, friction, shear) of a law in one process: `Result`s or refusals."""
+    given = {"law": law, "rule": rule, "runs": runs, "steps": steps, "grains": places_and_speeds()}
+    for energies in under_yade("shear/yade_gas.py", given):
+        if isinstance(energies, str):
+            yield DemlawsError(energies)
+        else:
+            kept, balance = np.array(energies).T
+            yield Result(kept / kept[0], balance / balance[0])
+
+
+def in_engine(engine, law, rule, runs, steps):
+    """The same in LIGGGHTS or LAMMPS; law None: the engine's own."""
+    with tempfile.TemporaryDirectory() as folder:
+        written = None
+        for poisson, friction, shear in runs:
+            own = {"tangential": shear}
+            if law is not None:
+                own = {"tangential": "demlaws", "words": f"shear {shear}", "tables": folder}
+                if written != poisson:
+                    save_tables(law, rule, poisson, Path(folder))
+                    written = poisson
+            try:
+                yield simulate(engine, friction=friction, poisson=poisson, steps=steps, **own)
+            except DemlawsError as error:
+                yield error
+
+
 FIELDS = ("engine", "law", "rule", "shear", "friction", "poisson", "largest", "end", "balance", "step_us", "time_ms")
 
 
@@ -155,27 +189,17 @@ def run_all(engines, frictions, poissons, shears, steps):
     """Print a row of FIELDS as CSV for each run in these engines; a refused run has its reason in `largest`."""
     writer = csv.writer(sys.stdout)
     writer.writerow(FIELDS)
-
-    def run(engine, law, rule, shear, friction, poisson, tangential, **table):
-        try:
-            kept, balance = simulate(engine, tangential, friction, poisson, steps=steps, **table)
-            values = [f"{kept.max():.5f}", f"{kept[-1]:.4f}", f"{balance[-1]:.5f}"]
-        except DemlawsError as error:
-            values = [f"refused: {error}", "", ""]
-        case = [engine, law, rule, shear, f"{friction:g}", f"{poisson:g}"]
-        writer.writerow([*case, *values, f"{1e6 * TIME / steps:g}", f"{1e3 * TIME:g}"])
-        sys.stdout.flush()
-
-    for engine in engines:
-        for poisson, friction, model in itertools.product(poissons, frictions, STOCK[engine]):
-            run(engine, "stock hertz", "elastic", model, friction, poisson, model)
-    for name, rule in tqdm(list(cases()), disable=not sys.stderr.isatty()):
-        for poisson in poissons:
-            with tempfile.TemporaryDirectory() as folder:
-                save_tables(name, rule, poisson, Path(folder))
-                for engine, friction, shear in itertools.product(engines, frictions, shears):
-                    own = {"words": f"shear {shear}", "tables": folder}
-                    run(engine, name, rule, shear, friction, poisson, "demlaws", **own)
+    for law, rule in tqdm([(None, "elastic"), *cases()], disable=not sys.stderr.isatty()):
+        for engine in engines:
+            runs = list(itertools.product(poissons, frictions, shears if law else STOCK[engine]))
+            results = (in_yade if engine == "yade" else partial(in_engine, engine))(law, rule, runs, steps)
+            for (poisson, friction, shear), result in zip(runs, results, strict=True):
+                values = [f"refused: {result}", "", ""]
+                if isinstance(result, Result):
+                    values = [f"{result.kept.max():.5f}", f"{result.kept[-1]:.4f}", f"{result.balance[-1]:.5f}"]
+                case = [engine, law or "stock hertz", rule, shear, f"{friction:g}", f"{poisson:g}"]
+                writer.writerow([*case, *values, f"{1e6 * TIME / steps:g}", f"{1e3 * TIME:g}"])
+                sys.stdout.flush()
 
 
 def summary(files):

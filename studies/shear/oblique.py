@@ -11,8 +11,9 @@ import numpy as np
 
 import demlaws as dl
 from demlaws.core.dispatch import step
-from demlaws.core.levels import DEFAULT_LEVELS, slide, touch
+from demlaws.core.levels import slide, touch
 from demlaws.core.numba_compat import loop
+from demlaws.core.shear import DEFAULT_LEVELS
 from demlaws.core.slip import SAMPLES, compress, read_unloading_curve, slip_step
 
 ANGLE = np.array([1.84, 3.7, 9.5, 20.0, 30.1, 39.4, 49.7, 60.0])

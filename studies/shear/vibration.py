@@ -189,10 +189,10 @@ def run_all(name, engines, models, cycles, shaken, out):
     if name in IN_LIGGGHTS and engines != ["liggghts"]:
         raise DemlawsError(f"--vibrate {name} runs in LIGGGHTS only, got --engines {' '.join(engines)}")
     done = [json.loads(line) for line in out.read_text().splitlines()] if out.exists() else []
-    seeds = shaken if name == "oedometer" else [0]
+    seeds = shaken if name in IN_LIGGGHTS else [0]
     for engine, model, seed in tqdm(list(itertools.product(engines, models, seeds)), disable=not sys.stderr.isatty()):
         case = {"scene": name, "engine": engine, "model": model, "cycles": cycles}
-        if name == "oedometer":
+        if name in IN_LIGGGHTS:
             case["shaken"] = seed
         if any(case.items() <= row.items() for row in done):
             continue
@@ -201,7 +201,7 @@ def run_all(name, engines, models, cycles, shaken, out):
             rows = np.stack([np.arange(1.0, height.size + 1.0), 0.0 * height, height], 1)
             case["thickness"] = thickness
         elif name == "rest":
-            rows = settle(model)
+            rows = settle(model, seed)
         else:
             rows = run(engine, name, model, cycles)
         with open(out, "a") as file:

@@ -19,7 +19,7 @@ from demlaws.advice.modulus import STUDY_STEP
 from demlaws.advice.soften import Softening
 from demlaws.contact import DENSITY, Surface
 from demlaws.errors import DemlawsError
-from demlaws.laws.names import POHRT_POPOV
+from demlaws.laws import POHRT_POPOV
 from demlaws.make import law as bind_law
 from demlaws.plugins.grains import Grain
 from studies.engines import under_yade

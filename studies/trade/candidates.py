@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from demlaws.contact import GRANITE, GRANITE_YIELD_PRESSURE, Surface
 from demlaws.errors import quiet
-from demlaws.laws.names import HERTZ, POHRT_POPOV, RMS, ROUGH_PLASTIC
+from demlaws.laws import HERTZ, POHRT_POPOV, RMS, ROUGH_PLASTIC
 from demlaws.make import law as bind_law
 
 NAMES = {"yade": "YADE", "liggghts": "LIGGGHTS", "lammps": "LAMMPS"}

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.errors import DemlawsError
-from demlaws.laws.names import HERTZ
+from demlaws.laws import HERTZ
 from demlaws.make import law as bind_law
 from demlaws.plugins.grains import Grain
 from demlaws.timestep import timestep

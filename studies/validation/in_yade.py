@@ -150,7 +150,7 @@ def packing(job):
     radius, count = job["radius"], job["count"]
     side = (count * 4.0 / 3.0 * np.pi * radius**3 / 0.35) ** (1.0 / 3.0)
     cloud = pack.SpherePack()
-    cloud.makeCloud((0, 0, 0), (side,) * 3, rMean=radius, rRelFuzz=0.2, num=count, periodic=True, seed=1)
+    cloud.makeCloud((0, 0, 0), (side,) * 3, rMean=radius, rRelFuzz=0.2, num=count, periodic=True, seed=job["seed"])
     cloud.toSimulation(material="grain")
     O.materials["grain"].frictionAngle = job["friction"]
     # a servo holds the pressure while grains find their places; a strain alone meets collisions, and jams at no pressure

@@ -21,7 +21,7 @@ import numpy as np
 
 from demlaws.contact import Contact
 from demlaws.lammps.run import HEAD, run
-from demlaws.laws.names import HERTZ, WALTON_BRAUN
+from demlaws.laws import HERTZ, WALTON_BRAUN
 from studies.validation.published import bound
 from studies.validation.row import between
 

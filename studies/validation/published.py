@@ -9,7 +9,7 @@ import numpy as np
 from demlaws import driver, errors
 from demlaws.contact import Contact
 from demlaws.granite import displacement_gained, find_test, options_for, stiffness_at
-from demlaws.laws.names import (
+from demlaws.laws import (
     BAHRAMI,
     CONICAL_DAMAGE,
     EEPA,

@@ -161,6 +161,15 @@ def test_liggghts_wants_a_table_for_each_pair_of_sizes(tmp_path):
         assert measured_error(choice) <= choice.error
 
 
+def test_yade_is_not_advised_a_table_that_serves_one_pair_of_sizes():
+    """A table was chosen, and refused when it was to be written."""
+    choices = dl.choose(scene(engine="yade", radii=(), classes=(3e-3, 5e-3), **YIELDING))
+    assert "rough-plastic" in {choice.name for choice in choices}
+    for choice in choices:
+        if choice.evaluation == "table":
+            assert choice.tables()
+
+
 def test_two_kinds_have_three_tables(tmp_path, capsys):
     two = TOML.replace("[material]", "[[materials]]").replace("[surface]", "[[surfaces]]")
     two += "[[surfaces]]\nroughness = 3e-6\nfractal_dimension = 2.3\n[[materials]]\nyoung = 50e9\npoisson = 0.2\n"

@@ -89,7 +89,7 @@ OURS = {
     "pohrt-popov, hertz unloading": "hysteretic.tbl",
     "pohrt-popov, thornton unloading": "thornton.tbl",
 }
-HISTORY = {  # bytes per contact, from the table of docs/shear.md, Memory
+HISTORY = {  # bytes per contact, docs/tables/cost-memory.csv
     ("liggghts", STOCK): 32,
     ("liggghts", "pohrt-popov, hertz unloading"): 128,
     ("lammps", STOCK): 32,

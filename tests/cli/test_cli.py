@@ -48,10 +48,12 @@ def test_soften(capsys):
     options = ["--law", "rough-plastic", "--option", "yield_pressure=1.6GPa", *CONTACT, "--load", "10"]
     assert main(["soften", "--factor", "8", *options]) == 0
     said = capsys.readouterr().out
-    for name, before, after in (("modulus", 3e10, 3.75e9), ("roughness", 2e-6, 8e-6), ("yield_pressure", 1.6e9, 4e8)):
+    rows = ("radius [mm]", 4, 4), ("modulus [GPa]", 30, 3.75), ("roughness [µm]", 2, 8), ("yield_pressure [GPa]", 1.6, 0.4)
+    for name, before, after in rows:
         line = next(line for line in said.splitlines() if line.startswith(name))
         assert [float(v) for v in line.split()[-2:]] == pytest.approx([before, after])
-    assert "% with E alone" in said
+    assert "% if only E" in said
+    assert "e-06" not in said and "e+09" not in said
 
 
 def test_table_with_an_unloading_curve(tmp_path, capsys):
@@ -244,7 +246,7 @@ def test_a_file_of_laws_before_and_after_the_command(file, tmp_path):
     assert done.returncode == 0 and "power            power of the overlap" in done.stdout, done.stderr
     table = tmp_path / "power.tbl"
     done = demlaws("table", f"--law-file={file}", "--law", "power", *RADIUS, "--option", "factor=2e9", "--out", str(table))
-    assert done.returncode == 0 and "this table holds for this contact only" in done.stdout, done.stderr
+    assert done.returncode == 0 and "this table is valid for this contact only" in done.stdout, done.stderr
     assert "law: power" in table.read_text()
 
 

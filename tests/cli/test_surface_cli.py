@@ -18,7 +18,7 @@ def test_regime_of_one_contact(capsys, tmp_path):
     arguments = ["regime", *ALUMINIUM, "--combined-roughness", "1.3um", "--load", "0.2", "--figure", str(figure)]
     assert cli.main(arguments) == 0
     text = capsys.readouterr().out
-    assert "0.159" in text and "1.373 N" in text and "asperity         fits" in text
+    assert "0.159" in text and "1.373 N" in text and "asperity         applies" in text
     assert figure.stat().st_size > 10000
     assert cli.main(["regime", *ALUMINIUM, "--combined-roughness", "1.3um"]) == 0
     assert "bulk yields" in capsys.readouterr().out
@@ -35,8 +35,8 @@ def test_a_measured_yield_decides_the_regime(capsys):
     for given in (["--yield-load", "7"], ["--yield-pressure", "2.35GPa"]):
         assert cli.main(["regime", *contact, *given]) == 0
         text = capsys.readouterr().out
-        assert "the bulk yields" in text and "the answer changes (p0 = p_y) at" in text
-        assert "rough-plastic    fits" in text and "pohrt-popov      no" in text
+        assert "the bulk yields" in text and "transition (p0 = p_y) at" in text
+        assert "rough-plastic    applies" in text and "pohrt-popov      no" in text
 
 
 def test_surface_prints_and_writes(capsys, tmp_path, map_file):

@@ -147,6 +147,11 @@ def test_friction_rotation_and_shear_ratio(tmp_path, capsys):
         (lambda t: t.replace("-20", "0"), 1),
         (lambda t: t[: t.index("1 1 17")].replace("193", "0"), 1),  # no contacts
         (lambda t: t.replace("1 1 17 -", "1 1 1 -"), 1),
+        (lambda t: t.replace("1 1 17 -20", "1 1 17 nan"), 1),  # such contacts were left out without a word
+        (lambda t: t.replace("64 1 0.028000000000000001", "64 1 nan"), 0),
+        (lambda t: t.replace("64 1 0.02", "nan 1 0.02"), 0),
+        (lambda t: t.replace("2 1 5 -0 -20", "2 17 1 20 -0"), 1),  # listed twice: counted twice
+        (lambda t: t[: t.index("64 1 0.02")].replace("\n64\n", "\n0\n"), 0),  # no grains
     ],
 )
 def test_bad_dumps_are_refused_in_one_line(tmp_path, capsys, change, which):

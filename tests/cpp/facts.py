@@ -46,6 +46,9 @@ constexpr const char *const RULE_KEYS[][4] = {{{rule_keys}}};
 // Normal stiffness that the tangential stiffness is a multiple of; restart files have the numbers.
 enum Shear {{ {shears} }};
 constexpr const char *const SHEAR_NAMES[] = {{{shear_names}}};
+constexpr int LEVELS = {shear.DEFAULT_LEVELS}, MOST_LEVELS = {shear.MOST_LEVELS}; // by default; at most
+constexpr double EMPTY_LEVEL = {shear.EMPTY}; // of K_t: a level of less stiffness counts as empty
+constexpr double LARGEST_SHEAR_RATIO = {shear.LARGEST_SHEAR_RATIO!r}; // K_t/K
 
 // First line of a table file, its keys and kinds of their values.
 constexpr const char *const FORMAT = "{file.FORMAT}";
@@ -108,6 +111,7 @@ def header():
         bulk=keys(text.YIELD),
         own=keys(text.Key(*pair) for pair in zip(text.OF_OWN_RULE, (text._name, text._mark), strict=True)),
         modulus=units.RANGES["modulus"].low,
+        shear=shear,
         grid=grid,
         file=text,
         units=units,

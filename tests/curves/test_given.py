@@ -188,6 +188,33 @@ def test_points_are_kept_where_they_are_few():
     np.testing.assert_allclose(twice.nodes.force, table.nodes.force, rtol=1e-12)
 
 
+def whole_test():
+    rough = CONTACT.with_values(roughness=2e-6, fractal_dimension=2.2)
+    law = dl.law("rough-plastic", rough, "hertz", yield_pressure=1.2e9)
+    path = law.follow(np.concatenate([np.linspace(1e-7, 2e-5, 100), np.linspace(2e-5, 8e-6, 100)[1:]]))
+    return np.column_stack([path.overlap, path.force])[: np.flatnonzero(path.force)[-1] + 1]
+
+
+@pytest.mark.parametrize("noise", [0.0, 2e-7])
+def test_a_whole_test_is_no_first_loading(noise):
+    """Its unloading was averaged with its loading, or equal overlaps to rounding ended with a ValueError."""
+    points = whole_test() + np.outer(noise * np.random.default_rng(0).standard_normal(199), [1.0, 0.0])
+    for order in (slice(None), slice(None, None, -1)):
+        with pytest.raises(dl.DemlawsError, match="first loading alone"):
+            dl.Table.from_points(points[order], CONTACT)
+    loading = points[:100]
+    for order in (slice(None), slice(None, None, -1), np.random.default_rng(1).permutation(100)):
+        dl.Table.from_points(loading[order], CONTACT)
+
+
+def test_overlaps_that_are_equal_to_rounding():
+    points = whole_test()[:100]
+    twice = np.concatenate([points, points * [1.0 + 2e-16, 1.0]])
+    np.testing.assert_allclose(
+        dl.Table.from_points(twice, CONTACT).force(1e-5), dl.Table.from_points(points, CONTACT).force(1e-5), rtol=1e-3
+    )
+
+
 def test_noise_is_averaged_and_its_uncertainty_kept(tmp_path, rng):
     overlap = np.linspace(2e-7, 1.4e-5, 400)
     true = 3e9 * overlap**1.6

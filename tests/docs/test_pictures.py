@@ -12,7 +12,10 @@ pytest.importorskip("matplotlib")
 from pictures import difference
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-DRAWN = sorted(path.stem for path in (DOCS / "gallery").glob("*.py") if (DOCS / "pictures" / f"{path.stem}.png").exists())
+sys.path.insert(0, str(DOCS))
+from making import sources  # noqa: E402
+
+DRAWN = [name for name in sources.DRAWN if (DOCS / "pictures" / f"{name}.png").exists()]
 
 
 @pytest.mark.parametrize("name", DRAWN)
@@ -27,6 +30,45 @@ def test_picture_is_what_its_script_draws(name, tmp_path):
     )
     changed = difference(tmp_path / f"{name}.png", DOCS / "pictures" / f"{name}.png")
     assert changed < 0.005, f"docs/pictures/{name}.png differs in {changed:.1%}: copy what docs/gallery/{name}.py draws"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sources.STORED)
+def test_picture_or_table_is_that_of_the_stored_rows(name, tmp_path):
+    again = tmp_path / Path(name).name
+    sources.make(name, again)
+    remedy = f"python docs/making/sources.py --write {name}"
+    if again.suffix == ".csv":
+        assert again.read_text() == (DOCS / name).read_text(), remedy
+    else:
+        assert difference(again, DOCS / name) < 0.005, remedy
+
+
+def test_every_picture_and_table_names_its_source():
+    """Pictures of docs and tables of docs/tables are in one list of making/sources.py, and all that is listed exists."""
+    pages = {f"pictures/{name}.png" for name in (*DRAWN, *sources.FOLLOWED)}
+    listed = [*pages, *sources.STORED, *sources.MEASURED, *sources.VIEWS]
+    found = {path.relative_to(DOCS).as_posix() for path in (*DOCS.rglob("*.png"), *(DOCS / "tables").glob("*"))}
+    assert sorted(listed) == sorted(name for name in found if not name.startswith("made/"))
+
+
+def test_every_picture_and_table_is_on_a_page():
+    pages = [*DOCS.rglob("*.md"), *(DOCS.parent / folder / "README.md" for folder in ("yade_scripts", "liggghts_inputs"))]
+    text = "".join(page.read_text() for page in pages if "made" not in page.parts)
+    gallery = "".join(path.read_text() for path in (DOCS / "gallery").glob("*.py"))
+    for name in (*sources.STORED, *sources.MEASURED, *sources.VIEWS):
+        assert Path(name).name in text + gallery, f"docs/{name} is on no page"
+
+
+def test_printed_tables_become_csv():
+    printed = "first\n        a    b  c\nx, y    1    2\nz      10    2  3\n\nsecond\n      b\nw    30\n"
+    assert sources.as_csv(printed).splitlines() == [
+        "table,case,a,b,c",
+        'first,"x, y",1,2,',
+        "first,z,10,2,3",
+        "second,w,,30,",
+    ]
+    assert sources.as_csv("| a | b |\n|---|---|\n| 1, 2 | 3 |\n") == 'a,b\n"1, 2",3\n'
 
 
 def test_a_moved_curve_is_seen(tmp_path):

@@ -5,6 +5,7 @@ system's, or the one whose start script the environment variable YADE names; mos
 """
 
 import os
+import re
 import shutil
 import sys
 from pathlib import Path
@@ -18,7 +19,6 @@ from demlaws.liggghts.build import headers
 from demlaws.liggghts.run import built_in
 from demlaws.liggghts.run import executable as liggghts
 from demlaws.yade.run import executable as yade
-from demlaws.yade.run import modules_of
 
 HERE = Path(__file__).parent
 ENGINES_WITH_MODELS = ("lammps", "liggghts")  # docs/machines.md
@@ -37,11 +37,12 @@ def _absent(find):
 
 
 def _modules():
-    found = modules_of(yade())
+    """YADE's Python modules are in the folder that its start script puts on the path."""
+    found = re.search(r"^sys\.path\.insert\(\d+, *'([^']+)'\)", Path(yade()).read_text(errors="replace"), re.M)
     if not found:
         raise DemlawsError("YADE's Python modules")
-    if str(found) not in sys.path:
-        sys.path.append(str(found))
+    if found[1] not in sys.path:
+        sys.path.append(found[1])
 
 
 COMPILER = [] if shutil.which("g++") else ["g++"]

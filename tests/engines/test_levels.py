@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from inputs import ENERGY, moves_of, refused, simulate
+from inputs import refused, simulate
 from spheres import DIAMETER, RATIO, STEP, both, continued, save_law, spheres
 
 import demlaws as dl
@@ -73,32 +73,6 @@ def test_vibration_leaves_the_shear_force(engine, tmp_path, name):
 PRESSED, LATER = [(-0.2, 0, 600), (0, 0.05, 300)], [(0.2, 0.03, 200), (-0.2, -0.02, 300)]
 
 
-@pytest.fixture
-def of_0_2(tmp_path, engine):
-    """A restart file that version 0.2.0 wrote after PRESSED, `shear elastic`, with its table."""
-    shutil.copy(RESTARTS / "law.tbl", tmp_path)
-    shutil.copy(RESTARTS / f"{engine}.restart", tmp_path / "now.restart")
-    return tmp_path
-
-
-@both
-def test_a_restart_file_of_0_2_goes_on_with_one_level(engine, of_0_2):
-    log = simulate(engine, of_0_2, continued(engine, spheres(engine, "levels 1", PRESSED), LATER))
-    np.testing.assert_allclose([log["force"][-1], log["side"][-1]], [17.512497752116072, 0.8309616529579674], rtol=1e-12)
-
-
-@pytest.mark.parametrize("engine", ["liggghts"])
-def test_the_energy_of_a_restart_file_of_0_2_goes_on(engine, of_0_2):
-    """Its sum is what was dissipated, that of now the work of shear; the contact stores energy of shear in the file."""
-    text = spheres(engine, "levels 1", PRESSED, **ENERGY)
-    whole = simulate(engine, of_0_2, text + moves_of(LATER))
-    rest = simulate(engine, of_0_2, continued(engine, text, LATER))
-    rows = rest["Step"].size
-    np.testing.assert_array_equal(rest["Step"], whole["Step"][-rows:])
-    for column in ("e[1]", "e[2]"):
-        np.testing.assert_allclose(rest[column], whole[column][-rows:], rtol=1e-9)
-
-
 WALLS = {
     "liggghts": "fix floor all wall/gran model demlaws/table tangential demlaws primitive type 1 zplane -0.02 {}\n",
     "lammps": "fix floor all wall/gran granular demlaws/table law.tbl 60.6e9 1.0 0.25 {} "
@@ -107,15 +81,12 @@ WALLS = {
 
 
 @both
-def test_a_restart_file_of_0_2_is_not_read_with_other_levels(engine, of_0_2):
-    """LAMMPS has the words of pairs in the file, LIGGGHTS in the input."""
-    if engine == "liggghts":
-        text = continued(engine, spheres(engine, "", PRESSED), LATER)
-    else:
-        text = continued(engine, "", LATER, more=WALLS[engine].format(""))
-        log = simulate(engine, of_0_2, continued(engine, "", LATER, more=WALLS[engine].format("levels 1")))
-        assert log["force"][-1] == pytest.approx(17.512497752116072, rel=1e-12)
-    assert "levels 1" in refused(engine, of_0_2, text)
+def test_a_restart_file_of_a_former_version_is_refused(engine, tmp_path):
+    """Files that version 0.2.0 wrote after PRESSED, `shear elastic`, with their table."""
+    shutil.copy(RESTARTS / "law.tbl", tmp_path)
+    shutil.copy(RESTARTS / f"{engine}.restart", tmp_path / "now.restart")
+    text = continued(engine, spheres(engine, "levels 1", PRESSED), LATER)
+    assert "former version of demlaws" in refused(engine, tmp_path, text)
 
 
 @both

@@ -79,3 +79,26 @@ def test_ranks_and_restart_change_nothing(engine, tmp_path, shear):
     for log in (two, again):
         for name in ("ke", "er", "stored", "lost"):
             assert log[name][-1] == pytest.approx(one[name][-1], rel=1e-7), name
+
+
+@pytest.mark.parametrize("between", ["", "run 1\nrun 0\n", "uncompute en\ncompute en all demlaws/energy\n", "RESTART"])
+@both
+def test_energies_are_summed_from_their_compute_on(engine, tmp_path, between):
+    """Contacts that store energy of shear then; also after a restart file that was written before."""
+    save_law(tmp_path, "rough")
+    start, contacts, rest = gas(engine, 0.5, "elastic")
+    shown = rest[rest.index("compute en") :]
+    before = start + contacts + rest[: rest.index("compute en")]
+    if between == "RESTART":
+        simulate(engine, tmp_path, before + "run 12000\nwrite_restart half.rst\n")
+        head, contacts = (HEADS[engine], contacts) if engine == "liggghts" else ("comm_modify vel yes\n", "")
+        text = f"{head}read_restart half.rst\n{contacts}{rest}"
+    elif between.startswith("uncompute"):
+        text = f"{before}compute en all demlaws/energy\nrun 12000\n{between}{shown.split(chr(10), 1)[1]}"
+    else:
+        text = f"{before}run 12000\n{shown}{between}"
+    log = simulate(engine, tmp_path, text + "run 12000\n")
+    kept = log["ke"] + log["er"] + log["stored"]
+    start = next(n for n, step in enumerate(log["Step"]) if step >= 12000)
+    assert kept[start] - kept[-1] > 0.05 * kept[start]
+    np.testing.assert_allclose((kept + log["lost"])[start:], (kept + log["lost"])[start], rtol=1e-4)

@@ -137,3 +137,8 @@ def test_the_whole_command(tmp_path, capsys):
         f"{test.key}-{name}.csv" for test in granite.TESTS for name in granite.laws_for_tests() if len(test.stages) == 1
     } < paths
     assert {"summary.csv", "claims.csv"} < paths
+
+
+def test_each_warning_of_a_run_is_reported_once():
+    _, messages = granite.run_test("rms", granite.find_test("SS(18-18)"))
+    assert messages and len(messages) == len(set(messages))

@@ -87,6 +87,12 @@ def test_what_can_be_fitted_follows_the_registry():
     assert found.best.unloading == "elastic" and found.best.parameters["bend"].value == pytest.approx(1.7, abs=1e-6)
 
 
+@pytest.mark.parametrize("arguments", [("x", 3), ("x",), ("x", power), ("x", power, 3)])
+def test_functions_that_are_missing(arguments):
+    with pytest.raises(dl.DemlawsError, match="must be a Python function"):
+        dl.define(*arguments)
+
+
 def test_names_that_are_taken(tmp_path):
     law = dl.define("power", power, slope)
     dl.load_laws(write(tmp_path))

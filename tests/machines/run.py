@@ -292,6 +292,8 @@ def steps(root, wanted, pytest_arguments):
     if "checks" in wanted:
         for engine in ("yade", "liggghts", "lammps"):
             plan.append((f"demlaws {engine} check", functools.partial(must, root, ".venv/bin/demlaws", engine, "check")))
+        row = functools.partial(must, root, ".venv/bin/python", "tests/machines/versions.py")
+        plan.append(("versions, first plot of the wheel", row))
     if "tests" in wanted:
         tests = pytest_arguments or ["tests/engines"]
         line = (".venv/bin/python", "-m", "pytest", "-q", "-n", str(os.cpu_count()), *tests)

@@ -82,3 +82,8 @@ def test_version_and_address_are_in_one_place():
     pages = [path for path in (release.ROOT / "docs").rglob("*.md") if "made" not in path.parts]
     pages += [release.ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CITATION.cff")]
     assert [path.name for path in pages if "ADDRESS" in path.read_text()] == ["install.md"]
+
+
+def test_the_changelog_has_a_section_of_this_version():
+    _, own = release.notes(NUMBER, (release.ROOT / "CHANGELOG.md").read_text(), "2026-11-24")
+    assert own

@@ -70,7 +70,7 @@ def test_a_step_that_fails_in_a_root_is_a_failure_and_the_others_run(machines, f
     status, ran = fake
     status[command] = 3
     assert machines.main(["debian-13", "--folder", str(tmp_path), "--", "tests/engines/yade", "-k", "wall"]) == 1
-    assert capsys.readouterr().out.count(": passed,") == 6  # of root, granite, engines and venv, three checks, tests
+    assert capsys.readouterr().out.count(": passed,") == 7  # of root, granite, engines and venv, three checks, tests
     assert ran[-1].startswith(".venv/bin/python -m pytest ") and ran[-1].endswith(" tests/engines/yade -k wall")
     assert [path.name for path in tmp_path.iterdir()] == ["debian-13.lock"]
 

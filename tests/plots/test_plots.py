@@ -46,6 +46,14 @@ def test_path_figure():
     assert left.get_title() == "a title" and right.get_xscale() == "log"
 
 
+@pytest.mark.parametrize("bad", [{"ax": 3}, {"ax": "axes"}, {"colour": "red"}, {"color": 7}])
+def test_axes_and_styles_that_are_none(bad):
+    law = dl.law("hertz", PAIR)
+    for result in law, law.follow([1e-7, 0.0]):
+        with pytest.raises(dl.DemlawsError):
+            result.plot(**bad)
+
+
 def test_table_figure():
     law = dl.law("pohrt-popov", PAIR, "hertz")
     _, right = plots.table_figure(law.tabulate(1e-3), law).axes

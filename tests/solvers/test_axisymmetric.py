@@ -102,9 +102,11 @@ def test_half_moments_against_mpmath():
 
 
 @pytest.mark.parametrize(("model", "parameter"), shared(CASES + EVERY, CASES[1:2].__contains__))
-def test_converged_under_grid_refinement_and_between_nodes(model, parameter):
+def test_converged_under_grid_refinement_and_between_nodes(model, parameter, monkeypatch):
     whole = curve(model, parameter)
-    fine = axisymmetric._Solver(model, parameter, refine=1.6)
+    for name in ("_INNER", "_OUTER"):
+        monkeypatch.setattr(axisymmetric, name, round(1.6 * getattr(axisymmetric, name)))
+    fine = axisymmetric._Solver(model, parameter)
     worst = np.zeros(4)
     for log_force in whole.log_force[:-1] + 0.5 * np.diff(whole.log_force):
         fine.reach(whole.log_force[0])
@@ -113,7 +115,7 @@ def test_converged_under_grid_refinement_and_between_nodes(model, parameter):
             break
         force, stiffness = whole.evaluate(u)
         worst[:2] = np.maximum(worst[:2], np.abs([force / f - 1, stiffness / k - 1]))
-    fine = axisymmetric._Solver(model, parameter, refine=1.6)
+    fine = axisymmetric._Solver(model, parameter)
     for log_force, coarse in zip(whole.log_force[::3], np.array(whole.points).T[::3], strict=True):
         u, _, k, pressure, *_ = fine.reach(log_force)
         if fine.flat:

@@ -139,16 +139,49 @@ def test_command(tmp_path, capsys):
 class Channel(types.SimpleNamespace):
     """A channel as SurfaceTopography has it; its heights are constant slopes."""
 
-    def topography(self):
+    dim, nb_grid_pts, unit, physical_sizes = 2, (6, 4), "nm", (6.0, 4.0)
+
+    def topography(self, physical_sizes=None):
+        assert (physical_sizes is None) == (self.physical_sizes is not None)
         heights = np.arange(24.0).reshape(6, 4) * self.slope
-        return types.SimpleNamespace(dim=2, heights=lambda: heights, unit="nm", physical_sizes=(6.0, 4.0))
+        return types.SimpleNamespace(heights=lambda: heights, unit=self.unit)
 
 
-def test_channels_by_name(tmp_path, monkeypatch):
-    channels = [Channel(name="Trace", slope=1e-3), Channel(name="Retrace", slope=2e-3)]
+def instrument(tmp_path, monkeypatch, *channels):
+    """A file with these channels."""
     reader = types.SimpleNamespace(channels=channels, default_channel=channels[0])
     monkeypatch.setitem(sys.modules, "SurfaceTopography", types.SimpleNamespace(open_topography=lambda path: reader))
     (tmp_path / "map.ibw").write_bytes(b"x")
+    return tmp_path / "map.ibw"
+
+
+def test_an_instrument_without_sizes_or_unit(tmp_path, monkeypatch):
+    """Without sizes the map could not be read, in spite of `pixel`; without a unit it was in metres without a word."""
+    file = instrument(tmp_path, monkeypatch, Channel(name="z", slope=1e-3, physical_sizes=None))
+    with pytest.raises(dl.DemlawsError, match="--pixel"):
+        surface.read(file)
+    assert surface.read(file, "2nm").pixel_x == pytest.approx(2e-9)
+    file = instrument(tmp_path, monkeypatch, Channel(name="z", slope=1e-3, unit=None))
+    for unit, metres in (("m", 1.0), ("um", 1e-6)):
+        with pytest.warns(MapWarning, match="names no unit"):
+            assert surface.read(file, unit=unit).pixel_x == pytest.approx(metres)
+
+
+def test_options_that_contradict_the_file(tmp_path, monkeypatch):
+    """A pixel size replaced that of the file, and a unit was ignored, without a word."""
+    (tmp_path / "map.txt").write_text("# Width: 8.0 µm\n# Height: 8.0 µm\n# Value units: nm\n" + "1 2 3 4\n" * 4)
+    for file, pixel in (
+        (tmp_path / "map.txt", "2um"),
+        (instrument(tmp_path, monkeypatch, Channel(name="z", slope=1e-3)), "1nm"),
+    ):
+        assert surface.read(file, pixel, unit="nm").heights == pytest.approx(surface.read(file).heights)
+        for contradiction in ({"pixel": "3um"}, {"unit": "um"}):
+            with pytest.raises(dl.DemlawsError, match="leave it out"):
+                surface.read(file, **contradiction)
+
+
+def test_channels_by_name(tmp_path, monkeypatch):
+    instrument(tmp_path, monkeypatch, Channel(name="Trace", slope=1e-3), Channel(name="Retrace", slope=2e-3))
     with pytest.warns(MapWarning, match="'Trace', 'Retrace'"):
         first = surface.read(tmp_path / "map.ibw")
     second = surface.read(tmp_path / "map.ibw", channel="Retrace")

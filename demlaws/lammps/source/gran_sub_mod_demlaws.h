@@ -19,6 +19,7 @@ GranSubModStyle(demlaws,GranSubModTangentialDemlaws,TANGENTIAL);
 #include <vector>
 
 namespace LAMMPS_NS {
+class LAMMPS;
 namespace Granular_NS {
 
 // LAMMPS makes these by their names alone. As soon as their coefficients are known, which name a table and its rule of
@@ -30,9 +31,7 @@ public:
   void coeffs_to_local() override;
   void mix_coeffs(double *, double *) override;
   double calculate_forces() override { return 0.0; }
-  class LAMMPS *instance() const {
-    return lmp;
-  }
+  LAMMPS *instance() const { return lmp; }
 
 private:
   std::string file;                              // from an input line, as what follows; else empty
@@ -48,9 +47,7 @@ public:
   GranSubModDampingDemlaws(class GranularModel *, class LAMMPS *);
   void coeffs_to_local() override;
   double calculate_forces() override { return 0.0; }
-  class LAMMPS *instance() const {
-    return lmp;
-  }
+  LAMMPS *instance() const { return lmp; }
 };
 
 class GranSubModTangentialDemlaws : public GranSubModTangential {
@@ -58,9 +55,7 @@ public:
   GranSubModTangentialDemlaws(class GranularModel *, class LAMMPS *);
   void coeffs_to_local() override;
   void calculate_forces() override {}
-  class LAMMPS *instance() const {
-    return lmp;
-  }
+  LAMMPS *instance() const { return lmp; }
 };
 
 } // namespace Granular_NS

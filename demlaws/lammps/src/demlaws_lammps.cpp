@@ -177,7 +177,7 @@ struct PairNow {
   explicit PairNow(void *pair) { pair_now = pair; }
   ~PairNow() {
     pair_now = NULL;
-    reading = {false, NULL};
+    reads_restart = false;
   }
 };
 
@@ -263,7 +263,7 @@ void demlaws_pair_coeff(void *pair, int count, char **arg) {
 }
 void demlaws_pair_restart(void *pair, FILE *file) {
   PairNow now(pair);
-  reading = {true, file};
+  reads_restart = true;
   Stock::get().pair_restart(pair, file);
   if (!Histories::all()[pair].ours) return;
   Range::of(instance_of(pair)).has_contacts = true;

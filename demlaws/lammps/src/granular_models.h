@@ -64,7 +64,6 @@ template <class ABI> struct Granular {
       RATIO,
       COEFFICIENTS
     };
-    enum { COEFFICIENTS_0_2 = LEVELS }; // of restart files of 0.2.0, whose contacts have one level
     enum { MAXIMUM, PLASTIC, STORED, DISSIPATED, STIFFNESS, OUTPUTS }; // p13 to p17 of compute pair/local
     // LAMMPS writes a sub-model's numbers into restart files, and nothing else of it: after the coefficients comes the
     // name of the file, BYTES of it in each number, which are exact in a double.
@@ -93,13 +92,11 @@ template <class ABI> struct Granular {
       // Always the largest state: PairGranular::transfer_history moves the values of a pair of types whose sub-models
       // have other sizes than those of another pair to the wrong place.
       // The state, and the mark of the law.
-      marked_ = !Range::of(of.lmp).unmarked;
       this->size_history = demlaws::MOST_STATE + 1;
       // the state is the same seen from either particle: the default factor -1 is not for it
       this->nondefault_history_transfer = 1;
       this->transfer_history_factor = new double[demlaws::MOST_STATE + 1];
       std::fill(this->transfer_history_factor, this->transfer_history_factor + demlaws::MOST_STATE + 1, 1.);
-      if (!marked_) this->size_history = demlaws::MOST_STATE;
       coeffs[TOLERANCE] = 0.01;
       coeffs[SHEAR] = demlaws::ELASTIC_SHEAR;
       coeffs[SPRINGS] = 12.;
@@ -118,7 +115,8 @@ template <class ABI> struct Granular {
             "-1 to 0.5");
       if (!demlaws::SpringRow::may_have(coeffs[SPRINGS])) refuse("springs must be an even number from 2 to 30");
       if (!demlaws::may_have_levels(coeffs[LEVELS])) refuse("levels must be a whole number from 1 to 8");
-      if (!(coeffs[RATIO] >= 0. && coeffs[RATIO] <= 4. / 3.)) refuse("shear_ratio must be above 0, at most 4/3");
+      if (!(coeffs[RATIO] >= 0. && coeffs[RATIO] <= demlaws::LARGEST_SHEAR_RATIO))
+        refuse("shear_ratio must be above 0, at most 4/3");
       this->num_coeffs = NUMBERS;
       if (coeffs[FINGERPRINT] != (double)table_.fingerprint())
         refuse("this is not the table that the restart file was written with: bring that file back, or begin anew from "
@@ -195,29 +193,19 @@ template <class ABI> struct Granular {
     double effective_modulus() const { return law_.pair.modulus; }
     bool unloads_otherwise() const { return table_.unloading() != demlaws::ELASTIC; }
 
-    // Of a restart file, with so many numbers.
-    void expect(int numbers) {
-      if (numbers != COEFFICIENTS_0_2) return;
-      this->num_coeffs = numbers;
-      coeffs[LEVELS] = 1.;
-      Range::of(of.lmp).unmarked = true;
-      marked_ = false;
-      this->size_history = demlaws::MOST_STATE;
-    }
-
     // GranularModel::calculate_forces for a pair of particles, where nothing but this law, a damping and a tangential
     // model are at work; else LAMMPS's own.
-    virtual void whole() {}
-    bool is_whole() const { return whole_; }
-    static Table *latest; // of those that are whole, the one met last
+    virtual void compute_pair() {}
+    bool computes_pairs() const { return computes_pairs_; }
+    static Table *latest; // of those that compute pairs, the one met last
     ~Table() { latest = latest == this ? NULL : latest; }
-    void plan(bool proved) {
+    void choose_path(bool proved) {
       latest = NULL;
       const Model *const m = gm;
-      whole_ = proved && !m->beyond_contact;
-      for (int k = ROLLING; k <= HEAT; k++) whole_ = whole_ && m->sub_models[k]->name == "none";
+      computes_pairs_ = proved && !m->beyond_contact;
+      for (int k = ROLLING; k <= HEAT; k++) computes_pairs_ = computes_pairs_ && m->sub_models[k]->name == "none";
       const std::string &tangential = m->sub_models[TANGENTIAL]->name;
-      whole_ = whole_ && tangential != "none";
+      computes_pairs_ = computes_pairs_ && tangential != "none";
       speed_ = tangential != "demlaws" && tangential.compare(0, 7, "mindlin") != 0;
       damped_ = m->damping_model->name == "demlaws/tangent" ? BY_TANGENT
                 : m->damping_model->name == "viscoelastic"  ? BY_RADIUS
@@ -230,7 +218,7 @@ template <class ABI> struct Granular {
       if (__builtin_expect(m->contact_type > LAST_TYPE, 0)) refuse_contact();
       if (__builtin_expect(now.outside | law_.watch.sees(m->delta, m->Reff), 0)) examine(now);
       if (__builtin_expect(!law_.pair.serves(m->Reff, coeffs[TOLERANCE]), 0)) refuse_radius();
-      if (__builtin_expect(marked_ && m->history[history_index + demlaws::MOST_STATE] != law_.mark, 0)) claim();
+      if (__builtin_expect(m->history[history_index + demlaws::MOST_STATE] != law_.mark, 0)) claim();
       stiffness_ = now.stiffness;
       shear_stiffness_ =
           demlaws::shear_stiffness<RULE>(shear_, law_.pair, m->Reff, m->delta, now, m->history + history_index);
@@ -279,8 +267,7 @@ template <class ABI> struct Granular {
     demlaws::Law law_;
     double stiffness_ = 0., shear_stiffness_ = 0., per_stiffness_ = 0.;
     demlaws::Shear shear_ = demlaws::ELASTIC_SHEAR;
-    bool marked_;                       // contacts keep the mark of their law
-    bool whole_ = false, speed_ = true; // speed_: the tangential model asks for that of the surfaces, vrel
+    bool computes_pairs_ = false, speed_ = true; // speed_: the tangential model asks for that of the surfaces, vrel
     // BY_RADIUS: viscoelastic, whose formula Abi::fits() has checked
     enum { OTHERWISE, BY_TANGENT, BY_RADIUS } damped_ = OTHERWISE;
 
@@ -428,11 +415,10 @@ template <class ABI> struct Granular {
       int &of_restart = Range::of(this->of.lmp).of_restart;
       if (restart) of_restart = this->size_history;
       else if (wall && of_restart && of_restart != this->size_history)
-        raise(
-            *this->of.error, true,
-            "demlaws/table: the contacts of the restart file keep " + std::to_string(of_restart) +
-                " values for shear, this wall " + std::to_string(this->size_history) +
-                ": write the words 'levels', 'shear' and 'springs' that the wall had; files of 0.2.0 have 'levels 1'");
+        raise(*this->of.error, true,
+              "demlaws/table: the contacts of the restart file keep " + std::to_string(of_restart) +
+                  " values for shear, this wall " + std::to_string(this->size_history) +
+                  ": write the words 'levels', 'shear' and 'springs' that the wall had");
     }
     void calculate_forces() {
       if (__builtin_expect(ledger_.busy, 0)) watched();

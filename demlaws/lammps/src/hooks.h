@@ -10,26 +10,12 @@ namespace {
 __attribute__((noinline)) bool check_elsewhere(void *m) { return Stock::get().check(m); }
 __attribute__((noinline)) void compute_elsewhere(void *m) { Stock::get().compute(m); }
 
-// A restart file, while its pair_coeff lines are read.
-struct Reading {
-  bool active;
-  FILE *file; // on rank 0
-  // The number that comes next.
-  int next(const Ranks &ranks) const {
-    int number = 0;
-    if (file) {
-      const long here = ftell(file);
-      if (fread(&number, sizeof number, 1, file) != 1) number = 0;
-      fseek(file, here, SEEK_SET);
-    }
-    return ranks.gather(number)[0];
-  }
-} reading = {false, NULL};
+bool reads_restart = false; // while the pair_coeff lines of a restart file are read
 
-// GranularModel::calculate_forces for a pair of particles, where Table::plan() found that it can be done here.
+// GranularModel::calculate_forces for a pair of particles, where Table::choose_path() found that it can be done here.
 template <bool LATE> template <class RULED> struct Abi<LATE>::Final : public RULED {
   template <class... ARGUMENTS> explicit Final(ARGUMENTS &&...given) : RULED(given...) {}
-  __attribute__((flatten)) void whole() {
+  __attribute__((flatten)) void compute_pair() {
     Model *const m = this->gm;
     if (__builtin_expect(this->ledger_.busy | m->calculate_svector, 0)) return compute_elsewhere(m);
     geometry(m, this->speed_);
@@ -56,7 +42,7 @@ template <class ABI> struct Hooks {
     const typename Models::NormalMod *const normal = m->normal_model;
     if (__builtin_expect(normal == Table::latest, 1)) return true;
     if (!this_object.holds(*(const void *const *)normal)) return false; // where the table of virtual functions stands
-    if (!((const Table *)normal)->is_whole()) return false;
+    if (!((const Table *)normal)->computes_pairs()) return false;
     Table::latest = (Table *)normal;
     return true;
   }
@@ -66,7 +52,7 @@ template <class ABI> struct Hooks {
   }
   static void compute(void *model) {
     Model *const m = (Model *)model;
-    if (in_pairs(m)) return ((Table *)m->normal_model)->whole();
+    if (in_pairs(m)) return ((Table *)m->normal_model)->compute_pair();
     if (m->contact_type != PAIR && !this_object.holds(*(const void *const *)m->normal_model)) look_at_wall(m);
     compute_elsewhere(m);
   }
@@ -79,11 +65,11 @@ template <class ABI> struct Hooks {
     Model *const m = (Model *)model;
     delete m->sub_models[type];
     m->sub_models[type] = NULL;
-    if (name.find(' ') != std::string::npos) { // of a restart file of 0.2.0: demlaws/table FILE
-      void *const lmp = m->of.lmp, *const error = *m->of.error;
-      Models::set_table(m, lmp, error, name.substr(name.find(' ') + 1), outputs)
-          ->expect(reading.next(Ranks(lmp, error)));
-    } else if (type == NORMAL) m->sub_models[type] = m->normal_model = new typename Models::Expected(m, outputs);
+    if (name.find(' ') != std::string::npos) // demlaws/table FILE
+      raise(*m->of.error, true,
+            "demlaws/table: the restart file is of a former version of demlaws; begin anew from positions (write_data, "
+            "read_data)");
+    if (type == NORMAL) m->sub_models[type] = m->normal_model = new typename Models::Expected(m, outputs);
     else if (type == DAMPING) m->sub_models[type] = m->damping_model = new typename Models::Tangent(m, name);
     else m->sub_models[type] = m->tangential_model = new Passive(m, name);
   }
@@ -117,7 +103,7 @@ template <class ABI> struct Hooks {
     Passive *const passive = dynamic_cast<Passive *>(((Model *)model)->tangential_model);
     if (!passive) return;
     passive->settle();
-    passive->compare(reading.active, wall);
+    passive->compare(reads_restart, wall);
   }
 
   // After GranularModel::init: whether a model has a table, and one whose unloading is not elastic; the sizes of the
@@ -127,7 +113,7 @@ template <class ABI> struct Hooks {
     Table *const table = dynamic_cast<Table *>(m->normal_model);
     has_table = table != NULL;
     keeps = table && table->unloads_otherwise();
-    if (table) table->plan(proved);
+    if (table) table->choose_path(proved);
     for (const typename Models::SubMod *const sub : m->sub_models) sizes.push_back(sub->size_history);
   }
 };

@@ -32,7 +32,6 @@ inline bool keeps_numbers(int count, char **arg) {
 struct Range {
   demlaws::Counts counts;
   bool used = false;         // there is a table
-  bool unmarked = false;     // a restart file of 0.2.0: its contacts do not keep which law they began under
   bool has_contacts = false; // forces were computed, or a restart file was read
   long long checked = -1;    // the step in which positions were checked
   int of_restart = 0;        // until the first run: values per contact of the tangential models of a restart file

@@ -40,7 +40,8 @@ public:
     instance_->ledger.readers++;
   }
   ~ComputeEnergy() {
-    instance_->ledger.readers--;
+    Ledger &ledger = instance_->ledger;
+    if (!--ledger.readers) ledger.taken = 0., ledger.books = false;
     delete[] vector;
   }
   void init() {
@@ -65,8 +66,6 @@ private:
   const std::shared_ptr<Instance> instance_;
 };
 
-static const char *const SHEAR_0_2 = "levels 1 (0.2.0)"; // or springs: files of 0.2.0 do not say
-
 // Takes the ledger's sum and the fingerprints of the tables through restart files, reports the counts of a run, and
 // looks for what would make contacts wrong silently. The plugin makes it; there is one.
 class FixKept : public Fix {
@@ -90,8 +89,10 @@ public:
   void pre_force(int) {
     Ledger &ledger = instance_->ledger;
     ledger.forget_walls();
-    ledger.begins = ledger.begins && update->ntimestep <= update->firststep + 1;
-    ledger.lacks = ledger.begins && update->ntimestep == update->firststep;
+    const bool moves = update->ntimestep > update->firststep, lacks = ledger.readers && !ledger.books;
+    ledger.begins = lacks && moves;
+    ledger.lacks = lacks && !moves;
+    if (moves) ledger.books = ledger.readers;
   }
   void post_run() {
     double *const number = numbers();
@@ -110,8 +111,8 @@ public:
     for (const auto &owner : instance_->used)
       for (const auto &print : owner.second)
         text << print.first.first << ' ' << print.first.second << ' ' << print.second << ' ' << owner.first << '\n';
-    if (!instance_->unmarked) text << "contacts marked all\n";
-    text << "work booked all\n";
+    text << "contacts marked all\n";
+    if (instance_->ledger.books) text << "work booked all\n";
     for (const auto &shear : instance_->shears) text << shear.second << ' ' << shear.first << '\n';
     const std::string written = text.str();
     const int size = (int)written.size() + 1;
@@ -130,14 +131,14 @@ public:
       instance_->stored[owner][types] = fingerprint;
     text.clear();
     std::string word, number;
-    instance_->unmarked = instance_->ledger.begins = true;
+    bool marked = false;
     while (text >> word >> number && std::getline(text >> std::ws, owner))
-      if (number == "marked") instance_->unmarked = false;
-      else if (number == "booked") instance_->ledger.begins = false;
+      if (number == "marked") marked = true;
+      else if (number == "booked") instance_->ledger.books = true;
       else instance_->stored_shears[owner] = word + ' ' + number;
-    for (const auto &one : instance_->stored)
-      if (instance_->unmarked && !instance_->stored_shears.count(one.first))
-        instance_->stored_shears[one.first] = SHEAR_0_2;
+    if (!marked)
+      error->all(FLERR, "model demlaws/table: the restart file is of a former version of demlaws; begin anew from "
+                        "positions (write_data, read_data)");
   }
   static Fix *create(LAMMPS *lmp, int narg, char **arg) { return new FixKept(lmp, narg, arg); }
   static const char *name() { return "demlaws/kept"; }
@@ -223,11 +224,8 @@ inline void check_shear(LAMMPS *lmp, const std::string &owner) {
   const Instance &instance = *Instance::of(lmp);
   const auto now = instance.shears.find(owner), before = instance.stored_shears.find(owner);
   if (now == instance.shears.end() || before == instance.stored_shears.end() || now->second == before->second) return;
-  const bool old = before->second == SHEAR_0_2;
-  if (old && (now->second == "levels 1" || now->second.compare(0, 7, "springs") == 0)) return;
   const std::string what = "tangential model demlaws: the contacts of the restart file have '" + before->second +
-                           "', " + owner + " has '" + now->second + "': write '" + (old ? "levels 1" : before->second) +
-                           "' in its line";
+                           "', " + owner + " has '" + now->second + "': write '" + before->second + "' in its line";
   lmp->error->all(FLERR, what.c_str());
 }
 

@@ -38,9 +38,9 @@ struct PairSettings {
 // energy of shear that contacts still store is subtracted on request: in each step it would cost more than the work.
 struct Ledger {
   double taken = 0.;
-  // After a restart file of 0.2.0: its sum lacks the energy of shear that contacts store until their first step.
-  bool begins = false, lacks = false;
-  int readers = 0;                            // computes that will ask for what walls store
+  int readers = 0;    // computes that will ask: without one the work of shear is not added up
+  bool books = false; // `taken` contains the energy of shear that contacts store; else their next step adds it
+  bool begins = false, lacks = false;         // this step adds it; `taken` lacks it until then
   double wall_stored = 0., wall_pending = 0.; // pending: taken less booked
   bigint step = -1;                           // of these
   // The part of a contact's stored energy of shear that `taken` contains.
@@ -73,8 +73,7 @@ struct Instance {
   EnergySource *source = NULL;
   std::map<std::string, Fingerprints> used, stored;         // by owner: of this run, of the restart file
   std::map<std::string, std::string> shears, stored_shears; // 'levels N' or 'springs N', likewise
-  bool unmarked = false;       // a restart file of 0.2.0: its contacts do not keep which law they began under
-  std::set<std::string> walls; // IDs of the walls whose model is demlaws/table
+  std::set<std::string> walls;                              // IDs of the walls whose model is demlaws/table
 
   static std::shared_ptr<Instance> of(LAMMPS *lmp) {
     std::weak_ptr<Instance> &slot = all()[lmp];

@@ -66,7 +66,7 @@ public:
     given_ = instance_->line.given;
     own_.files = instance_->line.files;
     own_.shear = instance_->line.shear;
-    if (given_.count("shear_ratio") && !(own_.shear_ratio > 0. && own_.shear_ratio <= 4. / 3.))
+    if (given_.count("shear_ratio") && !(own_.shear_ratio > 0. && own_.shear_ratio <= demlaws::LARGEST_SHEAR_RATIO))
       error->all(FLERR, "model demlaws/table: shear_ratio must be above 0, at most 4/3");
     if (!wall_) {
       if (own_.files.empty())
@@ -75,7 +75,7 @@ public:
     }
     settle();
     reserved_ = now_.files.empty() ? demlaws::MOST_STATE : state_size_;
-    marked_ = (reserved_ > 0 || shear_keeps_) && !instance_->unmarked;
+    marked_ = reserved_ > 0 || shear_keeps_;
     for (int i = 0; i < reserved_; i++) {
       const int at = setup->add_history_value(demlaws::HISTORY_NAMES[i], "0"); // the same seen from either particle
       base->add_history_offset(demlaws::HISTORY_NAMES[i], at);

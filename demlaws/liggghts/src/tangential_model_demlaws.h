@@ -88,14 +88,18 @@ public:
     double copy[demlaws::SpringRow::MOST_SIZE], *const kept = data.contact_history + offset_;
     if (!keep) std::copy(kept, kept + size(), copy);
     double *const numbers = keep ? kept : copy;
-    if (__builtin_expect(keep && instance_->ledger.begins, 0)) take(energy(kept, data), data);
+    const bool counts = keep && instance_->ledger.readers;
+    if (__builtin_expect(counts && instance_->ledger.begins, 0)) take(energy(kept, data), data);
     demlaws::ShearStep step;
     if (slips_) {
       const double ratio = normal_->shear_ratio(data);
       step = demlaws::SpringRow(numbers, (int)springs_)
                  .step(data.kt / ratio, ratio, limit, normal_->compression(data), data.en, displacement);
-    } else step = demlaws::shear_step((int)levels_, data.kt, limit, data.en, displacement, numbers);
-    if (keep) take(step.work, data);
+      if (counts) take(step.work, data);
+    } else if (counts) {
+      step = demlaws::shear_step((int)levels_, data.kt, limit, data.en, displacement, numbers);
+      take(step.work, data);
+    } else step = demlaws::shear_step((int)levels_, data.kt, limit, data.en, displacement, numbers); // less: no work
     if (WALL && data.computeflag && instance_->ledger.readers) {
       const double stored = energy(numbers, data);
       instance_->ledger.enter(update->ntimestep, stored, -instance_->ledger.booked(stored));

@@ -207,9 +207,11 @@ def test_flat_on_flat_has_no_curvature(omega, tmp_path, bridge):
     omega.load(str(tmp_path / "scene.yade"))
     omega.interactions.clear()  # so that R is computed again, of shapes that were loaded
     advance(2)
+    from demlaws.yade.saving import pairs_from, pairs_text
+
     pairs = dy.attached(bounded.label).pairs
     assert bounded.contacts().radius == pytest.approx([0.02], rel=1e-6)
-    assert type(pairs).from_text(pairs.as_text()).radii.choice == dy.Curvature(largest=0.02)
+    assert pairs_from(pairs_text(pairs)).radii.choice == dy.Curvature(largest=0.02)
 
 
 def test_a_stepper_without_spheres_has_no_bound(omega):

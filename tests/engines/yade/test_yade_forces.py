@@ -1,7 +1,5 @@
 """The force that native YADE applied against the law, every step, in every geometry."""
 
-import warnings
-
 import numpy as np
 import pytest
 from examples import ALIKE, rules_of, shared, telling
@@ -26,7 +24,6 @@ from yade_scenes import (
 )
 
 import demlaws as dl
-from demlaws import yade as dy
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.laws.registry import find
 from demlaws.make import example
@@ -86,7 +83,7 @@ def test_table(omega, tmp_path):
 @pytest.mark.parametrize("as_table", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_curve_to_unload_along(omega, as_table):
     """Given beside the law, as a law and as a table; saved with the scene."""
-    from demlaws.yade.pairs import Pairs
+    from demlaws.yade.saving import pairs_from, pairs_text
 
     contact = dl.Contact(0.005, 32e9, 2.4e-6 * 2**0.5, 2.22, 6.266e9)
     curve = dl.law("hertz", contact).tabulate() if as_table else dl.law("hertz", contact)
@@ -98,8 +95,8 @@ def test_a_curve_to_unload_along(omega, as_table):
     wrong, tangent, _ = recorder.worst("pohrt-popov", "hertz")  # what this curve amounts to
     assert wrong <= TOLERANCE and tangent <= 1e-12
     assert law.totals().dissipated > 0.0
-    again = Pairs.from_text(law.binding.pairs.as_text())
-    assert again.unloading == "table" and again.as_text() == law.binding.pairs.as_text()
+    again = pairs_from(pairs_text(law.binding.pairs))
+    assert again.unloading == "table" and pairs_text(again) == pairs_text(law.binding.pairs)
 
 
 def test_pairs_of_materials(omega):
@@ -155,20 +152,19 @@ def test_rows_of_contacts_that_end_are_used_again(omega):
 
 @pytest.mark.parametrize("way", ["native", "public"])
 def test_coefficients_that_a_script_changes(omega, way):
-    """Each way warns once, and the force stays that of the law; a run without such a script does not warn."""
-    law = functor(bridge=way)
-    still(law)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", dy.CoefficientWarning)
-        advance(5)
-    phys = yade.O.interactions[0, 1].phys
-    for name in ("kno", "kso"):
+    """Each way stops, for each change; radius= is the factor of one contact (Chung & Ooi)."""
+    still(functor(bridge=way))
+    advance(5)
+    for name in ("kno", "kso", "kno"):
+        phys = yade.O.interactions[0, 1].phys
         setattr(phys, name, 1.5 * getattr(phys, name))
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
-            advance(3)
-        assert [one.category for one in caught] == [dy.CoefficientWarning] * (name == "kno")
+        stops(r"(?s)kno or kso of contact 0\+1.*radius=.*shear_ratio=", 3)
+        advance(1)
         assert force() == expected()
+    omega.reset()
+    still(functor("hertz", "elastic", None, radius=lambda contact: 1.5**2 * 0.005, bridge=way))
+    advance(5)
+    assert force() == pytest.approx(1.5 * dl.law("hertz", dl.Contact(0.005, MODULUS)).force(OVERLAP), rel=1e-9)
 
 
 def test_bodies_come_and_go(omega, monkeypatch):

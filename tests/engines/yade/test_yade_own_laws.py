@@ -40,23 +40,24 @@ def test_a_law_of_ones_own_is_exact(omega, page, registered_here):
 
 def test_answers_tell_laws_of_one_name_apart(omega, monkeypatch):
     """A saved scene knows a user's law by its name: what it answered is saved with it, and compared."""
-    from demlaws.yade import pairs
+    from demlaws.yade import saving
+    from demlaws.yade.saving import pairs_from, pairs_text
 
-    monkeypatch.setattr(pairs, "home_of", lambda name: "mine.py" if name == "pohrt-popov" else "demlaws")
+    monkeypatch.setattr(saving, "home_of", lambda name: "mine.py" if name == "pohrt-popov" else "demlaws")
     made = functor().binding.pairs
-    text = made.as_text()
-    assert pairs.Pairs.from_text(text).as_text() == text
+    text = pairs_text(made)
+    assert pairs_text(pairs_from(text)) == text
     omega.bodies.append(sphere((0, 0, 0), 0.03, material=material()))
-    assert functor().binding.pairs.as_text(True) == made.as_text(True)  # whatever bodies have come
+    assert pairs_text(functor().binding.pairs, True) == pairs_text(made, True)  # whatever bodies have come
     content = json.loads(text)
     pair = dl.Contact(5e-3, 30e9, GRANITE.roughness * 2**0.5, GRANITE.fractal_dimension, GRANITE.hardness)
     assert content["answers"][-1][-1] == pytest.approx(dl.law("pohrt-popov", pair, "hertz").force(2e-5), rel=1e-9)
     content["answers"][-1][-1] *= 1 + 1e-6
     with pytest.raises(dl.DemlawsError, match=r"law 'pohrt-popov' is registered, but gives other forces"):
-        pairs.Pairs.from_text(json.dumps(content))
+        pairs_from(json.dumps(content))
     content["default"]["law"] = "gone"
     with pytest.raises(dl.DemlawsError, match=r"saved with law 'gone', which is not registered"):
-        pairs.Pairs.from_text(json.dumps(content))
+        pairs_from(json.dumps(content))
 
 
 @pytest.mark.slow

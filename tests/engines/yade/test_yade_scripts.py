@@ -51,7 +51,8 @@ def test_a_script_with_one_law_loads_no_code_of_other_features(tmp_path):
     files = json.loads((tmp_path / "found.json").read_text())["loaded"]
     loaded = {Path(file).relative_to(PACKAGE).with_suffix("").as_posix() for file in files}
     assert {"yade/kernel", "yade/shear", "laws/pohrt_popov"} <= loaded
-    others = {"yade/curvature", "yade/slip", "yade/public", "core/slip", "curves/tabulate", "shear"}
+    others = {"yade/curvature", "yade/slip", "yade/public", "core/slip", "curves/tabulate", "shear", "core/levels"}
+    others |= {"yade/contacts", "yade/reports", "yade/restitution", "yade/saving"}
     others |= {"solvers/ellipsoid", "solvers/criterion", "responses/batch", "responses/path", "responses/results"}
     assert not loaded & others
 
@@ -68,14 +69,12 @@ def test_a_script_with_one_law_loads_no_code_of_other_features(tmp_path):
         ("#!/bin/sh", None),
     ],
 )
-def test_python_and_modules_of_a_start_script(tmp_path, first, python):
+def test_python_of_a_start_script(tmp_path, first, python):
     """Debian's names python3.13; YADE's own cmake names the python3 that it found, which links to one."""
-    script, modules = tmp_path / "yade", tmp_path / "lib" / "yade-mine" / "py"
+    script = tmp_path / "yade"
     (tmp_path / "python3").symlink_to("python3.99")
-    script.write_text(f"{first.format(folder=tmp_path)}\nimport sys\nsys.path.insert(1,'{modules}')\n")
-    assert (run.python_of(script), run.modules_of(script)) == (python, modules)
-    script.write_text("#!/bin/sh\nexec /opt/yade/bin/yade\n")
-    assert run.modules_of(script) is None
+    script.write_text(f"{first.format(folder=tmp_path)}\nimport sys\n")
+    assert run.python_of(script) == python
 
 
 @pytest.mark.parametrize(("version", "major"), [("1.24.2", 1), ("2.2.4", 2)])
@@ -123,8 +122,8 @@ def test_command_lines(tmp_path, monkeypatch):
     )
     assert main(["yade", "run", "--gui", "--cores=0,1", "-f5", "s.py", "-x", "--threads"]) == 3  # YADE's own status
     arguments, options = seen[0]
-    assert arguments == ("s.py", ["-x", "--threads"], 1, True, None)
-    assert options == {"stay": True, "yade_options": ["--cores=0,1", "-f5"]}
+    assert arguments == ("s.py", ["-x", "--threads"], 1)
+    assert options == {"gui": True, "batch": None, "stay": True, "yade_options": ["--cores=0,1", "-f5"]}
     script = tmp_path / "s.py"
     script.write_text("")
     line = run.command(script, gui=True, stay=True, options=["--cores=0,1"])

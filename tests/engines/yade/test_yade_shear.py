@@ -268,16 +268,16 @@ def test_ratio_of_stiffnesses(omega, tmp_path, way):
 
 
 def test_choice_is_saved_and_checked(omega, tmp_path):
-    from demlaws.yade.pairs import Pairs
+    from demlaws.yade.saving import pairs_from, pairs_text
 
     law = functor(shear="loading", levels=2)
-    again = Pairs.from_text(law.binding.pairs.as_text())
+    again = pairs_from(pairs_text(law.binding.pairs))
     assert (again.shear_name, again.levels) == ("loading", 2) and type(again.shear) is type(law.binding.pairs.shear)
     assert "shear loading in 2 levels" in repr(law)
-    former = json.loads(law.binding.pairs.as_text())
+    former = json.loads(pairs_text(law.binding.pairs))
     del former["levels"]
     with pytest.raises(dl.DemlawsError, match="former version"):
-        Pairs.from_text(json.dumps(former))
+        pairs_from(json.dumps(former))
     for wrong in ("secant", "tangent", ["elastic"]):
         with pytest.raises(dl.DemlawsError):
             functor(shear=wrong)

@@ -1,0 +1,166 @@
+"""What a saved scene has of a law: its description and the history of its contacts, as text. Loaded when a scene is saved or
+loaded, or given another law."""
+
+import base64
+import json
+import tempfile
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+from demlaws.core.unloading import GIVEN
+from demlaws.errors import DemlawsError
+from demlaws.law import Table
+from demlaws.laws.registry import home_of, laws
+from demlaws.yade import layout
+from demlaws.yade.binding import Binding
+from demlaws.yade.omega import real_contacts
+from demlaws.yade.pairs import NOMINAL, LawSource, Pairs, Span
+from demlaws.yade.radii import Curvature
+
+
+def law_text(binding, attributes):
+    """JSON from which `law_from` restores a law in another process; attributes: the functor's."""
+    content = {"bridge": binding.bridge, "account": binding.account, "attributes": attributes}
+    return json.dumps(content | {"pairs": pairs_text(binding.pairs)})
+
+
+def law_from(label, text):
+    """The binding described by `law_text`, in no scene, and the functor's attributes."""
+    content = json.loads(text)
+    return Binding(label, pairs_from(content["pairs"]), content["bridge"]), content["attributes"]
+
+
+def are_same(one, other):
+    """Whether two bindings are the same law: contacts of one may continue with the other."""
+    return (one.bridge, pairs_text(one.pairs, True)) == (other.bridge, pairs_text(other.pairs, True))
+
+
+# --- history of contacts
+
+
+def history(binding):
+    """Text of the current scene's contacts with their history, for `restore`."""
+    bodies, rows = binding.memory.saved(real_contacts())
+    content = zlib.compress(bodies.tobytes() + rows.tobytes())
+    return json.dumps({"contacts": len(rows), "content": base64.b64encode(content).decode()})
+
+
+def restore(binding, text):
+    """Give the contacts of the current scene, which was loaded, the history that they were saved with."""
+    saved = json.loads(text)
+    count, content = saved["contacts"], zlib.decompress(base64.b64decode(saved["content"]))
+    bodies = np.frombuffer(content, np.int64, 2 * count).reshape(count, 2)
+    rows = np.frombuffer(content, binding.memory.saved_dtype, count, bodies.nbytes)
+    binding.memory.restore(bodies, rows, real_contacts())
+
+
+# --- laws between surfaces
+
+
+def pairs_text(pairs, identity=False):
+    """JSON from which `pairs_from` makes the same pairs in another process; identity: what makes two laws the same."""
+    content = {
+        "unloading": pairs.unloading,
+        "spans": [[a, b, *span] for (a, b), span in pairs.known_spans()],
+        "surfaces": {label: vars(surface) for label, surface in pairs.all_surfaces().items()},
+        "default": pairs.default and _source_content(pairs.default),
+        "special": [[*pair, _source_content(source)] for pair, source in pairs.by_pair.items()],
+        "smooth": pairs.smooth,
+        "flats": pairs.flats,
+        "shear": pairs.shear_name,
+        "levels": pairs.levels,
+        "shear_ratio": pairs.shear_ratio,
+        "radius": _radius_content(pairs.radii.choice),
+    }
+    if _user_laws(pairs):
+        content["answers"] = _answers(pairs)
+    if identity:
+        del content["spans"], content["smooth"]
+    try:
+        return json.dumps(content, default=lambda value: value.portable())
+    except (TypeError, AttributeError) as error:
+        raise DemlawsError(f"the law's options cannot be saved with the simulation: {error}") from None
+
+
+def pairs_from(text):
+    """Pairs from the text of a saved scene."""
+    content = json.loads(text)
+    if "levels" not in content:
+        raise DemlawsError(
+            "the scene was saved by a former version of demlaws, whose contacts have another history of shear: continue it "
+            "with that version, or take its bodies into a new scene"
+        )
+    law = {(a, b): _source_from(one) for a, b, one in content["special"]}
+    if content["default"]:
+        law = _source_from(content["default"])
+    spans = {(a, b): Span(tuple(radius), tuple(modulus), *meets) for a, b, radius, modulus, *meets in content["spans"]}
+    options = {name: content[name] for name in ("smooth", "flats", "shear", "shear_ratio")}
+    options["levels"], radius = content["levels"] or None, content["radius"]
+    options["radius"] = Curvature(*radius) if isinstance(radius, list) else radius
+    pairs = Pairs(law, content["surfaces"], content["unloading"], {}, spans, **options)
+    answers = content.get("answers")
+    if answers is not None and not np.allclose(answers, _answers(pairs), rtol=1e-8, atol=0.0, equal_nan=True):
+        raise DemlawsError(
+            f"law {', '.join(map(repr, _user_laws(pairs)))} is registered, but gives other forces than when the scene was "
+            "saved: the history of the contacts belongs to the former law. Register the law unchanged"
+        )
+    return pairs
+
+
+def _radius_content(choice):
+    """The choice of R (`radii.Radii`) for JSON."""
+    if callable(choice):
+        raise DemlawsError("radius= is a function, which cannot be saved with the simulation: give a number or a name")
+    return [choice.largest] if isinstance(choice, Curvature) else choice
+
+
+def _user_laws(pairs):
+    """Names of the laws that take part which are not the package's: a name says nothing of their functions."""
+    names = {definition.name for source in pairs.sources for definition in source.definitions()}
+    return sorted(name for name in names if home_of(name) != home_of("hertz"))
+
+
+def _answers(pairs):
+    """Forces [N] that tell laws of one name apart: of every pair on loading, unloading and loading further.
+
+    At one R and E* whatever the bodies are, since more of them may have come when the same law is made again.
+    """
+    rows = np.zeros(len(pairs.shapes), layout.CONTACT)
+    rows["ratio"], rows["tag"] = 1.0, 1.0 + np.arange(len(rows))
+    rows["radius"], rows["modulus"] = NOMINAL["radius"][0], NOMINAL["modulus"][0]
+    forces = []
+    for depth in (1e-5, 1e-4, 1e-3, 9e-4, 4e-3):
+        rows["overlap"] = depth * rows["radius"]
+        forces.append([float(f"{force:.9e}") for force in pairs.respond(rows)[0]["kno"] * rows["overlap"] ** 1.5])
+    return forces
+
+
+def _source_content(source):
+    """Plain content of a `LawSource`."""
+    if source.table is None:
+        content = {"law": source.name, "options": source.options}
+        return content if source.curve is None else {**content, "curve": _source_content(source.curve), "ratios": source.ratios}
+    with tempfile.TemporaryDirectory() as folder:
+        text = source.table.save(Path(folder) / "table.txt").read_bytes()
+    return {"table": base64.b64encode(zlib.compress(text, 9)).decode()}
+
+
+def _source_from(content):
+    """A `LawSource` from its content."""
+    if "table" not in content:
+        if content["law"] not in laws():
+            raise DemlawsError(
+                f"the scene was saved with law {content['law']!r}, which is not registered in this process: register it "
+                "as it was (dl.register, or DEMLAWS_LAWS=FILE.py) before O.load"
+            )
+        source = LawSource(content["law"], content["options"])
+        if "curve" in content:
+            source.curve, source.ratios = _source_from(content["curve"]), tuple(content["ratios"])
+            source.unloading = GIVEN
+        return source
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "table.txt"
+        path.write_bytes(zlib.decompress(base64.b64decode(content["table"])))
+        return LawSource(Table.load(path), {})

@@ -1,0 +1,23 @@
+"""Time of a step, or of YADE's interaction loop, over that with the engine's own Hertz law, from docs/tables/cost-steps.csv."""
+
+import csv
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+
+RATIO = "time over the engine's own Hertz and shear"
+with open(Path(__file__).parents[1] / "tables" / "cost-steps.csv", encoding="utf-8") as file:
+    ROWS = [row for row in csv.DictReader(file) if row["shear"] != "1 level" and "--sizes" not in row["command"]]
+
+fig, ax = plt.subplots(figsize=(7.2, 3.6), layout="constrained")
+labels = []
+for place, row in enumerate(reversed(ROWS)):
+    ratio = float(row[RATIO])
+    ax.barh(place, ratio, color="tab:blue" if row["shear"] == "3 levels" else "0.7")
+    ax.annotate(row[RATIO], (ratio, place), (4, 0), textcoords="offset points", va="center", fontsize=8)
+    law = row["law"].removeprefix("pohrt-popov, ").replace("elastic", "elastic unloading")
+    labels.append(f"{row['engine']}: {law}, {'default shear' if row['shear'] == '3 levels' else 'partial slip'}")
+ax.axvline(1.0, color="k", lw=0.8, ls=":")
+ax.set_yticks(range(len(labels)), labels, fontsize=8)
+ax.set(xlabel="time over that with the engine's own Hertz law", xlim=(0, 4))
+fig.savefig("cost.png", dpi=130)

@@ -1,0 +1,149 @@
+"""Where the pictures and tables of the documentation come from: python docs/making/sources.py [--write] [NAME ...].
+
+Without names: all. `--write` makes them again, those of stored rows in seconds to a minute each. tests/docs/test_pictures.py
+compares them, and finds pictures and tables that nothing here names.
+"""
+
+import argparse
+import csv
+import io
+import itertools
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+DOCS = Path(__file__).resolve().parents[1]
+ROOT = DOCS.parent
+
+DRAWN = sorted(path.stem for path in (DOCS / "gallery").glob("*.py"))
+"""Names of docs/pictures that a script of docs/gallery draws, also when the site is built."""
+
+FOLLOWED = {"contact-regime": "which-law", "scan": "liggghts-ballast", "fit": "yade-oedometer", "quickstart": "first"}
+"""Pictures that the listings of a tutorial draw; tests/docs/test_pages.py follows and compares them."""
+
+STORED = {
+    "pictures/angular.png": "studies.shapes --figure {out}",
+    "pictures/creep.png": "studies.shear --creep {out}",
+    "pictures/shear.png": "studies.shear --figure {out}",
+    "pictures/regime.png": "studies.jamari --figure {out}",
+    "pictures/repeated.png": "studies.jamari --repeat isotropic --figure {out}",
+    "validation/ballast.png": "studies.ballast --report --figure {out}",
+    "validation/experiment.png": "studies.experiment --report --figure {out}",
+    "validation/small-strain.png": "studies.assembly --report --figure {out}",
+    "tables/angular-bed.csv": "studies.shapes --figure {scratch}/angular.png",
+    "tables/angular-small-strain.csv": "studies.shapes --small",
+    "tables/glass-beads.csv": "studies.experiment --report --figure {scratch}/experiment.png",
+    "tables/shear-springs.csv": "studies.shear --springs 12 16 30 32",
+    "tables/trade-softening.csv": "studies.trade --softening",
+}
+"""Pictures, and tables that are printed, from rows that a study keeps: arguments of `python -m`."""
+
+MEASURED = {
+    "validation/asperity.png": "python docs/making/measured.py report",
+    "validation/deviations.png": "python docs/making/measured.py report",
+    "tables/case-ballast.csv": "python -m studies.cases ballast --rows docs/tables/case-ballast.csv",
+    "tables/case-compression.csv": "python -m studies.cases compression --rows docs/tables/case-compression.csv",
+    "tables/case-waves.csv": "python -m studies.cases waves --rows docs/tables/case-waves.csv",
+    "tables/cost-instructions.csv": "valgrind --tool=callgrind on the engine; docs/cost.md",
+    "tables/cost-memory.csv": "sizes of the history in each engine",
+    "tables/cost-scale.csv": "make bench-scale",
+    "tables/cost-steps.csv": "the command of each row",
+    "tables/cost-waits.csv": "python tests/benchmarks/ratios.py --only waits",
+    "tables/liggghts-checks.csv": "the command of each row",
+    "tables/liggghts-restitution.csv": "the case impact of liggghts_inputs",
+    "tables/liggghts-tutorials.csv": "python -m studies.cases.tutorials",
+    "tables/mutations.csv": "make mutations, and python tests/mutations.py --tests 'test_report.py -k published_answer'",
+    "tables/shear-ratio.csv": "the command of each row",
+    "tables/shear-rest.csv": "the command of each row",
+    "tables/trade-contact.csv": "python -m studies.trade; demlaws yade run -x yade_scripts/cost.py",
+    "tables/trade-extremes.csv": "make stability",
+    "tables/trade-fits.csv": "demlaws fit, version 0.2.0",
+    "tables/trade-natives.csv": "pytest tests/engines -k natives",
+    "tables/trade-packing.csv": "python -m studies.trade --scene yade liggghts --stress 500kPa; --quick to 5 MPa",
+    "tables/trade-steps.csv": "python -m studies.extremes, version 0.2.0",
+    "tables/yade-ballast.csv": "demlaws yade run -x yade_scripts/ballast.py",
+    "tables/yade-examples.csv": "demlaws yade run -x yade_scripts/examples.py",
+}
+"""Results of runs that take minutes to hours, and of engines: not made again by a test."""
+
+VIEWS = {"pictures/contacts.png": "python docs/making/contacts.py GRAINS CONTACTS {out}, of the dumps of lammps_inputs/ballast"}
+"""Three-dimensional views of one state of a run: looked at, not compared."""
+
+
+def command(name, out, scratch):
+    """Words of the command of a stored picture or table."""
+    return [sys.executable, "-m", *shlex.split(STORED[name].format(out=out, scratch=scratch))]
+
+
+def cells_of_bars(lines):
+    """Cells of a Markdown table."""
+    rows = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in lines if line.startswith("|")]
+    return [row for row in rows if not set("".join(row)) <= set("-: ")]
+
+
+def cells_of_columns(lines):
+    """Cells of a table in columns: labels, then columns that end where the words of the head end."""
+    label = max(len(re.split(r"  +", line)[0]) for line in lines[1:])
+    ends = [label, *(word.end() for word in re.finditer(r"\S+", lines[0]))]
+    return [[line[:label].strip(), *(line[a:b].strip() for a, b in itertools.pairwise(ends))] for line in lines]
+
+
+def tables(printed):
+    """(title, cells) of each table that a command printed."""
+    if any(line.startswith("|") for line in printed.splitlines()):
+        return [("", cells_of_bars(printed.splitlines()))]
+    found = []
+    for block in printed.strip("\n").split("\n\n"):
+        title, *lines = block.splitlines()
+        named = "  " not in title.strip()
+        found.append((title if named else "", cells_of_columns(lines if named else [title, *lines])))
+    return found
+
+
+def as_csv(printed):
+    """CSV text of what a command printed; with several tables their titles are the first column."""
+    found, out = tables(printed), io.StringIO()
+    if len(found) == 1:
+        csv.writer(out, lineterminator="\n").writerows(found[0][1])
+        return out.getvalue()
+    heads = list(dict.fromkeys(name for _, rows in found for name in rows[0][1:]))
+    writer = csv.DictWriter(out, ["table", "case", *heads], lineterminator="\n")
+    writer.writeheader()
+    for title, (head, *rows) in found:
+        for first, *rest in rows:
+            writer.writerow({"table": title, "case": first, **dict(zip(head[1:], rest, strict=True))})
+    return out.getvalue()
+
+
+def make(name, out):
+    """Make a stored picture or table again, as the file `out`."""
+    with tempfile.TemporaryDirectory() as scratch:
+        done = subprocess.run(command(name, out, scratch), cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True)
+    if name.endswith(".csv"):
+        Path(out).write_text(as_csv(done.stdout))
+
+
+def main():
+    """List the sources, or make the stored ones again."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*", help="as in the list (default: all)")
+    parser.add_argument("--write", action="store_true", help="make those of stored rows again")
+    arguments = parser.parse_args()
+    if arguments.write:
+        for name in arguments.names or STORED:
+            make(name, DOCS / name)
+            print(DOCS / name)
+        return
+    known = {f"pictures/{name}.png": f"docs/gallery/{name}.py" for name in DRAWN}
+    known |= {f"pictures/{name}.png": f"listings of docs/tutorials/{page}.md" for name, page in FOLLOWED.items()}
+    known |= {name: "python -m " + text.format(out=f"docs/{name}", scratch="FOLDER") for name, text in STORED.items()}
+    for name, text in sorted({**known, **MEASURED, **VIEWS}.items()):
+        if not arguments.names or name in arguments.names:
+            print(f"{name:34} {text}")
+
+
+if __name__ == "__main__":
+    main()

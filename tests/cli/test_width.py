@@ -1,0 +1,56 @@
+"""Printed results of every command have lines of at most 100 characters."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from demlaws import cli
+from demlaws.cli import COMMANDS
+from demlaws.files import WIDTH
+
+ROUGH = ["--radius", "8mm", "--modulus", "32GPa", "--roughness", "1.7um", "--fractal-dimension", "2.2", "--hardness", "6.27GPa"]
+PLASTIC = ["--law", "rough-plastic", "--option", "yield_pressure=1.66GPa"]
+ELASTIC = ["--law", "hertz", "--young", "60GPa", "--poisson", "0.25"]
+TESTS = Path(__file__).resolve().parents[1]
+DATA, DUMPS = TESTS / "data", TESTS / "data" / "dumps"
+SHOWN = {
+    "granite": ["--test", "RFC10", "--out", "{out}"],
+    "laws": ["rough-plastic"],
+    "materials": ["granite"],
+    "curve": [*PLASTIC, *ROUGH, "--forces", "50", "0"],
+    "table": [*PLASTIC, *ROUGH, "--out", "{out}/law.tbl"],
+    "regime": [*ROUGH, "--load", "20"],
+    "surface": ["{map}"],
+    "fit": [TESTS.parent / "docs" / "tutorials" / "contact.csv", *ROUGH],
+    "choose": [DATA / "ballast.toml", "--all"],
+    "soften": ["--factor", "100", *PLASTIC, *ROUGH],
+    "timestep": [DUMPS / "grains.txt", DUMPS / "contacts-lammps.txt", *ELASTIC],
+    "contacts": [DUMPS / "grains.txt", DUMPS / "contacts-lammps.txt"],
+    "liggghts": ["convert", "{out}/in.liggghts", "--table", "{out}/law.tbl"],
+    "lammps": ["convert", "{out}/in.lammps", "--table", "{out}/law.tbl"],
+}
+"""Command → arguments of a result; `yade` prints only what YADE and its self-test print (tests/engines/yade)."""
+
+
+def test_every_command_is_shown():
+    assert {*SHOWN, "yade"} == {*COMMANDS}
+
+
+@pytest.mark.parametrize("command", SHOWN)
+def test_lines_of_results(command, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    table = ["table", *PLASTIC, *ROUGH, "--out", "law.tbl"]
+    if "convert" in SHOWN[command]:
+        cli.main(table)
+        (tmp_path / "in.liggghts").write_text("pair_style gran model hertz tangential history rolling_friction $v\nrun 1\n")
+        (tmp_path / "in.lammps").write_text(
+            "pair_style granular\npair_coeff * * jkr 1e9 1 0.25 1 tangential mindlin NULL 1 1\n"
+        )
+    if command == "surface":
+        np.save("map.npy", 1e-6 * np.random.default_rng(1).standard_normal((64, 64)))
+    words = [str(word).format(out=".", map="map.npy") for word in SHOWN[command]]
+    cli.main([command, *words, *(["--pixel", "1um"] if command == "surface" else [])])
+    lines = capsys.readouterr().out.splitlines()
+    code = ("import", "from", "law =", "#")  # of a script that `choose` prints for copying
+    assert lines and [line for line in lines if len(line) > WIDTH and not line.startswith(code)] == []
