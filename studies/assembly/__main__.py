@@ -34,7 +34,7 @@ def parser():
     parser.add_argument("--sensitivity", action="store_true", help="three series with other settings of the compression")
     parser.add_argument("--report", action="store_true", help="tables only, from the runs in the file")
     parser.add_argument("--attenuation", action="store_true", help="energy that friction takes from small waves, in LAMMPS")
-    parser.add_argument("--table", type=output, help="CSV file with the exponents of all packings")
+    parser.add_argument("--table", type=Path, help="CSV file with the exponents of all packings")
     parser.add_argument("--figure", type=output, help="picture of the exponents")
     parser.set_defaults(func=run)
     return parser

@@ -277,12 +277,16 @@ def run_waves(path=RESULTS, store=STORE, seeds=1, progress=print):
 
 
 def exponent(lines):
-    """Exponents over pressure of α at one frequency (cycle) or of one pulse: mean and standard deviation of the packings."""
+    """Exponents over pressure of α at one frequency (cycle) or of one pulse: mean and standard deviation of the packings.
+
+    NaN: the loop of a cycle is too narrow to be measured.
+    """
     found = []
     for seed in sorted({line["seed"] for line in lines}):
         chosen = [line for line in lines if line["seed"] == seed]
         alpha = [line["share"] / (line["speed"] if line["kind"] == "cycle" else 1.0) for line in chosen]
-        found.append(np.polyfit(np.log([line["kPa"] for line in chosen]), np.log(alpha), 1)[0])
+        pressures = np.log([line["kPa"] for line in chosen])
+        found.append(np.polyfit(pressures, np.log(alpha), 1)[0] if min(alpha) > 0.0 else np.nan)
     return spread(found)
 
 
@@ -306,7 +310,9 @@ def table(path=RESULTS):
         shares = [np.mean([row["share"] for row in chosen("z", larger) if row["kPa"] == p]) for p in pressures]
         ends = [exponent(chosen(axis, size)) for size in (larger, small) for axis in AXES]
         cells = [f"{share:.2g}" for share in shares]
-        cells += [f"{mean:+.2f}" + ("" if np.isnan(off) else f" ± {off:.2f}") for mean, off in ends]
+        cells += [
+            ("–" if np.isnan(mean) else f"{mean:+.2f}") + ("" if np.isnan(off) else f" ± {off:.2f}") for mean, off in ends
+        ]
         lines.append(f"| {key[0]} | {key[1]}, {key[2]} | {len({row['seed'] for row in some})} | {' | '.join(cells)} |")
     return "\n".join([*lines, "", *sensitivity(rows)])
 

@@ -139,7 +139,7 @@ def save(rows, path):
     found = {case: numbers(series) for case, series in cases(rows).items()}
     names = list(dict.fromkeys(name for values in found.values() for name in values))
     with open(path, "w", newline="") as file:
-        lines = csv.writer(file)
+        lines = csv.writer(file, lineterminator="\n")
         lines.writerow([*Case._fields, "seeds", *(f"{name}{end}" for name in names for end in ("", " ±"))])
         for case, series in cases(rows).items():
             values = [value for name in names for value in found[case].get(name, (np.nan, np.nan))]

@@ -24,7 +24,7 @@ def parser():
     parser.add_argument("--quick", action="store_true", help="two cases of 80 spheres and 5 cycles, a minute")
     parser.add_argument("--beds", action="store_true", help="beds deposited and loaded with each shear model")
     parser.add_argument("--report", action="store_true", help="tables only, from the runs in the file")
-    parser.add_argument("--table", type=output, help="CSV file with the numbers of every bed")
+    parser.add_argument("--table", type=Path, help="CSV file with the numbers of every bed")
     parser.add_argument("--figure", type=output, help="picture of settlement, resilient modulus and dissipation")
     parser.set_defaults(func=run)
     return parser

@@ -237,6 +237,8 @@ def wanted():
     yield from (case._replace(seed=3) for case in (hertz, rough))
     yield from (rough._replace(sigma=sigma) for sigma in (0.5, 5.0, 1.0))
     yield from (rough._replace(shear="mindlin"), rough._replace(sigma=10.0, seed=2))
+    yield from (case._replace(grains="clumps", seed=2) for case in (hertz, rough))
+    yield from (case._replace(shear="slip", seed=2) for case in (rough, hertz))
 
 
 def finished(path=RESULTS):

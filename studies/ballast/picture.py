@@ -46,9 +46,8 @@ def _many(ax, rows):
         law = fit(rows, last)
         for name, values, colour in zip(("a + b log N", f"N^{law.exponent:.2f}"), law.at(way), ("C0", "C1"), strict=True):
             ax.plot(way, values, style, color=colour, lw=1.2, label=f"{name}, fitted to cycles 2 to {last:.0f}")
-    ax.set(
-        xscale="log", xlabel="cycle", ylabel="settlement (µm)", title=f"{number[-1]:.0f} cycles, one packing", ylim=(0, None)
-    )
+    about = {"xlabel": "cycle", "ylabel": "settlement (µm)", "title": f"{number[-1]:.0f} cycles, one packing"}
+    ax.set(xscale="log", yscale="log", ylim=(0.3 * settled[0], 2.0 * settled[-1]), **about)
     ax.legend(fontsize=7)
 
 

@@ -196,7 +196,7 @@ def table(rows, **settings):
 def save(rows, path):
     """Write the numbers of every bed to a CSV file; its path."""
     with open(path, "w", newline="") as file:
-        lines = csv.writer(file)
+        lines = csv.writer(file, lineterminator="\n")
         lines.writerow([*KEY, "seed", "cycles", *COLUMNS, "time (s)"])
         for kind, beds in series(rows).items():
             for seed, one in beds.items():
@@ -256,7 +256,6 @@ EFFECTS = {
     "shear: slip for default, hertz": (BASE, BASE._replace(shear="slip")),
     "shear: slip for default, pohrt-popov": (ROUGH, ROUGH._replace(shear="slip")),
     "shape: clumps for spheres, hertz": (BASE, BASE._replace(grains="clumps")),
-    "shape: clumps for spheres, pohrt-popov": (ROUGH, ROUGH._replace(grains="clumps")),
 }
 MEASURES = {
     "settlement, N = 1": lambda rows: settlement(rows, 1),

@@ -1,5 +1,7 @@
 """Small-strain stiffness of packings: known lattices, power laws, LAMMPS, and the kept results."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -176,9 +178,9 @@ def test_larger_waves_lose_a_larger_share(tmp_path):
 
 
 def test_attenuation_of_kept_waves():
-    """Neither packings at rest nor loaded ones have the measured exponent of -0.19 with the larger amplitude."""
+    """Larger waves: packings at rest have an exponent far below the measured -0.19, loaded ones pass it with one rough law."""
     rows = study.read(attenuation.RESULTS)
-    for kind, low, high in (("pulse", -1.3, -0.8), ("cycle", -0.1, 0.3)):
+    for kind, low, high in (("pulse", -1.3, -0.8), ("cycle", -0.75, 0.0)):
         for law, shear, axis in {(row["law"], row["shear"], row["axis"]) for row in rows if row["kind"] == kind}:
             larger = max(attenuation.STRAINS) if kind == "cycle" else max(attenuation.SPEEDS)
             about = {"kind": kind, "law": law, "shear": shear, "axis": axis, "amplitude": larger}
@@ -201,6 +203,12 @@ def test_kept_probes_and_settings_agree():
         ]
         for column in ("M", "G"):
             assert np.ptp([report.exponent(some, column) for some in one]) < 2.5e-3
+
+
+def test_the_file_of_the_page_is_that_of_the_kept_runs(tmp_path):
+    file = Path(__file__).parents[2] / "docs" / "validation" / "small-strain.csv"
+    rows = [row for row in study.read() if row["count"] == 1000]
+    assert Path(report.save(rows, tmp_path / "exponents.csv")).read_text() == file.read_text()
 
 
 def test_the_picture_shows_all_laws():
