@@ -245,7 +245,7 @@ def test_softer_grains_are_advised_and_written(tmp_path, capsys):
     assert advice.factor > 1.0
     table = tmp_path / "law.tbl"
     assert main(["choose", str(file), "--soften", "--out", str(table)]) == 0
-    assert f"modulus / {advice.factor:g}" in capsys.readouterr().out
+    assert f"divide the modulus by {advice.factor:g} " in capsys.readouterr().out
     whole = dl.Scene.load(file).contacts(2e-3)[0]
     assert dl.Table.load(table).contact.modulus == pytest.approx(whole.modulus / advice.factor)
     assert dl.Table.load(table).contact.roughness == pytest.approx(whole.roughness * advice.factor ** (2 / 3))
