@@ -5,7 +5,7 @@ import numpy as np
 from studies.ballast.cycles import STAGES
 from studies.ballast.report import LONGEST, dissipation, fit, longest, main_cycles, moduli, series, settlement
 
-UNKNOWN = (("friction and damping", 100.0, "0.7"),)
+UNKNOWN = (("all (friction not booked)", 100.0, "0.7"),)
 STYLES = {"default": "-", "mindlin": "--", "slip": ":"}
 
 
