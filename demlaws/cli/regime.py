@@ -56,7 +56,7 @@ def run_regime(arguments):
         laws = regime.advise(pair, arguments.load, limit, mu=arguments.mu)
         record(contact=pair, assessment=assessment, laws=laws)
         say(str(assessment))
-        print("laws at this load:")
+        print("laws at this force:")
         for advice in laws:
             say(f"  {advice.law:16} {'applies' if advice.fits else 'no':7} {advice.reason}", " " * 27)
     draw(arguments.figure, lambda plots: plots.regime_figure(pair, arguments.load))
