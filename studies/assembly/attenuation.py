@@ -176,10 +176,8 @@ def cycles(model, store=STORE, count=COUNT, pressures=PRESSURES, strains=STRAINS
         last = rows[log["angle"][rows] > 1.999 * np.pi]
         turn = log["angle"][last] - 2.0 * np.pi / period  # a step's box has the strain of the step before
         shapes = np.stack([np.cos(turn), np.sin(turn), turn, np.ones(len(turn))], axis=1)  # with a drift
-        (inside, outside, _, _), volume = (
-            np.linalg.lstsq(shapes, log[AXES[axis]][last], rcond=None)[0],
-            log["Volume"][last].mean(),
-        )
+        inside, outside, *_ = np.linalg.lstsq(shapes, log[AXES[axis]][last], rcond=None)[0]
+        volume = log["Volume"][last].mean()
         modulus, lost = abs(inside) / strain, log["lost"][last[-1]] - log["lost"][last[0]]
         speed = np.sqrt(modulus * volume / (count * bead.mass))
         shares = -2.0 * np.pi * outside / inside, 2.0 * lost / (modulus * strain**2 * volume)
@@ -188,20 +186,8 @@ def cycles(model, store=STORE, count=COUNT, pressures=PRESSURES, strains=STRAINS
 
 def row(kind, model, pressure, axis, amplitude, modulus, speed, share, dissipated, log, height=np.nan):
     """A row (dict)."""
-    about = (
-        kind,
-        *model,
-        1e-3 * pressure,
-        axis,
-        amplitude,
-        1e-6 * modulus,
-        speed,
-        share,
-        dissipated,
-        height,
-        int(log["Step"][-1]),
-    )
-    return dict(zip(FIELDS, about, strict=True))
+    wave = (1e-3 * pressure, axis, amplitude, 1e-6 * modulus, speed, share, dissipated, height)
+    return dict(zip(FIELDS, (kind, *model, *wave, int(log["Step"][-1])), strict=True))
 
 
 def at_rest(model, pressure, store=STORE, count=COUNT):
@@ -221,10 +207,8 @@ def pulse(model, packing, pressure, axis, amplitude, step=0.2):
     modulus = found.along if axis == "z" else found.across
     speed = np.sqrt(modulus / (packing.solid * packing.bead.density))
     frequency = np.sqrt(packing.results[5] / packing.bead.mass)
-    steps, velocity = (
-        round(1.3 * FAR / speed * frequency / step),
-        "v_none v_none v_pulse" if axis == "z" else "v_pulse v_none v_none",
-    )
+    steps = round(1.3 * FAR / speed * frequency / step)
+    velocity = "v_none v_none v_pulse" if axis == "z" else "v_pulse v_none v_none"
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         text = ground(folder, model, packing, frequency, f"replicate       1 1 {BOXES}", step)

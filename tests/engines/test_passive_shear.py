@@ -102,3 +102,14 @@ def test_energies_are_summed_from_their_compute_on(engine, tmp_path, between):
     start = next(n for n, step in enumerate(log["Step"]) if step >= 12000)
     assert kept[start] - kept[-1] > 0.05 * kept[start]
     np.testing.assert_allclose((kept + log["lost"])[start:], (kept + log["lost"])[start], rtol=1e-4)
+
+
+@both
+def test_nothing_is_dissipated_when_the_compute_is_defined(engine, tmp_path):
+    """The work of shear that contacts store then was done before: it is stored, not yet taken."""
+    save_law(tmp_path, "rough elastic")
+    start, contacts, rest = gas(engine, 0.5, "elastic")
+    defined = rest.index("compute en")
+    log = simulate(engine, tmp_path, f"{start}{contacts}{rest[:defined]}run 7200\n{rest[defined:]}run 0\n")
+    assert log["stored"][-1] > 1e-3 * log["ke"][-1]
+    assert log["lost"][-1] == pytest.approx(0.0, abs=1e-9 * log["stored"][-1])

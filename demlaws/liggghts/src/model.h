@@ -109,7 +109,7 @@ public:
     normal.energies(data, overlap, stored, dissipated);
     const double shear = shear_energy(tangential, data);
     stored += shear;
-    dissipated -= shear;
+    dissipated -= normal.instance().ledger.booked(shear);
   }
   bool contact_match(const std::string kind, const std::string name) {
     Factory &known = Factory::instance();
