@@ -123,11 +123,19 @@ struct Law {
   }
 };
 
+// What remains for contacts whose history cannot be continued.
+static const std::string FROM_POSITIONS = "start again from positions (write_data, read_data)";
+
 // Of a contact whose mark is another law's.
 inline std::string other_law() {
   return "this contact began under another law (table, modulus or roughness of its types), whose overlaps it keeps; "
-         "give "
-         "bodies another law while they do not touch, or begin anew from positions (write_data, read_data)";
+         "give bodies another law while they do not touch, or " +
+         FROM_POSITIONS;
+}
+
+// Of a restart file with other numbers per contact.
+inline std::string former_version() {
+  return "demlaws/table: the restart file is of a former version of demlaws; " + FROM_POSITIONS;
 }
 
 } // namespace demlaws

@@ -432,7 +432,7 @@ class Attachment:
             live = np.isin(np.arange(count), self._numbers(contacts()))
             self.rows[:count][~live] = np.zeros((), self.rows.dtype)
         free = np.flatnonzero(~live)
-        if 8 * len(free) < count:  # not worth it: take new rows until there are half as many again
+        if 8 * len(free) < count:  # not worth it: take new rows until there are 50 % more
             free = free[:0]
         self._free, context["free"] = free, free.ctypes.data
         context["free_count"], context["free_taken"] = len(free), 0

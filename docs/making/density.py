@@ -1,7 +1,7 @@
 """Words, numbers, tables and pictures of each page: python docs/making/density.py [PAGE ...]; default: all of docs and README.
 
 Numbers are those of the text and of tables, not of listings. A page that is read has few. `--repeated` lists figures
-with a unit that stand on three pages or more, other than inputs: a measured figure is stated once in README and once in docs.
+with a unit that three pages or more have, other than inputs: a measured figure is stated once in README and once in docs.
 """
 
 import re

@@ -70,7 +70,7 @@ MEASURED = {
 """Results of runs that take minutes to hours, and of engines: not made again by a test."""
 
 VIEWS = {"pictures/contacts.png": "python docs/making/contacts.py GRAINS CONTACTS {out}, of the dumps of lammps_inputs/ballast"}
-"""Three-dimensional views of one state of a run: looked at, not compared."""
+"""Three-dimensional views of one state of a run, which no test compares."""
 
 
 def command(name, out, scratch):

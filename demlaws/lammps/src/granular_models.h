@@ -119,8 +119,8 @@ template <class ABI> struct Granular {
         refuse("shear_ratio must be above 0, at most 4/3");
       this->num_coeffs = NUMBERS;
       if (coeffs[FINGERPRINT] != (double)table_.fingerprint())
-        refuse("this is not the table that the restart file was written with: bring that file back, or begin anew from "
-               "positions (write_data, read_data)");
+        refuse("this is not the table that the restart file was written with: bring that file back, or " +
+               demlaws::FROM_POSITIONS);
       const double modulus = Emod / (2. * (1. - poiss * poiss)); // two bodies of one material
       shear_ = (demlaws::Shear)(int)coeffs[SHEAR];
       std::string doubt;

@@ -66,9 +66,7 @@ template <class ABI> struct Hooks {
     delete m->sub_models[type];
     m->sub_models[type] = NULL;
     if (name.find(' ') != std::string::npos) // demlaws/table FILE
-      raise(*m->of.error, true,
-            "demlaws/table: the restart file is of a former version of demlaws; begin anew from positions (write_data, "
-            "read_data)");
+      raise(*m->of.error, true, demlaws::former_version());
     if (type == NORMAL) m->sub_models[type] = m->normal_model = new typename Models::Expected(m, outputs);
     else if (type == DAMPING) m->sub_models[type] = m->damping_model = new typename Models::Tangent(m, name);
     else m->sub_models[type] = m->tangential_model = new Passive(m, name);

@@ -136,9 +136,7 @@ public:
       if (number == "marked") marked = true;
       else if (number == "booked") instance_->ledger.books = true;
       else instance_->stored_shears[owner] = word + ' ' + number;
-    if (!marked)
-      error->all(FLERR, "model demlaws/table: the restart file is of a former version of demlaws; begin anew from "
-                        "positions (write_data, read_data)");
+    if (!marked) error->all(FLERR, former_version().c_str());
   }
   static Fix *create(LAMMPS *lmp, int narg, char **arg) { return new FixKept(lmp, narg, arg); }
   static const char *name() { return "demlaws/kept"; }

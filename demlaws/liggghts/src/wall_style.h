@@ -33,7 +33,7 @@ public:
   void init_granular() {
     ensure_fix(lmp_->modify);
     instance_->owner = owner();
-    check_shear(lmp_, owner()); // again: of a wall that stands above the pair style
+    check_shear(lmp_, owner()); // again: of a wall whose line is above the pair style's
     Walls::Granular<MODEL>::init_granular();
     forget_opened();
   }
