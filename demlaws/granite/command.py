@@ -1,11 +1,10 @@
 """The command `demlaws granite`: tables, claims, CSV files and figures."""
 
 import math
-import textwrap
 
 from demlaws import granite, plots
 from demlaws.errors import quiet
-from demlaws.files import WIDTH, save_csv, wrapped
+from demlaws.files import save_csv, wrapped
 from demlaws.granite import claims
 from demlaws.granite import figures as pictures
 from demlaws.laws import POHRT_POPOV, ROUGH_PLASTIC
@@ -96,8 +95,7 @@ def print_claims(verdicts):
     print("\nClaims of the paper against the runs")
     for claim in verdicts:
         print(wrapped(f"  {claim.test}: {claim.claim}"))
-        for line in textwrap.wrap(claim.gives, WIDTH - 6):
-            print(f"      {line}")
+        print(wrapped(claim.gives, "      ", "      "))
         print(wrapped(f"      → {claim.verdict}" + (f" ({claim.criterion})" if claim.criterion else ""), rest="        "))
     counts = {verdict: sum(c.verdict == verdict for c in verdicts) for verdict in dict.fromkeys(c.verdict for c in verdicts)}
     print("  " + "; ".join(f"{n} {verdict}" for verdict, n in counts.items()))

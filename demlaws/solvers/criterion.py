@@ -87,7 +87,7 @@ def deforming_part(ratio):
 
 
 def transition_force(contact, ratio=YIELD_RATIO, mu=None):
-    """Load [N] at which p(0)/H_m reaches `ratio`; below it only asperities deform.
+    """Force [N] at which p(0)/H_m reaches `ratio`; below it only asperities deform.
 
     p(0) rises with the force at every roughness, as P^0.733 where roughness rules and as P^(1/3) without it, so there is
     one such force. One number, or one entry per contact. mu: see `central_pressure`; of one contact, to 1e-5.
@@ -187,7 +187,7 @@ def _ratio(value):
 
 
 def checked_forces(force):
-    """Loads [N] as an array; DemlawsError unless all are positive and finite."""
+    """Forces [N] as an array; DemlawsError unless all are positive and finite."""
     return positive(force, "force", "N")
 
 
