@@ -129,6 +129,7 @@ def test_moduli_of_other_shear_stiffness(tmp_path):
     assert 0.3 / full < turned / across < less / first < 1.0
 
 
+@pytest.mark.lammps
 def test_moduli_agree_with_small_strains_in_lammps(tmp_path):
     probe.run_probes(200, tmp_path / "probes.csv", tmp_path, [study.Series(law="pohrt-popov", sigma=0.5)])
     for row in study.read(tmp_path / "probes.csv"):
