@@ -64,17 +64,6 @@ def test_every_picture_and_table_is_on_a_page():
         assert Path(name).name in text + gallery, f"docs/{name} is on no page"
 
 
-def test_printed_tables_become_csv():
-    printed = "first\n        a    b  c\nx, y    1    2\nz      10    2  3\n\nsecond\n      b\nw    30\n"
-    assert sources.as_csv(printed).splitlines() == [
-        "table,case,a,b,c",
-        'first,"x, y",1,2,',
-        "first,z,10,2,3",
-        "second,w,,30,",
-    ]
-    assert sources.as_csv("| a | b |\n|---|---|\n| 1, 2 | 3 |\n") == 'a,b\n"1, 2",3\n'
-
-
 def test_a_moved_curve_is_seen(tmp_path):
     import matplotlib.pyplot as plt
 
