@@ -52,6 +52,8 @@ MEASURED = {
     "tables/liggghts-restitution.csv": "the case impact of liggghts_inputs",
     "tables/liggghts-tutorials.csv": "python -m studies.cases.tutorials",
     "tables/mutations.csv": "make mutations, and python tests/mutations.py --tests 'test_report.py -k published_answer'",
+    "tables/plastic-compared.csv": "read in the sources of each row",
+    "tables/plastic-differences.csv": "the command or source of each row",
     "tables/shear-ratio.csv": "the command of each row",
     "tables/shear-rest.csv": "the command of each row",
     "tables/trade-contact.csv": "python -m studies.trade; demlaws yade run -x yade_scripts/cost.py",
