@@ -285,40 +285,24 @@ def exponent(lines):
     return spread(found)
 
 
-NAMES = ("kind", "law", "shear", "rule")
+WAVE = ("kind", "law", "sigma_um", "shear", "rule", "axis", "amplitude")
 
 
 def table(path=RESULTS):
-    """Text: shares of longitudinal waves of the larger amplitude (mean of the packings), exponents of α of all waves."""
-    rows, pressures = read(path), [1e-3 * pressure for pressure in PRESSURES]
-    heads = [f"share, {pressure:g} kPa" for pressure in pressures]
-    heads += [f"exponent, {size}, {way}" for size in ("larger", "small") for way in ("longitudinal", "transverse")]
-    lines = ["| motion | law, shear, rule | seeds | " + " | ".join(heads) + " |", "|---" * (3 + len(heads)) + "|"]
-    for key in dict.fromkeys(
-        tuple(row[name] for name in NAMES) for row in sorted(rows, key=lambda row: row["kind"]) if row["kind"] not in SETTINGS
-    ):
-        some = [row for row in rows if tuple(row[name] for name in NAMES) == key]
-        small, larger = STRAINS if key[0] == "cycle" else SPEEDS
-
-        def chosen(axis, amplitude, some=some):
-            return [row for row in some if row["axis"] == axis and row["amplitude"] == amplitude]
-
-        shares = [np.mean([row["share"] for row in chosen("z", larger) if row["kPa"] == p]) for p in pressures]
-        ends = [exponent(chosen(axis, size)) for size in (larger, small) for axis in AXES]
-        cells = [f"{share:.2g}" for share in shares]
+    """Text: a line per wave of each model: shares (means of the packings), exponent of α, steps of a run; settings last."""
+    found, pressures = {}, [1e-3 * pressure for pressure in PRESSURES]
+    for row in sorted(read(path), key=lambda row: (row["kind"] in SETTINGS, row["kind"])):
+        found.setdefault(tuple(row[name] for name in WAVE), []).append(row)
+    heads = ["motion", *WAVE[1:5], "wave", "amplitude", "seeds", *(f"share, {p:g} kPa" for p in pressures), "exponent", "steps"]
+    lines = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
+    for (kind, law, sigma, *rest, axis, amplitude), some in found.items():
+        shares = [[row["share"] for row in some if row["kPa"] == p] for p in pressures]
+        mean, off = exponent(some) if kind not in SETTINGS else (np.nan, np.nan)
+        cells = [kind, law, f"{sigma:g}", *rest, "longitudinal" if axis == "z" else "transverse", f"{amplitude:g}"]
+        cells += [str(len({row["seed"] for row in some})), *(f"{np.mean(share):.3g}" if share else "" for share in shares)]
         cells += [
-            ("–" if np.isnan(mean) else f"{mean:+.2f}") + ("" if np.isnan(off) else f" ± {off:.2f}") for mean, off in ends
+            ("" if np.isnan(mean) else f"{mean:+.2f}") + ("" if np.isnan(off) else f" ± {off:.2f}"),
+            f"{some[-1]['steps']:.0f}",
         ]
-        lines.append(f"| {key[0]} | {', '.join(key[1:])} | {len({row['seed'] for row in some})} | {' | '.join(cells)} |")
-    return "\n".join([*lines, "", *sensitivity(rows)])
-
-
-def sensitivity(rows):
-    """Lines: shares with half the step and at half the speed, beside the usual ones."""
-    keys = (*NAMES[1:], "seed", "kPa", "axis", "amplitude")
-    usual = {(row["kind"], *(row[key] for key in keys)): row["share"] for row in rows}
-    for row in rows:
-        if row["kind"] in SETTINGS:
-            about = [row[key] for key in keys]
-            before = usual[(row["kind"].split(",")[0], *about)]
-            yield f"{row['kind']}, {' '.join(map(str, about))}: share {row['share']:.3g}, usual {before:.3g}"
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
