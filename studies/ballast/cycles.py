@@ -253,14 +253,13 @@ def wanted():
     yield from (case._replace(seed=3) for case in kinds)
 
 
-def finished(path=RESULTS):
-    """Cases that a file of results has."""
-    kinds = [type(value) for value in Case()]
-    return {tuple(kind(row[name]) for kind, name in zip(kinds, Case._fields, strict=True)) for row in read(path)}
+def case_of(row):
+    """`Case` of a row."""
+    return Case(*(type(value)(row[name]) for name, value in Case()._asdict().items()))
 
 
 def run_cases(cases, path=RESULTS, store=STORE, progress=print):
     """Run the cases that `path` lacks."""
     for case in dict.fromkeys(cases):
-        if tuple(case) not in finished(path):
+        if case not in map(case_of, read(path)):
             append(path, FIELDS, run_case(case, store, progress))

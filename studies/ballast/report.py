@@ -9,7 +9,7 @@ import numpy as np
 from demlaws.laws import HERTZ, POHRT_POPOV
 from studies.assembly.report import spread
 from studies.ballast.bed import DENSITY
-from studies.ballast.cycles import SENSITIVITY, Case
+from studies.ballast.cycles import SENSITIVITY, Case, case_of
 
 LONGEST = 200
 """Cycles of the cases in the tables; one case has more."""
@@ -247,10 +247,9 @@ def table(rows, **settings):
 
 def runs(rows):
     """`Case` → rows in order of the cycle, sorted by kind, cycles and settings."""
-    kinds, found = [type(value) for value in Case()], {}
+    found = {}
     for row in sorted(rows, key=lambda row: row["cycle"]):
-        case = Case(*(kind(row[name]) for kind, name in zip(kinds, Case._fields, strict=True)))
-        found.setdefault(case, []).append(row)
+        found.setdefault(case_of(row), []).append(row)
 
     def place(case):
         return order(kind_of(case)), -case.cycles, case.seed, case.period, case.dt
