@@ -298,11 +298,6 @@ def plans(scene, reference):
     return list(dict.fromkeys(alternatives))
 
 
-def _range_problem(law, smallest, largest, reasons):
-    """Why the scene leaves the law's range, or None. reasons: those that hold for the reference as well."""
-    return next((f"loads of {b}" for b in law.breaches(smallest, largest) if b.reason not in reasons), None)
-
-
 _ONE_SIZE = "one table per pair of sizes"
 _NO_TABLE = "its curve depends on the radius; list grain sizes as classes"
 
@@ -331,9 +326,9 @@ class _Evaluator:
         """The plan and its table with their errors, and why they are ruled out."""
         entries, label = {}, _label(plan)
         try:
-            problem = _range_problem(self.laws(plan)[0], self.smallest, self.largest, self.known)
-            if problem and plan != self.reference:
-                return {}, {label: problem}
+            breaches = [b for b in self.laws(plan)[0].breaches(self.smallest, self.largest) if b.reason not in self.known]
+            if breaches and plan != self.reference:
+                return {}, {label: f"loads of {breaches[0]}"}
             entries[plan] = self.error(plan)
             label = _label(plan._replace(evaluation="table"))
             table = _table_for(self, plan, entries[plan][0]) if self.tables else None

@@ -276,7 +276,8 @@ def _contact(arguments, name):
         print(step)
         record(contact=contact.pair, force=arguments.load, text=str(step).splitlines(), micro_contacts=len(step.micro))
         if arguments.csv is not None:
-            write_csv(arguments.csv, MICRO_CONTACTS, _micro_contacts(step.micro))
+            columns = (map(float, getattr(step.micro, name)) for name in MICRO_CONTACTS)
+            write_csv(arguments.csv, MICRO_CONTACTS, zip(*columns, strict=True))
         if arguments.out is not None:
             _write(arguments.out, contact.unload(step).heights)
         draw(arguments.figure, lambda plots: plots.contact_figure(contact, step))
@@ -306,7 +307,3 @@ def _table(arguments, contact):
         f"{arguments.table}: law asperity ({arguments.unloading} unloading), {table.nodes.u.size} rows, "
         f"error of force {table.force_error:.1e}, of stiffness {table.stiffness_error:.1e}"
     )
-
-
-def _micro_contacts(micro):
-    return zip(*(map(float, getattr(micro, name)) for name in MICRO_CONTACTS), strict=True)

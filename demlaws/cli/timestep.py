@@ -291,14 +291,15 @@ def contacts_of_dump(arguments, atoms, lengths, entries):
 
 def _ratio_and_rayleigh(arguments, kinds):
     """K_t/K, and the smallest Rayleigh step [s] of `kinds`, (radius, density), or None."""
+    from demlaws.contact import Material
     from demlaws.core.shear import LARGEST_SHEAR_RATIO
-    from demlaws.timestep import rayleigh_step
+    from demlaws.timestep import rayleigh_step, shear_ratio
     from demlaws.units import number
 
     ratio, rayleigh = 1.0, None
     if arguments.poisson is not None and arguments.young is not None:
         young, poisson = arguments.young[0], arguments.poisson[0]
-        ratio = 2.0 * (1.0 - poisson) / (2.0 - poisson)
+        ratio = shear_ratio(*2 * [Material(young, poisson)])
         rayleigh = min(rayleigh_step(r, density, young, poisson=poisson) for r, density in kinds)
     if arguments.shear_ratio is not None:
         ratio = number(arguments.shear_ratio, "--shear-ratio", "", 0.0, LARGEST_SHEAR_RATIO)

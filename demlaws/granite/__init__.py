@@ -235,11 +235,12 @@ def stages_of(run):
             rows.append(StageRow(number, force, reload, over, float(path.stiffness[peak]), float(path.plastic_overlap[peak])))
             largest = max(largest, force)
             after = path.force[peak:]
-            start = peak + int(np.argmin(after[: _next_rise(after)]))
+            start = peak + int(np.argmin(after[: first_rise(after)]))
     return rows
 
 
-def _next_rise(force):
+def first_rise(force):
+    """Index of the first force above the one before, the number of forces if there is none."""
     rises = np.flatnonzero(np.diff(force) > 0)
     return int(rises[0]) + 1 if rises.size else force.size
 

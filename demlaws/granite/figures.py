@@ -33,17 +33,12 @@ def force(test, runs):
         path = run.paths[0]
         rise = slice(0, int(np.argmax(path.force)) + 1)
         zero = float(np.interp(0.1, path.force[rise], path.overlap[rise]))
-        end = _first_peak(path.force) if test.cyclic else path.force.size
+        end = granite.first_rise(-path.force) if test.cyclic else path.force.size
         draw_line(ax, (path.overlap[:end] - zero) * MICRO, path.force[:end], name=run.law.name, lw=1.5)
     ax.set(xlabel="displacement from 0.1 N (µm)", ylabel="force (N)", title=test.name, ylim=(0, None))
     ax.set_xlim(left=-0.05 * ax.get_xlim()[1])
     ax.legend(fontsize=8)
     return fig
-
-
-def _first_peak(force):
-    falls = np.flatnonzero(np.diff(force) < 0)
-    return int(falls[0]) + 1 if falls.size else force.size
 
 
 def _step_colour(number, count):

@@ -12,6 +12,7 @@ from demlaws.files import write_atomically
 from demlaws.laws import USUAL
 from demlaws.laws.registry import find
 from demlaws.plugins.grains import make_case, output_folder
+from demlaws.timestep import shear_ratio
 
 
 class Models(NamedTuple):
@@ -23,11 +24,9 @@ class Models(NamedTuple):
 
 def joined(one, other):
     """Young's modulus [Pa] and Poisson's ratio of the material that, against itself, has E* and G* of the two."""
-    modulus = effective_modulus(one, other)
-    shear = 1.0 / sum(2.0 * (2.0 - m.poisson) * (1.0 + m.poisson) / m.young for m in (one, other))
-    ratio = modulus / shear
-    poisson = (ratio - 4.0) / (ratio - 2.0)
-    return young_against_itself(modulus, poisson), poisson
+    ratio = shear_ratio(one, other)
+    poisson = 2.0 * (1.0 - ratio) / (2.0 - ratio)
+    return young_against_itself(effective_modulus(one, other), poisson), poisson
 
 
 def stock_models(grains, restitution=0.5, friction=0.5):

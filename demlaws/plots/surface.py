@@ -3,6 +3,7 @@
 import numpy as np
 
 from demlaws import regime
+from demlaws.contact import smooth_overlap
 from demlaws.plots import figure
 from demlaws.surface import box_correction
 
@@ -117,7 +118,7 @@ def contact_figure(contact, step):
     show(fig, left, heights, heights.heights * MICRO, "height (µm)", cmap="Greys_r", alpha=0.6)
     ellipses(left, step)
     if not contact.flat:
-        radius = (step.force * 0.75 * contact.pair.radius / contact.pair.modulus) ** (1 / 3)
+        radius = np.sqrt(contact.pair.radius * smooth_overlap(contact.pair, step.force))
         circle(left, contact.centre, radius, "--", "Hertz radius")
     left.set_title(f"{step.force:.3g} N: {len(step.micro)} micro-contacts, {step.contact_area * 1e12:.4g} µm²", fontsize=10)
     micro = step.micro
@@ -152,12 +153,7 @@ def ellipses(ax, step):
 
 def circle(ax, centre, radius, style, label):
     """Outline a circle, centre and radius in m."""
-    angle = np.linspace(0, 2 * np.pi, 200)
-    ax.plot(
-        (centre[0] + radius * np.cos(angle)) * MICRO,
-        (centre[1] + radius * np.sin(angle)) * MICRO,
-        "k" + style,
-        lw=1,
-        label=label,
-    )
+    from matplotlib.patches import Circle
+
+    ax.add_patch(Circle(np.array(centre) * MICRO, radius * MICRO, fill=False, ls=style, label=label))
     ax.legend(fontsize=8, loc="upper right")

@@ -127,13 +127,9 @@ class Contacts(Tabular):
         if self.centre1 is None or self.centre2 is None:
             raise DemlawsError("these contacts have no places of their bodies: nothing to draw")
         data = {name: v.astype(np.uint8) if v.dtype == bool else v for name, _, v in self._known()}
-        _writer(path.suffix)(path, np.concatenate([self.centre1, self.centre2]), _lines(len(self)), data)
+        lines = np.stack([np.arange(len(self)), np.arange(len(self)) + len(self)], axis=1)  # numbers of their points
+        _writer(path.suffix)(path, np.concatenate([self.centre1, self.centre2]), lines, data)
         return path
-
-
-def _lines(count: int) -> np.ndarray:
-    """Numbers of the two points of each line."""
-    return np.stack([np.arange(count), np.arange(count) + count], axis=1)
 
 
 def _writer(suffix: str) -> Any:

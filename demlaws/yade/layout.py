@@ -139,11 +139,8 @@ def saved_fields(row):
 
 def part(dtype, names):
     """dtype of some fields of a packed dtype, packed."""
-    return np.dtype([(name, *_format(dtype.fields[name][0])) for name in names])
-
-
-def _format(dtype):
-    return (dtype.subdtype[0], dtype.subdtype[1]) if dtype.subdtype else (dtype,)
+    fields = [(name, dtype.fields[name][0]) for name in names]
+    return np.dtype([(name, *(kind.subdtype or (kind,))) for name, kind in fields])
 
 
 def copied(rows, dtype):

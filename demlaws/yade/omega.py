@@ -42,6 +42,22 @@ def scratch_scene():
         O.switchToScene(home)
 
 
+def contact_engines(functor, physics, reach, before=(), geometries=None, bounds=None):
+    """Engines of contacts: forces reset, the collider, contacts of `physics` under a law; reach: its `verletDist`.
+
+    before: engines between collider and contacts; geometries, bounds: functors in place of those of spheres and flats.
+    """
+    bounds = bounds or [yade.Bo1_Sphere_Aabb(), yade.Bo1_Facet_Aabb(), yade.Bo1_Wall_Aabb(), yade.Bo1_Box_Aabb()]
+    geometries = geometries or [
+        yade.Ig2_Sphere_Sphere_ScGeom(),
+        yade.Ig2_Facet_Sphere_ScGeom(),
+        yade.Ig2_Wall_Sphere_ScGeom(),
+        yade.Ig2_Box_Sphere_ScGeom(),
+    ]
+    collider = yade.InsertionSortCollider(bounds, verletDist=reach)
+    return [yade.ForceResetter(), collider, *before, yade.InteractionLoop(geometries, [physics], [functor])]
+
+
 def real_contacts():
     """The current scene's contacts that a law of ours acts on."""
     return [i for i in O.interactions if is_our_contact(i)]

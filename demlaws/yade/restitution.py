@@ -17,7 +17,7 @@ from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.units import SMALL_OVERLAP
 from demlaws.yade.binding import Binding
 from demlaws.yade.native import FEW_ROWS
-from demlaws.yade.omega import O, scratch_scene, set_engines
+from demlaws.yade.omega import O, contact_engines, scratch_scene, set_engines
 
 STEPS = 600
 """Steps of a Hertz contact's duration: the rebound is within 1e-3 of its limit."""
@@ -94,16 +94,7 @@ def _bounce(pairs, lower, upper, *, mass, speed, en):
     binding.attachment.patch(functor)
     binding.attachment.watch_itself()
     physics = yade.Ip2_FrictMat_FrictMat_MindlinPhys(**({} if en is None or en == 1.0 else {"en": en, "es": en}))
-    geometries = [yade.Ig2_Sphere_Sphere_ScGeom(), yade.Ig2_Wall_Sphere_ScGeom(), yade.Ig2_Facet_Sphere_ScGeom()]
-    bounds = [yade.Bo1_Sphere_Aabb(), yade.Bo1_Wall_Aabb(), yade.Bo1_Facet_Aabb()]
-    set_engines(
-        [
-            yade.ForceResetter(),
-            yade.InsertionSortCollider(bounds, verletDist=0.1 * radius),
-            yade.InteractionLoop(geometries, [physics], [functor]),
-            yade.NewtonIntegrator(damping=0),
-        ]
-    )
+    set_engines([*contact_engines(functor, physics, 0.1 * radius), yade.NewtonIntegrator(damping=0)])
     if _radius(lower):
         radius = effective_radius(radius, _radius(lower))
     modulus = effective_modulus(lower.material, upper.material)

@@ -15,7 +15,7 @@ import yade
 from demlaws.errors import DemlawsError, EngineStopped, TimeStepWarning, warn
 from demlaws.yade import native
 from demlaws.yade.functor import Law2_ScGeom_MindlinPhys_Demlaws
-from demlaws.yade.omega import O, get_engines, set_engines
+from demlaws.yade.omega import O, contact_engines, get_engines, set_engines
 
 GUARD_COMMAND = "__import__('demlaws.yade').yade.guard({label!r})"
 PERIOD = 100
@@ -338,13 +338,6 @@ def engines(law, *, geometries=None, bounds=None, physics=None, before=(), after
     """
     if not isinstance(law, yade.LawFunctor):
         raise DemlawsError(f"engines(law): give the law functor, Law2_ScGeom_MindlinPhys_Demlaws(…), got {law!r}")
-    bounds = bounds or [yade.Bo1_Sphere_Aabb(), yade.Bo1_Facet_Aabb(), yade.Bo1_Wall_Aabb(), yade.Bo1_Box_Aabb()]
-    geometries = geometries or [
-        yade.Ig2_Sphere_Sphere_ScGeom(),
-        yade.Ig2_Facet_Sphere_ScGeom(),
-        yade.Ig2_Wall_Sphere_ScGeom(),
-        yade.Ig2_Box_Sphere_ScGeom(),
-    ]
     stepper = []
     if timestep is not None:
         if not (isinstance(timestep, Real) and 0.0 < timestep <= 1.0):
@@ -352,15 +345,9 @@ def engines(law, *, geometries=None, bounds=None, physics=None, before=(), after
         stepper = [yade.GlobalStiffnessTimeStepper(timestepSafetyCoefficient=timestep, timeStepUpdateInterval=10)]
     if hasattr(law, "binding"):
         law.binding.share = timestep
-    return [
-        yade.ForceResetter(),
-        yade.InsertionSortCollider(bounds, verletDist=-verlet),
-        *before,
-        yade.InteractionLoop(geometries, [physics or yade.Ip2_FrictMat_FrictMat_MindlinPhys()], [law]),
-        *stepper,
-        *after,
-        newton or yade.NewtonIntegrator(damping=0),
-    ]
+    physics = physics or yade.Ip2_FrictMat_FrictMat_MindlinPhys()
+    contacts = contact_engines(law, physics, -verlet, before, geometries, bounds)
+    return [*contacts, *stepper, *after, newton or yade.NewtonIntegrator(damping=0)]
 
 
 # --- saving and loading

@@ -51,15 +51,17 @@ def read_memory(start, size, kind):
     return np.ctypeslib.as_array(memory_at(start, kind * (size // ctypes.sizeof(kind))))
 
 
+def _only(places, what):
+    """The one offset [bytes] of `places`."""
+    if len(places) != 1:
+        raise BridgeUnavailable(f"{what} is not at one place of the object, but at {sorted(map(int, places))}")
+    return int(next(iter(places)))
+
+
 def one_place(cls, name, things, matches):
     """The byte offset at which `matches(start, size, thing)` finds an attribute in each of these objects."""
-    places = None
-    for thing in things:
-        here = {int(place) for place in matches(*window(thing), thing)}
-        places = here if places is None else places & here
-    if len(places) != 1:
-        raise BridgeUnavailable(f"{cls.__name__}.{name} is not at one place of the object, but at {sorted(places)}")
-    return places.pop()
+    places = (set(map(int, matches(*window(thing), thing))) for thing in things)
+    return _only(set.intersection(*places), f"{cls.__name__}.{name}")
 
 
 def find_number(cls, name, kind=ctypes.c_double, values=(1.2345e33, 2.4691e33, 3.7037e33), make=None, read=None):
@@ -83,10 +85,7 @@ def find_flag(thing, name, owner=None):
     for value in (False, True, False):
         setattr(owner, name, value)
         seen.append(read_memory(*window(thing), ctypes.c_uint8).copy())
-    places = np.flatnonzero((seen[0] == 0) & (seen[1] == 1) & (seen[2] == 0))
-    if len(places) != 1:
-        raise BridgeUnavailable(f"{type(owner).__name__}.{name} is not one byte, but at {places.tolist()}")
-    return int(places[0])
+    return _only(np.flatnonzero((seen[0] == 0) & (seen[1] == 1) & (seen[2] == 0)), f"the flag {type(owner).__name__}.{name}")
 
 
 def find_string(cls, name):
@@ -166,47 +165,39 @@ def symbol(library, name):
 
 def find_vector(cls, name):
     """Byte offset of a Vector3: three doubles, x first."""
-
-    def make(value):
-        thing, vector = cls(), yade.Vector3(value, 2.0, 3.0)
-        if cls is yade.State and name == "pos":  # no argument of State
-            thing.pos = vector
-        else:  # shearInc cannot be set otherwise
-            thing.updateAttrs({name: vector})
-        return thing
-
-    place = find_number(cls, name, make=make, read=lambda thing: getattr(thing, name)[0])
-    _check_numbers(make(0.5), cls, name, place, lambda value: [value[n] for n in range(3)])
-    return place
+    return _find_components(cls, name, 3, lambda value: yade.Vector3(value, 2.0, 3.0))
 
 
 def find_quaternion(cls, name):
     """Byte offset of a Quaternion: four doubles, x first."""
+    return _find_components(cls, name, 4, lambda value: yade.Quaternion(0.5, value, 0.25, 0.125))
+
+
+def _find_components(cls, name, count, attribute):
+    """Byte offset of so many doubles that follow each other; attribute: value of the first one → Python object."""
 
     def make(value):
         thing = cls()
-        setattr(thing, name, yade.Quaternion(0.5, value, 0.25, 0.125))
+        if cls is yade.State and name in ("pos", "ori"):  # no arguments of State
+            setattr(thing, name, attribute(value))
+        else:  # shearInc cannot be set otherwise
+            thing.updateAttrs({name: attribute(value)})
         return thing
 
+    # as small as parts of a unit quaternion
     values = (0.1234567, 0.2345678, 0.3456789)
     place = find_number(cls, name, values=values, make=make, read=lambda thing: getattr(thing, name)[0])
-    _check_numbers(make(0.5), cls, name, place, lambda value: [value[n] for n in range(4)])
+    thing = make(0.5)
+    expected = [getattr(thing, name)[n] for n in range(count)]
+    if list(read_memory(address(thing) + place, 8 * count, ctypes.c_double)) != expected:
+        raise BridgeUnavailable(f"{cls.__name__}.{name} is not {count} doubles in the expected order")
     return place
-
-
-def _check_numbers(thing, cls, name, place, components):
-    """Raise unless the components of an attribute follow each other from `place` on."""
-    expected = components(getattr(thing, name))
-    if list(read_memory(address(thing) + place, 8 * len(expected), ctypes.c_double)) != expected:
-        raise BridgeUnavailable(f"{cls.__name__}.{name} is not {len(expected)} doubles in the expected order")
 
 
 def find_word(thing, target):
     """Byte offset of the one word of an object that has the address of another one."""
     places = 8 * np.flatnonzero(read_memory(*window(thing), ctypes.c_uint64) == address(target))
-    if len(places) != 1:
-        raise BridgeUnavailable(f"{type(thing).__name__} has the address of {type(target).__name__} at {places.tolist()}")
-    return int(places[0])
+    return _only(places, f"the address of {type(target).__name__} in {type(thing).__name__}")
 
 
 def first_word(cls):
@@ -244,10 +235,7 @@ def find_scene_number(scene, name, values=(1.25e-7, 2.5e-7, 3.125e-7)):
         setattr(yade.O, name, value)
         return 8 * np.flatnonzero(read_memory(start, size, ctypes.c_double) == value)
 
-    places = set.intersection(*(set(matches(*window(scene), value).tolist()) for value in values))
-    if len(places) != 1:
-        raise BridgeUnavailable(f"O.{name} is not at one place of the scene, but at {sorted(places)}")
-    return places.pop()
+    return _only(set.intersection(*(set(matches(*window(scene), value).tolist()) for value in values)), f"O.{name}")
 
 
 def find_degrees_of_freedom():
@@ -267,10 +255,7 @@ def find_cell_size(cell):
     """Byte offset in Cell of hSize, column by column; `cell` has moved, so that it differs from former sizes."""
     expected = np.array([cell.hSize[row, column] for column in range(3) for row in range(3)])
     numbers = read_memory(*window(cell), ctypes.c_double)
-    places = [8 * n for n in range(numbers.size - 8) if np.array_equal(numbers[n : n + 9], expected)]
-    if len(places) != 1:
-        raise BridgeUnavailable(f"Cell.hSize is not at one place of the object, but at {places}")
-    return places[0]
+    return _only([8 * n for n in range(numbers.size - 8) if np.array_equal(numbers[n : n + 9], expected)], "Cell.hSize")
 
 
 def _turned(v, axes):

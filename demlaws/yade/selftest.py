@@ -7,7 +7,7 @@ import yade
 
 from demlaws.errors import DemlawsError
 from demlaws.yade import layout, native
-from demlaws.yade.omega import O, scratch_scene, set_engines
+from demlaws.yade.omega import O, contact_engines, scratch_scene, set_engines
 
 POISSON = 0.2
 TOLERANCE = 1e-14  # of the largest force
@@ -135,12 +135,7 @@ def _two_spheres(functor, labels, radius, young):
 def _engines(functor, radius, damping):
     """Engines of the two spheres; damping: arguments of the functor of physics."""
     physics = yade.Ip2_FrictMat_FrictMat_MindlinPhys(**damping)
-    return [
-        yade.ForceResetter(),
-        yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb()], verletDist=0.1 * radius),
-        yade.InteractionLoop([yade.Ig2_Sphere_Sphere_ScGeom()], [physics], [functor]),
-        yade.NewtonIntegrator(damping=0),
-    ]
+    return [*contact_engines(functor, physics, 0.1 * radius), yade.NewtonIntegrator(damping=0)]
 
 
 def _compare(binding):
