@@ -390,8 +390,12 @@ class Contact:
         -------
         float or ndarray
         """
-        forces = positive(force, "force", "N")
-        return self.roughness * (16.0 * self.radius * self.modulus**2 / (9.0 * forces**2)) ** (1 / 3)
+        return self.roughness / smooth_overlap(self, positive(force, "force", "N"))
+
+
+def smooth_overlap(contact: Contact, force: Any) -> Any:
+    """Overlap [m] of a smooth contact under `force` > 0 [N], (9 P²/(16 R E*²))^(1/3)."""
+    return (9.0 * force**2 / (16.0 * contact.radius * contact.modulus**2)) ** (1 / 3)
 
 
 def pressure_of(contact: Contact, value: Any, name: str) -> float:

@@ -11,14 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.contact import Contact, as_contact
-from demlaws.core.loops import bind_params, equal_params, loading_part, one_of
+from demlaws.core.loops import equal_params, loading_part, one_of
 from demlaws.core.unloading import GIVEN
 from demlaws.curves.closed import ClosedForm
-from demlaws.curves.unloading import ELASTIC, Unloading, joined_shape, refuse_unless_passive
+from demlaws.curves.unloading import ELASTIC, Unloading, refuse_unless_passive
 from demlaws.errors import DemlawsError
 from demlaws.files import as_path, names_a_file, write_atomically, write_together
 from demlaws.laws.definition import Definition
-from demlaws.laws.registry import is_user_defined
 from demlaws.responses.response import Response, as_given
 from demlaws.units import number
 
@@ -44,21 +43,6 @@ class Law(Response):
     (array([1.3492, 2.6985]), array([1.e-06, 1.e-06]))
     """
 
-    def __init__(self, contact: Contact, curve: "ClosedForm | TableCurve", unloading: Unloading = ELASTIC):
-        curve.check(contact)
-        self.contact, self.curve, self.unloading_parts = contact, curve, unloading
-        self.definition, self.options, self.name = curve.definition, curve.options, curve.definition.name
-        self.rule_tag, self.state_names = unloading.rule.tag, unloading.rule.state
-        self.state_size = len(self.state_names)
-        self.shape = joined_shape(curve.shape, contact, unloading)
-        self.params = bind_params(self.shape, contact)
-        if unloading.rule.curve == "law" and unloading.rule_parameters is None and is_user_defined(self.definition):
-            from demlaws.curves.soundness import refuse_unsound_rule
-
-            refuse_unsound_rule(self.name, unloading.rule, one_of(self.params, 0), float(np.ravel(contact.radius)[0]))
-        self._limits = None
-        self._end = None
-
     def __repr__(self):
         options = "".join(f", {k}={v!r}" for k, v in self.options.items())
         unloading = self.unloading if self.unloading_law is None else self.unloading_law
@@ -80,11 +64,6 @@ class Law(Response):
         return hash((self.name, self.unloading))
 
     # --- parts
-
-    @property
-    def unloading(self) -> str:  # type: ignore[override]
-        """Name of the unloading rule."""
-        return self.unloading_parts.rule.name
 
     @functools.cached_property
     def unloading_law(self) -> "Law | None":

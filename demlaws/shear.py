@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.core.levels import levels_loop
-from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, SLIP
+from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, LARGEST_SHEAR_RATIO, SLIP
 from demlaws.core.slip import SAMPLES, slip_loop
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, as_law
@@ -112,7 +112,7 @@ def sheared(
         )
     if not (np.all(np.isfinite(depth)) and np.all(np.isfinite(plane))):
         raise DemlawsError("overlap and displacement must be finite numbers in m")
-    ratio = number(ratio, "ratio", high=4.0 / 3.0)
+    ratio = number(ratio, "ratio", high=LARGEST_SHEAR_RATIO)
     if not isinstance(shear, str) or shear not in (*CHOICES, SLIP):
         raise DemlawsError(f"shear must be {', '.join(map(repr, (*CHOICES, SLIP)))}, got {shear!r}")
     if shear == SLIP and levels is not None:

@@ -293,7 +293,7 @@ def write(path: str | os.PathLike, heights: HeightMap) -> Path:
     if suffix == ".asc":
         rows, columns = heights.shape
         text.write(f"ncols {columns}\nnrows {rows}\nxllcorner 0\nyllcorner 0\n")
-        square = math.isclose(heights.pixel_x, heights.pixel_x if heights.pixel_y is None else heights.pixel_y, rel_tol=1e-12)
+        square = math.isclose(heights.pixel_x, heights.pixel_y, rel_tol=1e-12)
         # GDAL's keywords where pixels are not square
         text.write(f"cellsize {heights.pixel_x!r}\n" if square else f"dx {heights.pixel_x!r}\ndy {heights.pixel_y!r}\n")
         text.write("NODATA_value -9999\n")

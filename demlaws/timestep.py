@@ -322,7 +322,7 @@ def stiffest_now(
     largest = law.stiffness(loaded)
     if not law.state_size:
         return largest
-    deepest = np.minimum(SMALL_OVERLAP * np.asarray(law.contact.radius), (1.0 - 1e-9) * law._largest_overlaps()[0])
+    deepest = np.minimum(SMALL_OVERLAP * np.asarray(law.contact.radius), (1.0 - 1e-9) * law._largest_overlaps[0])
     end = np.maximum(deepest, loaded)
     histories = [np.clip(largest_overlap, loaded, end)] if largest_overlap is not None else loaded * (end / loaded) ** _SHARES
     possible = np.ones(force.size, bool)

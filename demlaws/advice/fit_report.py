@@ -25,14 +25,22 @@ class Estimate(NamedTuple):
 
     From Student's t in the fitted coordinate. If a quantity lies at or near the end of its range, all intervals of that law
     come from the profile likelihood. If the deviations of neighbouring points are correlated (drift, or a wrong law), the
-    intervals are widened (`Fit.systematic`). `note` reports an interval that ends at the limit of the search.
+    intervals are widened (`Fit.systematic`). `open_end` names the end that is the limit of the search, not of the points.
     """
 
     value: float
     error: float  # standard error; nan if the points do not determine it
     low: float
     high: float
-    note: str = ""
+    cause: str = ""  # why the points determine it badly
+    open_end: str = ""  # "lower", "upper" or "both": the points do not limit it there
+
+    @property
+    def note(self) -> str:
+        """Open ends and their cause."""
+        if self.open_end == "both":
+            return "not determined" + (f": {self.cause}" if self.cause else "")
+        return ", ".join(part for part in (self.open_end and f"no {self.open_end} end", self.cause) if part)
 
 
 class Fit(NamedTuple):
@@ -201,18 +209,17 @@ def _estimates(model, solution, errors, ends):
     for i, name in enumerate((*model.free, ZERO)):
         causes = "not separately identifiable from these points", "at its bound", "without effect on these points"
         holds = solution.weak[i], solution.at_bound[i], solution.idle[i]
-        note = next((cause for cause, one in zip(causes, holds, strict=True) if one), "")
-        if np.all(stopped[i]):
-            note = "not determined" + (f": {note}" if note else "")
-        elif name not in _ENDS and np.any(stopped[i]):
-            note = f"no {'lower' if stopped[i][0] else 'upper'} end" + (f", {note}" if note else "")
+        cause = next((cause for cause, one in zip(causes, holds, strict=True) if one), "")
+        open_end = "both" if np.all(stopped[i]) else ""
+        if not open_end and name not in _ENDS and np.any(stopped[i]):
+            open_end = "lower" if stopped[i][0] else "upper"
         unit = model.scale if name == ZERO else 1.0
         value, error, lower, upper = (float(v * unit) for v in (solution.x[i], errors[i], *ends[i]))
         if name != ZERO and model.parameters[name].logarithmic:
             with np.errstate(over="ignore"):
                 value, lower, upper = (float(np.exp(v)) for v in (value, lower, upper))
             error *= value
-        estimates[name] = Estimate(value, error, lower, upper, note)
+        estimates[name] = Estimate(value, error, lower, upper, cause, open_end)
     return estimates
 
 

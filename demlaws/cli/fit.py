@@ -61,19 +61,18 @@ def shown(name, estimate, unit):
     """A parameter with its interval, in handy units."""
     from demlaws.units import HANDY
 
-    if estimate.note.startswith("not determined"):
+    if estimate.open_end == "both":
         return f"{name} {estimate.note}"
     unit, factor = HANDY.get(unit, (unit, 1.0))
-    note = estimate.note
-    if note.startswith("no lower end"):
-        note, text = note.removeprefix("no lower end").strip(", "), f"{name} below {estimate.high * factor:.4g}"
-    elif note.startswith("no upper end"):
-        note, text = note.removeprefix("no upper end").strip(", "), f"{name} above {estimate.low * factor:.4g}"
+    if estimate.open_end == "lower":
+        text = f"{name} below {estimate.high * factor:.4g}"
+    elif estimate.open_end == "upper":
+        text = f"{name} above {estimate.low * factor:.4g}"
     else:
         text = f"{name} {estimate.value * factor:.5g}"
         if estimate.low == estimate.low:
             text += f" [{estimate.low * factor:.4g}, {estimate.high * factor:.4g}]"
-    return f"{text} {unit}".rstrip() + (f" ({note})" if note else "")
+    return f"{text} {unit}".rstrip() + (f" ({estimate.cause})" if estimate.cause else "")
 
 
 def table_lines(ranking, arguments):

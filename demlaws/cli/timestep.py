@@ -102,15 +102,10 @@ def run(arguments):
     if shear.any() and np.all(np.asarray(shot.blocked)[free, 3:]):
         motion = "with shear, without rotation"
     which = "between grains" if shot.step is None else "as they are"
-    histories = {
-        "known": "",
-        "none": "",
-        "stiffest": "the stiffest tangent of all histories that allow the contacts' forces and overlaps",
-    }
     print(f"{len(shot.pairs)} contacts, {np.sum(free)} grains, {mean:.3g} contacts per grain")
     say(f"{name:<17} {limits.exact:.4g} s  2/ω_max {motion}, contacts {which}", " " * 18)
-    if histories[shot.history]:
-        say(f"history           {histories[shot.history]}", " " * 18)
+    if shot.history == "stiffest":
+        say("history           the stiffest tangent of all histories that allow the contacts' forces and overlaps", " " * 18)
     if shot.note:
         say(f"note              {shot.note}", " " * 18)
     share = f"of the {name}"

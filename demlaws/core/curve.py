@@ -1,7 +1,7 @@
 """Look-up of a dimensionless curve on a bit-indexed semi-logarithmic grid.
 
 With u = δ/length and f = P/(E* √R length^1.5) a table holds s(u) = (3f/4)^(2/3), the Hertz-equivalent overlap, as one
-cubic a cell. Then f = (4/3) s^1.5, df/du = 2 √s ds/du and the plastic overlap of Hertz unloading is u - s: no power, no
+cubic per cell. Then f = (4/3) s^1.5, df/du = 2 √s ds/du and the plastic overlap of Hertz unloading is u - s: no power, no
 cube root. Each octave of u is cut into 2^bits equal cells, whose number is in the exponent and the top mantissa
 bits of u. A cell with a kink is split there, and all cells right of it move up by one.
 """
@@ -55,7 +55,7 @@ def cell_and_place(g, u):
     cell += reached(g.kinks, inside)
     # the bits below the cell number, moved up, are t as the mantissa of a number in [1, 2)
     t = from_bits(((pattern << (52 - g.shift)) & 0x000FFFFFFFFFFFFF) | 0x3FF0000000000000) - 1.0
-    inverse_width = from_bits(((2046 + 52 - g.shift) << 52) - (pattern & 0x7FF0000000000000))
+    inverse_width = from_bits((2046 << 52) - ((pattern & 0x7FF0000000000000) - ((52 - g.shift) << 52)))
     below = u < g.floor
     cell = 0 if below else cell
     t = u * g.inverse_floor if below else t

@@ -100,7 +100,11 @@ class MeasuredCurve:
             return
         averaged = len(groups) < overlap.size
         sigmas = np.array([_uncertainty(sigma[g], departure[g], averaged) for g in groups])
-        text = f"{overlap.size} points averaged to {len(groups)} knots" if averaged else f"none: a knot a point, {len(groups)}"
+        text = (
+            f"{overlap.size} points averaged to {len(groups)} knots"
+            if averaged
+            else f"none: one knot per point ({len(groups)})"
+        )
         self.knots = Knots(np.exp(x), np.exp(y), sigmas, int(overlap.size), float(departure.max()), text)
 
     def _allowed(self, force, sigma, largest):
@@ -205,7 +209,6 @@ def _equal_groups(overlap):
 
 def _columns(overlap, force, uncertainty, what):
     """Overlaps, forces and uncertainties of points with an overlap and a force above 0, and those of the others."""
-    overlap, force = _rows(overlap, force, what)
     sigma = np.full(force.size, np.nan)
     if uncertainty is not None:
         value = as_float(uncertainty, "uncertainty", "N", array=True)
@@ -224,22 +227,6 @@ def _columns(overlap, force, uncertainty, what):
         )
     columns = (overlap, force, sigma)
     return tuple(one[keep] for one in columns), tuple(one[~keep] for one in columns)
-
-
-def _rows(overlap, force, what):
-    """Overlaps [m] and forces [N] that a user gave, as arrays of one length."""
-    rows = []
-    for name, unit, values in (("overlap", "m", overlap), ("force", "N", force)):
-        if isinstance(values, str) or not hasattr(values, "__iter__"):
-            raise DemlawsError(f"{what}: overlaps [m] and forces [N] are two rows of numbers, got {values!r:.60}")
-        values = values if isinstance(values, np.ndarray) else list(values)
-        rows.append(np.atleast_1d(as_float(values, f"{what}: {name}", unit, array=True)))
-        if not np.all(np.isfinite(rows[-1])):
-            k = int(np.argmin(np.isfinite(rows[-1])))
-            raise DemlawsError(f"{what}: {name} of point {k} is {rows[-1][k]:g} {unit}: give finite values")
-    if rows[0].size != rows[1].size:
-        raise DemlawsError(f"{what}: {rows[0].size} overlaps [m] and {rows[1].size} forces [N]: one force each")
-    return rows
 
 
 def _rising(x, y, groups):
@@ -279,7 +266,6 @@ def past_plastic_overlap(overlap: Any, force: Any, plastic_overlap: Any = None) 
     δp is given, or the largest overlap without force, or where Hertz's straight line in P^(2/3) through the two lowest points
     with a force meets 0.
     """
-    overlap, force = _rows(overlap, force, "unloading")
     order = np.argsort(overlap, kind="stable")
     overlap, force = overlap[order], force[order]
     carries = force > 0.0

@@ -1,9 +1,6 @@
-"""Tables: a dimensionless curve on a bit-indexed semi-logarithmic grid, certified; `curves.saved` reads and writes their files.
+"""Tables: a dimensionless curve on a bit-indexed semi-logarithmic grid, certified.
 
-With u = δ/length and f = P/(E* √R length^1.5) a table holds s(u) = (3f/4)^(2/3), the Hertz-equivalent overlap, as one
-cubic per cell. Then f = (4/3) s^1.5, df/du = 2 √s ds/du and the plastic overlap of Hertz unloading is u - s: no power, no
-cube root. Each octave of u is cut into 2^bits equal cells, whose number is in the exponent and the top mantissa bits of u.
-A cell with a kink is split there, and all cells right of it move up by one.
+`core.curve` describes the grid and reads it; `curves.saved` reads and writes the files of tables.
 """
 
 import math

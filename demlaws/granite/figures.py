@@ -8,6 +8,7 @@ import functools
 import numpy as np
 
 from demlaws import granite
+from demlaws.contact import smooth_overlap
 from demlaws.laws import BAHRAMI, HERTZ, POHRT_POPOV, RMS, YIP_VENART
 from demlaws.plots import colour, draw_line, figure
 
@@ -94,7 +95,7 @@ def radius():
     for name, marker in zip(granite.ROUGH_SPHERES, "o^sv", strict=True):
         test = granite.find_test(name)
         for law in SPHERES[1:]:
-            hertz = (9.0 * load**2 / (16.0 * test.radius * test.contact.modulus**2)) ** (1 / 3)
+            hertz = smooth_overlap(test.contact, load)
             size = np.sqrt(_law(law, name).overlap(load) / hertz)
             ax.plot(test.roughness / hertz, size, marker, color=colour(law), ms=3.5, mfc="none")
         ax.plot([], [], "k" + marker, mfc="none", ms=4, label=f"laws on {name}")

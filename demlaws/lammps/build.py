@@ -15,10 +15,7 @@ class _Plugin(Plugin):
     engine, file, source = "lammps", "demlawsplugin.so", "demlaws_lammps.cpp"
     sources = Path(__file__).parent / "src"
     packages = "sudo apt install g++, or install demlaws from a wheel, which has the plugin"
-    flags: tuple = ("-std=c++11", "-O3", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=fast", "-w")
-    flags += ("-fPIC", "-shared", "-fvisibility=hidden")
-    # a pair read at once where two numbers were just written makes the processor wait
-    flags += ("-fno-tree-vectorize", "-fno-tree-slp-vectorize")
+    flags = (*Plugin.flags, "-fvisibility=hidden")
 
     def links(self):
         return [f"-Wl,--version-script={self.sources / 'export.map'}", "-Wl,-z,nodelete", "-Wl,--no-undefined", "-ldl"]

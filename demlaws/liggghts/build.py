@@ -29,7 +29,7 @@ def engine_library():
     if libraries:
         raise DemlawsError(
             f"{binary} contains LIGGGHTS statically and loads no libliggghts, which the plugin needs: build it with the models "
-            "in it (`demlaws liggghts source`), or link main.cpp with the shared library (docs/machines.md has both)"
+            "in it (`demlaws liggghts source`), or link main.cpp with the shared library (docs/from-source.md has both)"
         )
     return None
 
@@ -83,16 +83,7 @@ class _Plugin(Plugin):
     engine, file, source = "liggghts", "libdemlaws_liggghts.so", "demlaws_liggghts.cpp"
     sources = Path(__file__).parent / "src"
     packages = f"{PACKAGES} (no compiler? `demlaws liggghts export --stock`)"
-    # Vectorisation of the short loops over x, y, z reads in one piece what was just written in three: the processor waits.
-    flags: tuple = (
-        "-std=c++11",
-        "-O3",
-        "-fno-tree-vectorize",
-        "-fno-tree-slp-vectorize",
-        "-fno-math-errno",
-        "-fno-trapping-math",
-    )
-    flags += ("-ffp-contract=fast", "-fPIC", "-shared", "-w", "-DOMPI_SKIP_MPICXX")
+    flags = (*Plugin.flags, "-DOMPI_SKIP_MPICXX")
 
     def includes(self):
         return [f"-I{self.sources / 'styles'}", "-isystem", str(headers()), *_mpi_flags()]

@@ -1,5 +1,6 @@
 """Response of contacts to overlaps: forces, stiffnesses, energies, paths and batches of a bound law."""
 
+import functools
 import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -11,19 +12,25 @@ from demlaws.core.loops import (
     FINITE,
     UNBOUNDED,
     batch_loop,
+    bind_params,
     energy_loop,
     first_loading,
     follow_loop,
     inverse_loop,
     loading_part,
     map_leaves,
+    one_of,
     unloaded_loop,
 )
 from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
+from demlaws.curves.unloading import ELASTIC, Unloading, joined_shape
 from demlaws.errors import DemlawsError, LargeOverlap, warn
+from demlaws.laws.registry import is_user_defined
 from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, as_float, check_overlaps, number, unmasked
 
 if TYPE_CHECKING:
+    from demlaws.curves.closed import ClosedForm
+    from demlaws.curves.table import TableCurve
     from demlaws.responses.batch import State
     from demlaws.responses.path import Path
 
@@ -52,20 +59,23 @@ class Breach(NamedTuple):
 class Response:
     """Methods of `Law` that evaluate compiled loops: they check input, keep units and shapes, and raise errors."""
 
-    contact: Contact
-    curve: Any  # of first loading
-    unloading_parts: Any  # `Unloading`
-    unloading_law: Any
-    params: Any
-    rule_tag: Any  # of the unloading rule
-    state_names: tuple
-    state_size: int
-    definition: Any
-    options: dict
-    name: str
-    unloading: str
-    _limits: Any
-    _end: Any
+    def __init__(self, contact: Contact, curve: "ClosedForm | TableCurve", unloading: Unloading = ELASTIC):
+        curve.check(contact)
+        self.contact, self.curve, self.unloading_parts = contact, curve, unloading
+        self.definition, self.options, self.name = curve.definition, curve.options, curve.definition.name
+        self.rule_tag, self.state_names = unloading.rule.tag, unloading.rule.state
+        self.state_size = len(self.state_names)
+        self.shape = joined_shape(curve.shape, contact, unloading)
+        self.params: Any = bind_params(self.shape, contact)
+        if unloading.rule.curve == "law" and unloading.rule_parameters is None and is_user_defined(self.definition):
+            from demlaws.curves.soundness import refuse_unsound_rule
+
+            refuse_unsound_rule(self.name, unloading.rule, one_of(self.params, 0), float(np.ravel(contact.radius)[0]))
+
+    @property
+    def unloading(self) -> str:
+        """Name of the unloading rule."""
+        return self.unloading_parts.rule.name
 
     def plot(self, ax: Any = None, **style: Any) -> Any:
         """Draw force against overlap; returns matplotlib's axes.
@@ -258,7 +268,7 @@ class Response:
             raise DemlawsError(f"{n} overlaps for a law that holds {self.contact.size} contacts: one entry each")
         arrays = self._arrays_of(state, n)
         force, stiffness = (np.empty_like(overlap), np.empty_like(overlap)) if out is None else writable(out, overlap, arrays)
-        ends, (lowest, most) = self._largest_overlaps()
+        ends, (lowest, most) = self._largest_overlaps
 
         def part(piece):
             states, params = tuple(array[piece] for array in arrays), self._params_of(piece)
@@ -289,20 +299,20 @@ class Response:
         """Params of some of the contacts."""
         return map_leaves(lambda v: v[piece] if isinstance(v, np.ndarray) and v.ndim == 1 else v, self.params)
 
+    @functools.cached_property
     def _largest_overlaps(self):
         """Largest overlap [m] that is answered, one number or one a contact; then the lowest of all contacts' for `batch_loop`,
         its `end` and `most`: with one for each contact a batch of tables took a tenth longer."""
-        if self._end is None:
-            radius = np.asarray(self.contact.radius)
-            end = np.minimum(LARGEST_OVERLAP * radius, self._curve_end())
-            small = np.minimum(SMALL_OVERLAP * radius, end).ravel()
-            most = first_loading(self.params, small)[0] if self.state_size else small
-            self._end = end, (float(np.min(end)), float(min(np.min(most), FINITE)))
-        return self._end
+        radius = np.asarray(self.contact.radius)
+        end = np.minimum(LARGEST_OVERLAP * radius, self._curve_end())
+        small = np.minimum(SMALL_OVERLAP * radius, end).ravel()
+        most = first_loading(self.params, small)[0] if self.state_size else small
+        return end, (float(np.min(end)), float(min(np.min(most), FINITE)))
 
     def _largest_unloading_force(self):
         """Force [N] at the end of the unloading curve."""
-        return math.inf if self.unloading_law is None else self.unloading_law.largest_force
+        curve, contact = self.unloading_parts.curve, self.unloading_parts.contact
+        return math.inf if curve is None or contact is None else curve.largest_force(bind_params(curve.shape, contact))
 
     def _curve_end(self):
         """Overlap [m] at which the curve ends, or its unloading curve in force; one number or one per contact."""
@@ -346,7 +356,7 @@ class Response:
             radius = float(np.min(self.contact.radius))
             warn(
                 f"{self.name}: overlap above {SMALL_OVERLAP * radius:.6g} m, {SMALL_OVERLAP:g} of the effective radius "
-                f"R = {radius:g} m: contact laws hold up to there; check units, loads and the step",
+                f"R = {radius:g} m: contact laws are valid up to there; check units, loads and the step",
                 LargeOverlap,
             )
 
@@ -425,9 +435,11 @@ class Response:
 
     def limits(self) -> list:
         """The validity ranges of the law in force [N], each with its reason."""
-        if self._limits is None:
-            self._limits = self.definition.limits(self.contact, **self.options)
         return self._limits
+
+    @functools.cached_property
+    def _limits(self):
+        return self.definition.limits(self.contact, **self.options)
 
     def breaches(self, smallest: float, largest: float) -> list[Breach]:
         """Limits of the law exceeded by forces from `smallest` to `largest` [N], the largest excess first."""
@@ -443,7 +455,7 @@ class Response:
         return [breach for _, breach in sorted(pairs, key=lambda one: -one[0])]
 
     def _warn_of_limits(self, force):
-        touching = force[force > 0.0] if np.ndim(force) else force
+        touching = np.extract(force > 0.0, force)
         for breach in self.breaches(float(np.min(touching, initial=math.inf)), float(np.max(touching, initial=0.0))):
             warn(f"{self.name} {breach.range}: {breach.reason}")
 

@@ -320,7 +320,7 @@ class Curve(NamedTuple):
     U = a^2 + 2 A a / pi + c(f), where c fades and makes value and slope continuous (our derivation; measured against
     the solved contact for N_H = 1, 10, 23: force 2e-4, stiffness 5e-4).
 
-    Relative errors in the solved range: f(U) 2e-7, stiffness 1e-6 (tests/test_axisymmetric.py).
+    Relative errors in the solved range: f(U) 2e-7, stiffness 1e-6 (tests/solvers/test_axisymmetric.py).
     """
 
     model: str

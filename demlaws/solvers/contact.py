@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from demlaws.contact import smooth_overlap
 from demlaws.core.numba_compat import kernel, loop
 from demlaws.errors import DemlawsError, warn
 from demlaws.solvers.ellipsoid import (
@@ -185,7 +186,7 @@ class LoadStep:
             f"force {self.force:.6g} N at separation {self.separation * 1e6:.4g} µm (overlap {self.overlap * 1e6:.4g} µm)\n"
             f"contact area {self.contact_area * 1e12:.5g} µm² in {len(self.micro)} micro-contacts: {states}"
             + (
-                "; all are fully plastic, so the area is the load over c_h H_m, whatever the map"
+                "; all are fully plastic: the area is the load over c_h H_m and independent of the map"
                 if self.counts[2] == len(self.micro) > 0
                 else ""
             )
@@ -308,7 +309,7 @@ class RoughContact:
         base = self.origin - self.highest  # below this overlap nothing touches (a worn surface)
         scale = max(self.heights.sq, 1e-15 * abs(self.highest), 1e-300)
         if guess is None or guess <= base:
-            hertz = 0.0 if self.flat else (9 * load**2 / (16 * self.pair.radius * self.pair.modulus**2)) ** (1 / 3)
+            hertz = 0.0 if self.flat else smooth_overlap(self.pair, load)
             guess = base + max(hertz, 0.5 * scale)
         deepest = None
         window = self._whole()

@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from demlaws.contact import as_contact
+from demlaws.contact import as_contact, smooth_overlap
 from demlaws.errors import DemlawsError
 from demlaws.units import as_float, number, positive
 
@@ -134,19 +134,14 @@ def transition_roughness(contact, force, ratio=YIELD_RATIO, *, mu=None):
     mu: see `central_pressure`; of one contact and one force, to 1e-5."""
     if mu is not None:
         start = transition_roughness(_single_contact(contact), float(checked_forces(force)), ratio)
-        share, scale = ratio * hardness_of(contact) / hertz_pressure(contact, force), _roughness_scale(contact, force)
+        share, hertz = ratio * hardness_of(contact) / hertz_pressure(contact, force), smooth_overlap(contact, force)
         # what differs from the smooth contact by less than the solution resolves needs no roughness either
-        return _root(lambda sigma: share - central_pressure(sigma * scale, mu), start) if share < 0.999 else 0.0
+        return _root(lambda sigma: share - central_pressure(sigma / hertz, mu), start) if share < 0.999 else 0.0
     force = checked_forces(force)
     share = _ratio(ratio) * hardness_of(contact) / hertz_pressure(contact, force)
     with np.errstate(divide="ignore", invalid="ignore"):
         alpha = np.where(share < 1.0, (-2.0 / (3.0 * np.log1p(-np.minimum(share, 1.0)))) ** (1 / 0.6), 0.0)
-    return _plain(alpha / _roughness_scale(contact, force))
-
-
-def _roughness_scale(contact, force):
-    """α over σ [1/m] under `force` [N]."""
-    return (16.0 * contact.radius * contact.modulus**2 / (9.0 * force**2)) ** (1 / 3)
+    return _plain(alpha * smooth_overlap(contact, force))
 
 
 def _root(function, start):

@@ -34,7 +34,7 @@ class HeightMap:
 
     heights: np.ndarray
     pixel_x: float
-    pixel_y: float | None = None
+    pixel_y: float = None  # type: ignore[assignment]  # default: pixel_x
     form_order: int | None = None
 
     def __post_init__(self):
@@ -244,9 +244,8 @@ class HeightMap:
         edges = np.geomspace(low * 0.999, high * 1.001, bins + 1)
         index = np.searchsorted(edges, q.ravel())
         weights = np.broadcast_to(weight, q.shape).ravel()
-        count = np.bincount(index, weights, minlength=bins + 2)[1:-1]
-        total_q = np.bincount(index, weights * q.ravel(), minlength=bins + 2)[1:-1]
-        total = np.bincount(index, weights * power.ravel(), minlength=bins + 2)[1:-1]
+        parts = weights, weights * q.ravel(), weights * power.ravel()
+        count, total_q, total = (np.bincount(index, part, minlength=bins + 2)[1:-1] for part in parts)
         nonempty = count > 0
         return total_q[nonempty] / count[nonempty], total[nonempty] / count[nonempty], count[nonempty]
 
@@ -388,6 +387,8 @@ def _mean_range(z, n, tilted=True):
 
 def _fill(z):
     """Pull-push: average valid pixels two by two down to one that is whole, then fill upwards."""
+    from scipy.ndimage import zoom
+
     rows, columns = z.shape
     there = np.isfinite(z)
     if there.all():
@@ -402,20 +403,9 @@ def _fill(z):
     count = weights.reshape(half).sum(axis=(1, 3))
     with np.errstate(invalid="ignore"):
         coarse = values.reshape(half).sum(axis=(1, 3)) / count
-    coarse = _fill(coarse)
-    # linear between coarse centres, which lie at -1/2, 3/2, 7/2 … of the fine grid's pixel centres
-    row, column = np.arange(rows), np.arange(columns)
-    smooth = _between(_between(coarse, row, 0), column, 1)
+    # linear between coarse centres, which lie at 1/2, 5/2, 9/2 … of the fine grid's pixel centres
+    smooth = zoom(_fill(coarse), 2, order=1, mode="nearest", grid_mode=True)[:rows, :columns]
     return np.where(there, z, smooth)
-
-
-def _between(coarse, fine_index, axis):
-    position = np.clip((fine_index - 0.5) / 2, 0, coarse.shape[axis] - 1)
-    low = np.minimum(position.astype(int), max(coarse.shape[axis] - 2, 0))
-    high = np.minimum(low + 1, coarse.shape[axis] - 1)
-    share = position - low
-    share = share[:, None] if axis == 0 else share
-    return np.take(coarse, low, axis) * (1 - share) + np.take(coarse, high, axis) * share
 
 
 def self_affine(shape, pixel, hurst, *, roughness, seed, shortest=0.0, longest=math.inf, anisotropy=1.0, periodic=False):

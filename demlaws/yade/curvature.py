@@ -21,7 +21,7 @@ from demlaws.errors import DemlawsError
 from demlaws.solvers.ellipsoid import quick_factors
 from demlaws.yade import layout
 from demlaws.yade.layout import FIELD, PLANE, SHAPE, SPHERE
-from demlaws.yade.records import array, cross, minus_scaled, vector, view
+from demlaws.yade.records import array, cross, minus_scaled, scaled, unit_perpendicular, vector, view
 from demlaws.yade.search import address
 
 WINDOW = 4.5
@@ -77,10 +77,9 @@ def fit(field):
 @kernel
 def _turned_back(orientation, a):
     """A vector in the axes of a body whose orientation is a quaternion (x, y, z, w)."""
-    axis, w = (-orientation[0], -orientation[1], -orientation[2]), orientation[3]
-    twice = cross(axis, a)
-    twice = (2.0 * twice[0], 2.0 * twice[1], 2.0 * twice[2])
-    return minus_scaled(minus_scaled(a, -w, twice), -1.0, cross(axis, twice))
+    axis = scaled(-1.0, vector(orientation))
+    twice = scaled(2.0, cross(axis, a))
+    return minus_scaled(minus_scaled(a, -orientation[3], twice), -1.0, cross(axis, twice))
 
 
 @kernel
@@ -146,15 +145,7 @@ def gap_radius(first, position1, orientation1, second, position2, orientation2, 
     """
     shape1, shape2, n = view(first, SHAPE), view(second, SHAPE), vector(array(normal, 3, np.float64))
     where = array(point, 3, np.float64)
-    # two tangents: the axis least along the normal, made normal to it
-    if abs(n[0]) <= abs(n[1]) and abs(n[0]) <= abs(n[2]):
-        t = (0.0, n[2], -n[1])
-    elif abs(n[1]) <= abs(n[2]):
-        t = (-n[2], 0.0, n[0])
-    else:
-        t = (n[1], -n[0], 0.0)
-    size = math.sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2])
-    t = (t[0] / size, t[1] / size, t[2] / size)
+    t = unit_perpendicular(n)
     s = cross(n, t)
     place1, turn1 = array(position1, 3, np.float64), array(orientation1, 4, np.float64)
     place2, turn2 = array(position2, 3, np.float64), array(orientation2, 4, np.float64)

@@ -13,6 +13,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
+from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import kernel
 
 POINTER = np.dtype([("target", "i8")])
@@ -162,3 +163,15 @@ def dot(a, b):
 def cross(a, b):
     """Vector product."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@kernel
+def unit_perpendicular(a):
+    """A unit vector normal to `a`, across the axis that is least along it."""
+    if abs(a[0]) <= abs(a[1]) and abs(a[0]) <= abs(a[2]):
+        side = (0.0, -a[2], a[1])
+    elif abs(a[1]) <= abs(a[2]):
+        side = (a[2], 0.0, -a[0])
+    else:
+        side = (-a[1], a[0], 0.0)
+    return scaled(1.0 / sqrt(dot(side, side)), side)

@@ -10,7 +10,7 @@ from demlaws.core.slip import stretched
 from demlaws.core.unloading import rule_of
 from demlaws.yade import objects
 from demlaws.yade.mindlin import advance, turned
-from demlaws.yade.records import assign, cross, dot, minus_scaled, pointee, scaled, vector, view
+from demlaws.yade.records import assign, cross, dot, minus_scaled, pointee, scaled, unit_perpendicular, vector, view
 from demlaws.yade.shear import Slip, account, apply_mindlin, compress
 
 SLACK = 1e-11
@@ -77,12 +77,18 @@ def _recoverable(rule, overlap, state):
 
 
 @kernel
+def part_in_contact(stiffness, share, spring):
+    """Part of a spring that is in contact; stiffness: of the contact, share: of a spring [N/m]."""
+    return min(max(stiffness / share - spring, 0.0), 1.0)
+
+
+@kernel
 def join(row, previous, share):
     """Join springs in pairs, with the mean of their stretches; previous: stiffness [N/m] of the contact in the last step."""
     count = len(row.end)
     for k in range(count):
-        first = min(max(previous / share - 2 * k, 0.0), 1.0) if 2 * k < count else 0.0
-        second = min(max(previous / share - 2 * k - 1, 0.0), 1.0) if 2 * k + 1 < count else 0.0
+        first = part_in_contact(previous, share, 2 * k) if 2 * k < count else 0.0
+        second = part_in_contact(previous, share, 2 * k + 1) if 2 * k + 1 < count else 0.0
         for axis in range(2):
             mean = 0.0
             if first > 0.0:
@@ -131,26 +137,6 @@ def _compress(mode, rule, p, row, overlap, force, stiffness, state):
         row.scale = force / total if total > 0.0 else 0.0
 
     return write
-
-
-@kernel
-def unit_perpendicular(normal):
-    """Some unit vector across `normal`."""
-    x, y, z = normal
-    if abs(x) <= abs(y) and abs(x) <= abs(z):
-        side = (0.0, -z, y)
-    elif abs(y) <= abs(z):
-        side = (z, 0.0, -x)
-    else:
-        side = (-y, x, 0.0)
-    length = sqrt(dot(side, side))
-    return side[0] / length, side[1] / length, side[2] / length
-
-
-@kernel
-def part_in_contact(stiffness, share, spring):
-    """Part of a spring that is in contact; stiffness: of the contact, share: of a spring [N/m]."""
-    return min(max(stiffness / share - spring, 0.0), 1.0)
 
 
 @kernel

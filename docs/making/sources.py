@@ -5,10 +5,6 @@ compares them, and finds pictures and tables that nothing here names.
 """
 
 import argparse
-import csv
-import io
-import itertools
-import re
 import shlex
 import subprocess
 import sys
@@ -60,6 +56,8 @@ MEASURED = {
     "tables/liggghts-restitution.csv": "the case impact of liggghts_inputs",
     "tables/liggghts-tutorials.csv": "python -m studies.cases.tutorials",
     "tables/mutations.csv": "make mutations, and python tests/mutations.py --tests 'test_report.py -k published_answer'",
+    "tables/plastic-compared.csv": "read in the sources of each row",
+    "tables/plastic-differences.csv": "the command or source of each row",
     "tables/shear-ratio.csv": "the command of each row",
     "tables/shear-rest.csv": "the command of each row",
     "tables/trade-contact.csv": "python -m studies.trade; demlaws yade run -x yade_scripts/cost.py",
@@ -82,52 +80,12 @@ def command(name, out, scratch):
     return [sys.executable, "-m", *shlex.split(STORED[name].format(out=out, scratch=scratch))]
 
 
-def cells_of_bars(lines):
-    """Cells of a Markdown table."""
-    rows = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in lines if line.startswith("|")]
-    return [row for row in rows if not set("".join(row)) <= set("-: ")]
-
-
-def cells_of_columns(lines):
-    """Cells of a table in columns: labels, then columns that end where the words of the head end."""
-    label = max(len(re.split(r"  +", line)[0]) for line in lines[1:])
-    ends = [label, *(word.end() for word in re.finditer(r"\S+", lines[0]))]
-    return [[line[:label].strip(), *(line[a:b].strip() for a, b in itertools.pairwise(ends))] for line in lines]
-
-
-def tables(printed):
-    """(title, cells) of each table that a command printed."""
-    if any(line.startswith("|") for line in printed.splitlines()):
-        return [("", cells_of_bars(printed.splitlines()))]
-    found = []
-    for block in printed.strip("\n").split("\n\n"):
-        title, *lines = block.splitlines()
-        named = "  " not in title.strip()
-        found.append((title if named else "", cells_of_columns(lines if named else [title, *lines])))
-    return found
-
-
-def as_csv(printed):
-    """CSV text of what a command printed; with several tables their titles are the first column."""
-    found, out = tables(printed), io.StringIO()
-    if len(found) == 1:
-        csv.writer(out, lineterminator="\n").writerows(found[0][1])
-        return out.getvalue()
-    heads = list(dict.fromkeys(name for _, rows in found for name in rows[0][1:]))
-    writer = csv.DictWriter(out, ["table", "case", *heads], lineterminator="\n")
-    writer.writeheader()
-    for title, (head, *rows) in found:
-        for first, *rest in rows:
-            writer.writerow({"table": title, "case": first, **dict(zip(head[1:], rest, strict=True))})
-    return out.getvalue()
-
-
 def make(name, out):
     """Make a stored picture or table again, as the file `out`."""
     with tempfile.TemporaryDirectory() as scratch:
         done = subprocess.run(command(name, out, scratch), cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True)
     if name.endswith(".csv"):
-        Path(out).write_text(as_csv(done.stdout))
+        Path(out).write_text(done.stdout)
 
 
 def main():

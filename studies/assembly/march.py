@@ -64,6 +64,18 @@ def _turn(arms, owner, w, turned, dt):
     return farthest
 
 
+@kernel
+def _push(i, j, push, levers, force, torque):
+    """Add the force of a contact on body `j`, the opposite one on body `i`, and their moments."""
+    on_i = _cross(levers[0, 0], levers[0, 1], levers[0, 2], push[0], push[1], push[2])
+    on_j = _cross(levers[1, 0], levers[1, 1], levers[1, 2], push[0], push[1], push[2])
+    for a in range(3):
+        force[j, a] += push[a]
+        force[i, a] -= push[a]
+        torque[i, a] -= on_i[a]
+        torque[j, a] += on_j[a]
+
+
 @loop
 def march(choice, rule, p, state, steps, given, goal, size, bodies, owner, arms, turned, pairs, contacts, results):
     """Move by `steps` at most; returns how many were done: fewer if a neighbour list may be incomplete.
@@ -94,8 +106,7 @@ def march(choice, rule, p, state, steps, given, goal, size, bodies, owner, arms,
             if square >= 4.0 * radius * radius:
                 if contacts[k, 5] != 0.0:
                     contacts[k, :] = 0.0
-                    new = step(rule, p, -radius, gather(state, k))[2]
-                    scatter(state, k, new)
+                    scatter(state, k, step(rule, p, -radius, gather(state, k))[2])
                 continue
             distance = np.sqrt(square)
             overlap = 2.0 * radius - distance
@@ -122,15 +133,10 @@ def march(choice, rule, p, state, steps, given, goal, size, bodies, owner, arms,
             qx, qy, qz = share * qx, share * qy, share * qz
             contacts[k, 0], contacts[k, 1], contacts[k, 2] = qx, qy, qz
             contacts[k, 3], contacts[k, 4], contacts[k, 5] = normal, tangent, side
-            fx, fy, fz = normal * nx - qx, normal * ny - qy, normal * nz - qz
-            on_i = _cross(levers[0, 0], levers[0, 1], levers[0, 2], fx, fy, fz)
-            on_j = _cross(levers[1, 0], levers[1, 1], levers[1, 2], fx, fy, fz)
+            push = normal * nx - qx, normal * ny - qy, normal * nz - qz
+            _push(i, j, push, levers, force, torque)
             for a in range(3):
-                force[j, a] += (fx, fy, fz)[a]
-                force[i, a] -= (fx, fy, fz)[a]
-                torque[i, a] -= on_i[a]
-                torque[j, a] += on_j[a]
-                stress[a] += (fx, fy, fz)[a] * (lx, ly, lz)[a]
+                stress[a] += push[a] * (lx, ly, lz)[a]
             normal_sum, touching, stiffest = normal_sum + normal, touching + 1, max(stiffest, tangent, side)
         _strain(size, rate, results, stress, goal, feedback, fastest, dt)
         farthest, unbalanced = _move(bodies, torque, mass, inertia, drag, rate, dt)

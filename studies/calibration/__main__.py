@@ -40,7 +40,7 @@ def main(arguments=None):
                 return bayes.strains(chosen, packing)[0]
 
         with contextlib.redirect_stdout(io.StringIO()):  # GrainLearning prints every iteration
-            posterior = bayes.calibrate(model, observed, control, samples, iterations)
+            posterior = bayes.calibrate(model, observed, control, samples=samples, iterations=iterations)
         lines(f"GrainLearning, {options.test} test", posterior)
         if contact:
             print("dl.fit, the same points")

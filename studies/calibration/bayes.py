@@ -65,7 +65,7 @@ def strains(samples, packing=None):
     return 1e3 * (rows[:, 1:] - rows[:, :1]), found["packing"]
 
 
-def calibrate(model, observed, control, samples, iterations, tolerance=1e-5):
+def calibrate(model, observed, control, *, samples, iterations, tolerance=1e-5):
     """`Posterior` of GrainLearning's iterative Bayesian filter; model: (n, 2) samples → (n, observations)."""
     try:
         from grainlearning import BayesianCalibration

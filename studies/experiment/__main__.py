@@ -36,7 +36,7 @@ def main(arguments=None):
             oedometer.run(oedometer.FEW, 1, options.results, [*few, *oedometer.STIFFER], progress)
         from studies.experiment.report import figure, table
 
-        print(table(oedometer.read(options.results), options.grains))
+        print(table(oedometer.read(options.results), options.grains), end="")
         Path(options.figure).parent.mkdir(parents=True, exist_ok=True)
         figure(oedometer.read(options.results), options.grains, options.figure)
     except DemlawsError as error:

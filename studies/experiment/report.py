@@ -3,6 +3,7 @@
 import numpy as np
 
 from demlaws.errors import DemlawsError
+from demlaws.files import csv_text
 from studies.experiment.oedometer import CASES, STIFFER, curve_of, measured
 
 LOW, HIGH = 6.78e6, 51.8e6
@@ -38,16 +39,14 @@ def outcomes(rows, count):
 
 
 def table(rows, count):
-    """Mean of the seeds and their standard deviation."""
-    test = numbers(measured())
-    lines = [f"| packing | seeds | {' | '.join(TITLES)} |", "|---" * (2 + len(TITLES)) + "|"]
-    lines.append(f"| measured | | {' | '.join('' if np.isnan(v) else f'{v:.3f}' for v in test)} |")
+    """Mean of the seeds and their standard deviation, as CSV."""
+    lines = [["measured", "", *("" if np.isnan(v) else f"{v:.3f}" for v in numbers(measured()))]]
     for label, values in outcomes(rows, count).items():
         mean = values.mean(axis=0)
         spread = values.std(axis=0, ddof=1) if len(values) > 1 else np.full(len(mean), np.nan)
         cells = ["" if np.isnan(m) else f"{m:.3f} ± {s:.3f}" for m, s in zip(mean, spread, strict=True)]
-        lines.append(f"| {label} | {len(values)} | {' | '.join(cells)} |")
-    return "\n".join(lines)
+        lines.append([label, len(values), *cells])
+    return csv_text(("packing", "seeds", *TITLES), lines)
 
 
 def porosities(rows, count):

@@ -97,7 +97,7 @@ def _engines(arguments, laws):
                 own.append(found)
                 show(progress, report.table, own)
 
-            *_, stops = extremes.run(engine, laws, arguments.unloading, arguments.quick, progress=ended)
+            *_, stops = extremes.run(engine, laws, arguments.unloading, quick=arguments.quick, progress=ended)
         problems += report.stop_failures(engine, stops) + report.failures(own)
     return problems
 

@@ -79,7 +79,7 @@ def make_group(case, contact, radius1, radius2, roughness):
     """A `Group` of these contacts; in a table's case the table reaches nearly to R."""
     law, closed_form = case.bind(contact, 0.9), case._replace(evaluation="closed form").bind(contact)
     solved, table = registry()[case.law].solved, case.evaluation == "table"
-    # beyond R there is no answer, and positions round
+    # beyond R laws are undefined, and positions round
     share = 0.098 if solved else 0.85 if table else 1.0 - 1e-6
     largest = np.broadcast_to(np.asarray(contact.radius, float), radius1.shape) * share
     modulus = np.broadcast_to(np.asarray(contact.modulus, float), radius1.shape).copy()
@@ -121,7 +121,7 @@ def _kinks(group, pair):
     return [float(k) for k in places if 10.0 * group.quantum[pair] < k < 0.9 * group.largest[pair]]
 
 
-def path(kind, top, quantum, far, steps, random, kink=0.0):
+def path(kind, top, quantum, *, far, steps, random, kink=0.0):
     """Prescribed overlaps [m]: below 0 apart. `far` is a distance at which engines forget the pair."""
     if kind == "ladder":  # up and down a ladder of all decades, with rungs close to the top
         rungs = np.append(np.geomspace(4.0 * quantum, top, 24), top * (1.0 - 10.0 ** -np.arange(1.0, 15.0)))
@@ -153,7 +153,7 @@ def paths(group, steps, random):
             top = float(group.largest[pair]) * (1.0, 1e-3)[pair // 8 % 2]
         far = 3.0 * float(group.radius1[pair] + group.radius2[pair])
         kink = kinks[pair // len(KINDS) % len(kinks)] if kinks else 0.0
-        columns.append(path(kind, top, float(group.quantum[pair]), far, steps, random, kink))
+        columns.append(path(kind, top, float(group.quantum[pair]), far=far, steps=steps, random=random, kink=kink))
         kinds.append(kind)
     return np.array(columns).T, np.array(kinds)
 
@@ -241,7 +241,7 @@ class Packing(NamedTuple):
         return direction * (self.speed * random.random(self.radius.size) / np.linalg.norm(direction, axis=1))[:, None]
 
 
-def packing(case, name, count=1000, speed=100.0, share=30.0, seed=7):
+def packing(case, name, count=1000, *, speed=100.0, share=30.0, seed=7):
     """Spheres with radii from 2 mm down, even in their logarithm, each overlapping one placed before it.
 
     All have the same energy to spend. The smallest has `speed`, or as much as its contact with the largest takes within
@@ -309,7 +309,7 @@ class Released(NamedTuple):
     momentum: float  # change of momentum over the sum of its parts
 
 
-def release(engine, case, name, count=1000, steps=4000, every=100, shakes=3):
+def release(engine, case, name, *, count=1000, steps=4000, every=100, shakes=3):
     """Let a `packing` go; `shakes` times on the way every velocity is drawn again, which starts a new balance."""
     made = packing(case, name, count)
     random = np.random.default_rng(11)
@@ -393,7 +393,7 @@ def stops(engine):
 ENGINES = ("YADE", "LIGGGHTS", "LAMMPS")
 
 
-def run(engine, laws=None, unloadings=None, quick=False, stops=True, progress=lambda found: None):
+def run(engine, laws=None, unloadings=None, *, quick=False, stops=True, progress=lambda found: None):
     """Measure inside an engine, one of `ENGINES`: a list of `Figures`, then what stopped it; progress: called with each.
 
     The last item, if `stops`, is a list of (what was done to a body, the message or None).

@@ -105,8 +105,12 @@ class Plugin:
         self._scratch = tempfile.TemporaryDirectory(prefix="demlaws-extremes-")
         self._folder = Path(self._scratch.name)
 
-    def _start(self, case, table, modulus, roughness, position, radius, mass, low, high, skin, dt, boundary="f f f"):
-        """The beginning of an input: spheres, one type for each modulus and roughness."""
+    def _start(self, case, table, spheres, *, box, skin, dt, boundary="f f f"):
+        """The beginning of an input: one type for each modulus and roughness; box: the lowest and the highest corner.
+
+        spheres: modulus, roughness, position, radius and mass of each.
+        """
+        (modulus, roughness, position, radius, mass), (low, high) = spheres, box
         path = self._folder / "law.tbl"
         path.unlink(missing_ok=True)  # of another law
         table.save(path)
@@ -114,11 +118,11 @@ class Plugin:
         definition, (moduli, roughnesses) = registry()[case.law], kinds.T.tolist()
         rough = definition.collapses and definition.length == "roughness"
         density = mass / (4.0 / 3.0 * math.pi * radius**3)
-        spheres = [
+        atoms = [
             f"create_atoms {kind + 1} single {' '.join(map(repr, place))} units box"
             for kind, place in zip(np.ravel(types), position.tolist(), strict=True)
         ]
-        spheres += [
+        atoms += [
             f"set atom {number} diameter {2.0 * r:.17g} density {d:.17g}"
             for number, (r, d) in enumerate(zip(radius.tolist(), density.tolist(), strict=True), 1)
         ]
@@ -130,7 +134,7 @@ class Plugin:
             skin=skin,
             contacts="\n".join(self._contacts(moduli, roughnesses if rough else None)),
             dt=dt,
-            spheres="\n".join(spheres),
+            spheres="\n".join(atoms),
         )
 
     def _input(self, text):
@@ -154,7 +158,8 @@ class Plugin:
         high = (widest + 1.01 * float(-wanted.min()), float(height[-1]) + 2.0 * widest, widest)
         modulus, roughness = np.repeat(group.modulus, 2), np.repeat(group.roughness, 2)
         skin, mass = 0.02 * float(radius.min()), np.ones(2 * count)
-        text = self._start(group.case, group.law, modulus, roughness, position, radius, mass, low, high, skin, 1e-12)
+        spheres = modulus, roughness, position, radius, mass
+        text = self._start(group.case, group.law, spheres, box=(low, high), skin=skin, dt=1e-12)
         numbers = range(2, 2 * count + 1, 2)
         with open(self._folder / "places.txt", "w") as file:
             for row in wanted.tolist():
@@ -169,10 +174,10 @@ class Plugin:
     def let_go(self, packing, stretches, steps, every):
         """`Balance`s of a periodic packing; each stretch starts with velocities of its own."""
         ones = np.ones(packing.radius.size)
-        spheres = packing.position, packing.radius, packing.mass
-        box = (0.0,) * 3, (packing.side,) * 3, 0.5 * packing.radius[-1], packing.dt, "p p p"
-        materials = packing.case, packing.table, packing.modulus * ones, packing.roughness * ones
-        lines = [self._start(*materials, *spheres, *box) + LET_GO]
+        spheres = packing.modulus * ones, packing.roughness * ones, packing.position, packing.radius, packing.mass
+        given = {"skin": 0.5 * packing.radius[-1], "dt": packing.dt, "boundary": "p p p"}
+        box = (0.0,) * 3, (packing.side,) * 3
+        lines = [self._start(packing.case, packing.table, spheres, box=box, **given) + LET_GO]
         length = every * len(range(0, steps - 1, every))
         for stretch in stretches:
             lines += [
@@ -199,8 +204,8 @@ class Plugin:
         position = np.zeros((4, 3))
         position[:, 0] = spacing * np.arange(4)
         case, far = Case(HERTZ, "elastic", "table"), 5.0 * spacing
-        materials = case, case.bind(GRANITE, 0.9), np.full(4, GRANITE.modulus), np.full(4, 1e-6)
-        text = self._start(*materials, position, radius, np.full(4, 0.01), (-far,) * 3, (far,) * 3, 1e-3, 1e-7)
+        spheres = np.full(4, GRANITE.modulus), np.full(4, 1e-6), position, radius, np.full(4, 0.01)
+        text = self._start(case, case.bind(GRANITE, 0.9), spheres, box=((-far,) * 3, (far,) * 3), skin=1e-3, dt=1e-7)
         component = {"position": "x", "velocity": "vx"}[where]
         try:
             self._input(text + STOP.format(value=WRONG[value], where=component))

@@ -336,7 +336,7 @@ def _reload(law):
 _UNRECORDED = np.empty((0, 3))
 
 
-def impact(law, mass, speed, dt, phase, limit):
+def impact(law, mass, speed, *, dt, phase, limit):
     """Impact that begins a fraction `phase` of a step before touch: relative energy gained, peak overlap, velocity after it."""
     state = law.new_state(1).arrays
     _, _, velocity, dissipated, peak = impact_loop(law.rule_tag, law.params, state, mass, speed, dt, phase, limit, _UNRECORDED)
@@ -355,7 +355,7 @@ def impact_gains(law, speeds=SPEEDS, steps=STEPS, phases=8, mass=_MASS):
             except DemlawsError:  # the impact would crush the contact, or leave the table
                 continue
             for phase in range(phases if count < 5000 else 1):
-                gain, _, _ = impact(law, mass, speed, duration / count, (phase + 0.5) / phases, 50 * count + 100)
+                gain, _, _ = impact(law, mass, speed, dt=duration / count, phase=(phase + 0.5) / phases, limit=50 * count + 100)
                 worst = max(worst, gain) if gain == gain else math.inf
         gains[count] = float(worst)
     return gains
@@ -378,11 +378,14 @@ def step_ratios(law, mass=_MASS):
         largest = float(law.force(share * law.contact.radius))
         if largest > 0.0:
             promised = timestep(law, mass, largest, other_mass=math.inf, shear_ratio=0.0)
-            ratios.append(promised / min(_stable_step(law, mass, largest, load, promised) for load in (0.999, 0.9, 0.5, 0.1)))
+            ratios.append(
+                promised
+                / min(_stable_step(law, mass, largest, share=load, promised=promised) for load in (0.999, 0.9, 0.5, 0.1))
+            )
     return ratios
 
 
-def _stable_step(law, mass, largest, share, promised, steps=20_000):
+def _stable_step(law, mass, largest, *, share, promised, steps=20_000):
     """Smallest step with which an oscillation about `share` of the largest force grows twentyfold, scanned from below.
 
     Oscillations of several sizes, from the loading curve and after the largest force: Verlet's limit 2/ω is that of
@@ -403,22 +406,22 @@ def _stable_step(law, mass, largest, share, promised, steps=20_000):
         size = (load / law.params.hertz_coefficient) ** (2 / 3)
         for kick in (1e-6, 1e-3, 3e-2):
             kick = min(kick, 0.1 * (overlap - foot) / size)  # a seated contact: less than would part it
-            held = law, state, mass, load, overlap, -kick * size
-            allowed = 20.0 * max(_growth(*held, 0.02 * promised, steps), 1.0)
+            held = mass, load, overlap, -kick * size
+            allowed = 20.0 * max(_growth(law, state, held, dt=0.02 * promised, steps=steps), 1.0)
             for ratio in np.arange(0.7, 3.0, 0.02):
                 dt = ratio * promised
                 if dt >= smallest:
                     break
-                if _growth(*held, dt, steps, allowed) > allowed:
+                if _growth(law, state, held, dt=dt, steps=steps, limit=allowed) > allowed:
                     smallest = dt
                     break
     return smallest
 
 
-def _growth(law, state, mass, load, overlap, kick, dt, steps, limit=math.inf):
-    """`hold_loop` of a law whose contact is in `state`, which stays as it is."""
+def _growth(law, state, held, *, dt, steps, limit=math.inf):
+    """`hold_loop` of a law whose contact is in `state`, which stays as it is; held: mass, load, overlap and kick."""
     arrays = tuple(a.copy() for a in state.arrays)
-    return hold_loop(law.rule_tag, law.params, arrays, mass, load, overlap, kick, dt, steps, limit)
+    return hold_loop(law.rule_tag, law.params, arrays, *held, dt, steps, limit)
 
 
 # --- output

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from demlaws.cli import Parser, execute
+from demlaws.files import csv_text
 from studies.engines import under_yade
 
 HERE = Path(__file__).parent
@@ -97,14 +98,10 @@ def exponent(row):
 
 
 def table(rows):
-    """Markdown."""
-    lines = [
-        "| grains | law | R | median R, mm | modulus at "
-        + ", ".join(f"{p / 1e3:.0f}" for p in STRESSES)
-        + " kPa, MPa | exponent "
-        "| first cycle, % | cycles 2 to 25, % | contacts per grain | ms per step |",
-        "|" + "---|" * 10,
-    ]
+    """CSV."""
+    titles = ["grains", "law", "R", "median R, mm", f"modulus at {', '.join(f'{p / 1e3:.0f}' for p in STRESSES)} kPa, MPa"]
+    titles += ["exponent", "first cycle, %", "cycles 2 to 25, %", "contacts per grain", "ms per step"]
+    lines = []
     for row in rows:
         first = (row["heights"][0] - row["heights"][2]) / row["heights"][0]
         values = (
@@ -119,8 +116,8 @@ def table(rows):
             f"{row['contacts'] / SETUP['count']:.2f}",
             f"{1e3 * row['seconds'] / row['steps']:.2f}",
         )
-        lines.append("| " + " | ".join(values) + " |")
-    return "\n".join(lines)
+        lines.append(values)
+    return csv_text(titles, lines)
 
 
 def picture(rows):
@@ -173,12 +170,11 @@ def show(options):
             (add_small_strain if options.small else add_run)(case, options.packings, path, progress)
             progress(f"{' '.join(case)} done")
     if options.small:
-        print("| grains | law | R | pressure, kPa | modulus, MPa | deviation, MPa | contacts per grain | noise, Pa |")
-        print("|---" * 8 + "|")
-        print("\n".join(f"| {line.replace(',', ' | ')} |" for line in path.read_text().splitlines()))
+        titles = "pressure, kPa", "modulus, MPa", "deviation, MPa", "contacts per grain", "noise, Pa"
+        print(csv_text(("grains", "law", "R", *titles), csv.reader(path.read_text().splitlines())), end="")
         return
     rows = read(path)
-    print(table(rows))
+    print(table(rows), end="")
     Path(options.figure).parent.mkdir(parents=True, exist_ok=True)
     picture(rows).savefig(options.figure)
 

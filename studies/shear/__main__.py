@@ -1,5 +1,6 @@
 """`python -m studies.shear`: oblique impacts, the closed gas, pictures of shear."""
 
+import csv
 import sys
 from pathlib import Path
 
@@ -57,7 +58,7 @@ def parser():
 def run(arguments):
     """Print what the arguments ask, by default the oblique impacts."""
     if arguments.gas:
-        gas.run_all(arguments.gas, arguments.friction, arguments.poisson, arguments.shear, arguments.steps)
+        gas.run_all(arguments.gas, arguments.friction, arguments.poisson, shears=arguments.shear, steps=arguments.steps)
         return
     if arguments.summary:
         print("| engine | shear | laws × rules | runs | refused | largest energy over the start | error of the balance |")
@@ -72,8 +73,8 @@ def run(arguments):
         memory.print_table()
         return
     if arguments.vibrate:
-        given = (arguments.vibrate, arguments.engines, arguments.models, arguments.cycles, arguments.shaken, arguments.out)
-        vibration.run_all(*given)
+        cases = arguments.vibrate, arguments.engines, arguments.models
+        vibration.run_all(*cases, cycles=arguments.cycles, shaken=arguments.shaken, out=arguments.out)
         return
     if arguments.springs:
         print_springs(arguments.springs)
@@ -87,18 +88,18 @@ def run(arguments):
 
 
 def print_springs(counts):
-    """For each number of springs the loss of Mindlin & Deresiewicz, then a row per law."""
+    """CSV of a row per law and number of springs; to standard error the loss of Mindlin & Deresiewicz with each number."""
     shares = ", ".join(f"{share:g}" for share in springs.SHARES)
     for count in counts:
         force, losses = springs.mindlin(count)
         lost = ", ".join(f"{100 * loss:+.1f}" for loss in losses)
-        print(f"{count} springs, Hertz: force {force:.1e} of μP; loss of a loop at {shares} μP {lost} %", flush=True)
-    kinds = list(springs.paths())
-    print(f"| law, rule | springs | {' | '.join(kinds)} |\n|{'---|' * (2 + len(kinds))}")
+        print(f"{count} springs, Hertz: force {force:.1e} of μP; loss of a loop at {shares} μP {lost} %", file=sys.stderr)
+    kinds, writer = list(springs.paths()), csv.writer(sys.stdout, lineterminator="\n")
+    writer.writerow(["law, rule", "springs", *kinds])
     for name, rule in springs.LAWS:
         found = springs.errors(name, rule, counts)
         for place, count in enumerate(counts):
-            print(f"| {name}, {rule} | {count} | {' | '.join(f'{found[kind][place]:.1e}' for kind in kinds)} |", flush=True)
+            writer.writerow([f"{name}, {rule}", count, *(f"{found[kind][place]:.1e}" for kind in kinds)])
 
 
 def main(arguments=None):

@@ -107,7 +107,7 @@ def save_tables(name, rule, poisson, folder):
 
 
 def scene(
-    engine, tangential, friction=100.0, poisson=0.25, words="", tables=None, *, step, every, side=4, ranks=1, newton="on"
+    engine, tangential, *, friction=100.0, poisson=0.25, words="", tables=None, step, every, side=4, ranks=1, newton="on"
 ):
     """Input of side³ spheres in "liggghts" or "lammps" in three parts: spheres, pair style, and all else but `run`.
 
@@ -143,10 +143,12 @@ def scene(
     return start, contacts, REST.format(walls="".join(walls), step=step, energy=energy, every=every)
 
 
-def simulate(engine, tangential, friction=100.0, poisson=0.25, words="", tables=None, steps=150_000):
+def simulate(engine, tangential, *, friction=100.0, poisson=0.25, words="", tables=None, steps=150_000):
     """`Result` of TIME in `scene`; tables: folder with those of `save_tables`."""
     files = tables and (f"{tables}/pair.tbl", f"{tables}/wall.tbl")
-    text = scene(engine, tangential, friction, poisson, words, files, step=TIME / steps, every=steps // 30)
+    text = scene(
+        engine, tangential, friction=friction, poisson=poisson, words=words, tables=files, step=TIME / steps, every=steps // 30
+    )
     with tempfile.TemporaryDirectory() as name:
         (Path(name) / "in.gas").write_text("".join(text) + f"run {steps}\n")
         log = ENGINES[engine].run(Path(name) / "in.gas")
@@ -185,7 +187,7 @@ def in_engine(engine, law, rule, runs, steps):
 FIELDS = ("engine", "law", "rule", "shear", "friction", "poisson", "largest", "end", "balance", "step_us", "time_ms")
 
 
-def run_all(engines, frictions, poissons, shears, steps):
+def run_all(engines, frictions, poissons, *, shears, steps):
     """Print a row of FIELDS as CSV for each run in these engines; a refused run has its reason in `largest`."""
     writer = csv.writer(sys.stdout)
     writer.writerow(FIELDS)

@@ -80,14 +80,17 @@ def oblique_loop(rule, p, mass, normal, sideways, ratio, friction, dt, model, le
     return velocity, spin
 
 
-def rebound(law, mass, friction, ratio, normal, sideways, model, steps=2000, springs=64):
-    """(tangential velocity, ω R) [m/s] after an impact with one of MODELS, or with a number of levels; ratio: K_t/K."""
-    peak, duration = dl.driver.elastic_contact(law, mass, normal)
+def rebound(law, mass, friction, *, ratio, velocity, model, steps=2000, springs=64):
+    """(tangential velocity, ω R) [m/s] after an impact with one of MODELS, or with a number of levels.
+
+    ratio: K_t/K; velocity: normal and tangential [m/s].
+    """
+    peak, duration = dl.driver.elastic_contact(law, mass, velocity[0])
     levels = {"one level": 1, "elastic": DEFAULT_LEVELS}.get(model, model)
     number = 2 if isinstance(levels, int) else {"displacement kept": 0, "force kept": 1, "slip": 3}[model]
     levels, largest = levels if number == 2 else 1, 1.01 * float(law.stiffness(peak))
     return oblique_loop(
-        law.rule_tag, law.params, mass, normal, sideways, ratio, friction, duration / steps, number, levels, springs, largest
+        law.rule_tag, law.params, mass, *velocity, ratio, friction, duration / steps, number, levels, springs, largest
     )
 
 
@@ -99,7 +102,8 @@ def impact(angle, model, friction=FRICTION, steps=4000, springs=64):
     # 1/G* = (2 - ν1)/G1 + (2 - ν2)/G2, K_t/K = 4 G*/E*
     compliance = sum((2.0 - m.poisson) * 2.0 * (1.0 + m.poisson) / m.young for m in (SPHERE, PLATE))
     ratio = 4.0 / (compliance * pair.modulus)
-    velocity, spin = rebound(dl.law("hertz", pair), mass, friction, ratio, normal, sideways, model, steps, springs)
+    law, before = dl.law("hertz", pair), (normal, sideways)
+    velocity, spin = rebound(law, mass, friction, ratio=ratio, velocity=before, model=model, steps=steps, springs=springs)
     return Impact(velocity / sideways, spin / sideways, (velocity**2 + 0.4 * spin**2) / sideways**2)
 
 

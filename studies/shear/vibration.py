@@ -184,7 +184,7 @@ def run(engine, name, model, cycles, rows=50):
     return np.stack([cycle, log["along"][kept], log["height"][kept]], 1)
 
 
-def run_all(name, engines, models, cycles, shaken, out):
+def run_all(name, engines, models, *, cycles, shaken, out):
     """Append a line per engine, model and seed to `out` (JSON lines) and print it; runs that it has are left out."""
     if name in IN_LIGGGHTS and engines != ["liggghts"]:
         raise DemlawsError(f"--vibrate {name} runs in LIGGGHTS only, got --engines {' '.join(engines)}")

@@ -1,6 +1,7 @@
 """Errors of the runs of the study against the process as it is, as points and tables."""
 
 import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -110,25 +111,22 @@ def worst(point: Point) -> float:
 
 def _cell(name, value, sign="+"):
     if value is None:
-        return f"{'-':>12}"
-    return f"{value:{sign}12.3f}" if name in ABSOLUTE else f"{100 * value:{sign}11.1f}%"
+        return "-"
+    return f"{value:{sign}.3f}" if name in ABSOLUTE else f"{100 * value:{sign}.1f}%"
 
 
-def table(found: list[Point]) -> str:
-    """The points as text: errors in per cent (exponent and forces: as they are), and the scatter of one copy."""
-    lines = []
+def rows_of_points(found: list[Point]) -> Iterator[dict]:
+    """Rows of a table: errors in per cent (exponent and forces: as they are), and the scatter of one copy."""
     for key in sorted({(p.run.engine, p.run.process) for p in found}):
         own = sorted((p for p in found if (p.run.engine, p.run.process) == key), key=lambda p: p.steps)
         names = [n for n in OF_PROCESS[key[1]] if any(n in p.errors for p in own)]
-        head = " ".join(f"{n:>12}" for n in names)
-        lines.append(f"{key[1]} in {key[0]}\n{'':46}{'κ':>6} {'steps':>8}  {head}   unbalanced")
+        table = f"{key[1]} in {key[0]}"
         for p in own:
-            cells = [_cell(n, p.errors.get(n)) for n in names]
-            cells.append(f"{'-' if p.unbalanced is None else f'{p.unbalanced:.1g}':>12}")
-            lines.append(f"{label(p.run):46}{p.run.kappa:6.0f} {p.steps:8.0f}  {' '.join(cells)}")
-        cells = [_cell(n, next((p.chance[n] for p in own if n in p.chance), None), sign="") for n in names]
-        lines.append(f"{'chance (one copy at full modulus)':61}{' '.join(cells)}\n")
-    return "\n".join(lines)
+            cells = {n: _cell(n, p.errors.get(n)) for n in names}
+            cells["unbalanced"] = "-" if p.unbalanced is None else f"{p.unbalanced:.1g}"
+            yield {"table": table, "case": label(p.run), "κ": f"{p.run.kappa:.0f}", "steps": f"{p.steps:.0f}", **cells}
+        chance = {n: _cell(n, next((p.chance[n] for p in own if n in p.chance), None), sign="") for n in names}
+        yield {"table": table, "case": "chance (one copy at full modulus)", **chance}
 
 
 class Similar(NamedTuple):
@@ -167,16 +165,13 @@ def similarity(rows: dict) -> list[Similar]:
     return found
 
 
-def similarity_table(found: list[Similar]) -> str:
-    """As text: deviation ± chance, in per cent (exponent: as it is)."""
-    names = [n for n in FIRST if n != "forces"]
-    lines = [f"E/10 against E, chance behind ±\n{'':44}{'overlap/d':>10}  {' '.join(f'{n:>15}' for n in names)}"]
+def rows_of_similarity(found: list[Similar]) -> Iterator[dict]:
+    """Rows of a table: deviation ± chance, in per cent (exponent: as it is)."""
     for one in sorted(found, key=lambda s: (s.run.scatter == 0.0, not s.run.scaled, -s.run.stress)):
-        cells = []
-        for n in names:
-            d, c = one.deviation[n], one.chance[n]
-            cells.append(f"{f'{d:+.3f} ± {c:.3f}' if n in ABSOLUTE else f'{100 * d:+.1f} ± {100 * c:.1f} %':>15}")
+        cells = {"overlap/d": f"{one.run.depth:.2g}"}
+        for n, d in one.deviation.items():
+            c = one.chance[n]
+            cells[n] = f"{d:+.3f} ± {c:.3f}" if n in ABSOLUTE else f"{100 * d:+.1f} ± {100 * c:.1f} %"
         start = "lattice, gaps scaled" if one.run.scatter else "packing, gaps as they are"
         way = f"{start}, σ {'scaled' if one.run.scaled else 'alone'}, {one.run.stress / 1e3:g} kPa"
-        lines.append(f"{way:44}{one.run.depth:10.2g}  {' '.join(cells)}")
-    return "\n".join(lines)
+        yield {"table": "E/10 against E, chance behind ±", "case": way, **cells}

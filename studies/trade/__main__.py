@@ -10,6 +10,7 @@ from demlaws import units
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.arguments import law_name, pressure, whole
 from demlaws.errors import DemlawsError
+from demlaws.files import csv_text
 from demlaws.laws.registry import find
 from studies.softening import results, study
 from studies.trade import candidates, packings, trade
@@ -107,9 +108,9 @@ def _softening(arguments):
     points = results.points(rows)
     if not points:
         raise DemlawsError(f"{path} holds no rows of a study: python -m studies.trade --softening FILE makes them")
-    print(results.table(points))
-    if alike := results.similarity(rows):
-        print(results.similarity_table(alike) + "\n")
+    table = [*results.rows_of_points(points), *results.rows_of_similarity(results.similarity(rows))]
+    names = list(dict.fromkeys(name for row in table for name in row))
+    print(csv_text(names, [[row.get(name, "") for name in names] for row in table]), end="")
 
 
 def main(arguments=None):

@@ -23,7 +23,7 @@ from studies.validation import maps
 HERE = Path(__file__).parent
 
 
-def solve(system, offset, overlap, shift, tolerance, iterations):
+def solve(system, offset, overlap, *, shift, tolerance, iterations):
     """Pressures at this offset; where the solver stops early, at offsets moved by shares `shift` of the overlap."""
     for attempt in range(8):
         moved = ((1.0 + shift) ** attempt - 1.0) * overlap
@@ -48,7 +48,10 @@ def spheres():
             topography = Topography(shape, physical_sizes=(pixels * pixel,) * 2, periodic=False)
             system, top = make_system(substrate="free", surface=topography, young=modulus), float(shape.max())
             for overlap in np.geomspace(2e-6, 16e-6, 7):
-                pressed = [solve(system, d - top, overlap, 0.002, 5e-4, 300)[0] for d in (overlap, 1.01 * overlap)]
+                pressed = [
+                    solve(system, d - top, overlap, shift=0.002, tolerance=5e-4, iterations=300)[0]
+                    for d in (overlap, 1.01 * overlap)
+                ]
                 low, high = (float(p.sum()) if p is not None else float("nan") for p in pressed)
                 yield f"{longest:g},{seed},{0.5 * (low + high):.6e},{(high - low) / (0.01 * overlap):.6e}"
 
@@ -64,7 +67,7 @@ def rough_maps():
         top = model.gap.max()
         largest = 3.0 * heights.sq if flat else 2.5 * heights.sq + 0.15e-6
         for start in np.geomspace(0.03 * largest, largest, 12):
-            pressed, overlap = solve(system, start - top, start, 0.007, 1e-4, 400)
+            pressed, overlap = solve(system, start - top, start, shift=0.007, tolerance=1e-4, iterations=400)
             if pressed is not None:
                 force, area = float(pressed.sum()), float((pressed > 0).sum()) * maps.PIXEL**2
                 step = model.at(overlap)

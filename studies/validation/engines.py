@@ -37,13 +37,13 @@ from studies.validation.row import between, missing, near
 def impact_rows(engine, _, found):
     """Rows of the published impacts in an engine."""
     for one, answer in zip(IMPACTS, found, strict=False):
-        yield near(f"peak force: {one.name}", engine, one.peak, answer["peak"], IMPACT_TOLERANCE, "chung-ooi", "N")
+        yield near(f"peak force: {one.name}", one.peak, answer["peak"], IMPACT_TOLERANCE, "chung-ooi", unit="N", where=engine)
     first, second = len(IMPACTS), len(IMPACTS) + len(SPEEDS)
     for ratio, answer in zip(SPEEDS, found[first:second], strict=True):
         wanted = restitution_of(ratio)
-        yield near(f"restitution at V/V_y = {ratio:g}", engine, wanted, answer["restitution"], 1e-4, "thornton")
+        yield near(f"restitution at V/V_y = {ratio:g}", wanted, answer["restitution"], 1e-4, "thornton", where=engine)
     for (name, _, _, wanted), answer in zip(BRANCHES, found[second:], strict=True):
-        yield near(f"{name}: restitution", engine, wanted, answer["restitution"], 1e-4, name)
+        yield near(f"{name}: restitution", wanted, answer["restitution"], 1e-4, name, where=engine)
 
 
 # --- regular arrays
@@ -76,22 +76,38 @@ def array_rows(engine, jobs, found):
         force = quiet(one.force, overlap[-1])
         distance = 2.0 * job["radius"] - overlap[-1]
         pressure = -np.trace(stress, axis1=1, axis2=2) / 3.0
-        yield near(f"{label}: pressure", engine, pressure_of(array, force, distance), pressure[-1], 1e-6, "duffy-mindlin", "Pa")
-        yield _bulk(f"{label}: bulk modulus, loading", engine, array, job, one, overlap[-20:], pressure[-20:])
+        yield near(
+            f"{label}: pressure",
+            pressure_of(array, force, distance),
+            pressure[-1],
+            1e-6,
+            "duffy-mindlin",
+            unit="Pa",
+            where=engine,
+        )
+        yield _bulk(f"{label}: bulk modulus, loading", engine, array, job, one, overlap=overlap[-20:], pressure=pressure[-20:])
         if "uniaxial" in answer:
             # the array has moved on by a step before the probe begins
             tangent = quiet(one.stiffness, _columns(answer["uniaxial"])[0].mean())
             ratio = 2.0 * (1.0 - job["poisson"]) / (2.0 - job["poisson"])
             c11, c12, c44 = moduli(array, tangent, ratio * tangent, distance)
             along = _slopes(answer["uniaxial"], PROBE)
-            yield near(f"{label}: C11", engine, c11, -along[0, 0], 1e-3, "duffy-mindlin", "Pa")
+            yield near(f"{label}: C11", c11, -along[0, 0], 1e-3, "duffy-mindlin", unit="Pa", where=engine)
             if c12:
-                yield near(f"{label}: C12", engine, c12, -along[1, 1], 2e-3, "duffy-mindlin", "Pa")
+                yield near(f"{label}: C12", c12, -along[1, 1], 2e-3, "duffy-mindlin", unit="Pa", where=engine)
         if "shear" in answer:
-            yield near(f"{label}: C44", engine, c44, 0.5 * _slopes(answer["shear"], PROBE)[0, 1], 1e-3, "duffy-mindlin", "Pa")
+            yield near(
+                f"{label}: C44",
+                c44,
+                0.5 * _slopes(answer["shear"], PROBE)[0, 1],
+                1e-3,
+                "duffy-mindlin",
+                unit="Pa",
+                where=engine,
+            )
         overlap, stress = _columns(answer["unloading"])
         pressure = -np.trace(stress, axis1=1, axis2=2) / 3.0
-        yield _bulk(f"{label}: bulk modulus, unloading", engine, array, job, one, overlap[:20], pressure[:20])
+        yield _bulk(f"{label}: bulk modulus, unloading", engine, array, job, one, overlap=overlap[:20], pressure=pressure[:20])
 
 
 def shear_modulus(job, answer):
@@ -121,9 +137,9 @@ def shear_rows(engine, jobs, found):
         what = f"FCC, {job['law']}, {job['unloading']} unloading, shear={choice}: C44"
         if high - low > 1e-6 * high:
             note = "K_t of contacts at rest hangs on the last bit of their overlap"
-            yield between(what, engine, low * 0.999, high * 1.001, seen, "duffy-mindlin", "Pa", note=note)
+            yield between(what, low * 0.999, high * 1.001, seen, "duffy-mindlin", unit="Pa", note=note, where=engine)
         else:
-            yield near(what, engine, 0.5 * (low + high), seen, 1e-3, "duffy-mindlin", "Pa")
+            yield near(what, 0.5 * (low + high), seen, 1e-3, "duffy-mindlin", unit="Pa", where=engine)
 
 
 def _columns(rows):
@@ -137,7 +153,7 @@ def _slopes(rows, strain):
     return np.polyfit(x, stress.reshape(len(rows), 9), 1)[0].reshape(3, 3)
 
 
-def _bulk(what, engine, array, job, one, overlap, pressure):
+def _bulk(what, engine, array, job, one, *, overlap, pressure):
     """-V dp/dV from neighbouring rows against √2 K/(3 r) (FCC) or K/(6 r) (SC)."""
     distance = 2.0 * job["radius"] - overlap
     volume = 3.0 * np.log(distance)
@@ -148,7 +164,7 @@ def _bulk(what, engine, array, job, one, overlap, pressure):
     # the array's own change of size: p = c P/D², so that -V dp/dV = (D/3) c (K/D² + 2 P/D³)
     c = COUNT[array] / (3.0 * VOLUME[array])
     wanted = c / 3.0 * (tangent + 2.0 * force / distance[middle]) / distance[middle]
-    return near(what, engine, float(wanted), float(found), 1e-4, "duffy-mindlin", "Pa")
+    return near(what, float(wanted), float(found), 1e-4, "duffy-mindlin", unit="Pa", where=engine)
 
 
 def _tangent(one, overlap):
@@ -187,9 +203,9 @@ def packing_rows(engine, jobs, found):
         note = f"mean of {len(values)} packings, standard deviation {np.std(values, ddof=1):.2f}"
         if law == HERTZ:
             note += "; smooth grains: below what is measured, the reason for rough laws"
-            yield between(what, engine, 0.30, 0.45, float(np.mean(values)), "sands", note=note)
+            yield between(what, 0.30, 0.45, float(np.mean(values)), "sands", note=note, where=engine)
         else:
-            yield between(what, engine, 0.45, 0.60, float(np.mean(values)), "sands", note=note)
+            yield between(what, 0.45, 0.60, float(np.mean(values)), "sands", note=note, where=engine)
 
 
 def rows(packing=True):

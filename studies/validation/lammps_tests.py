@@ -126,5 +126,5 @@ def rows():
     for test in TESTS:
         what = f"{test['name']}: largest difference of position, velocity and spin"
         yield between(
-            what, "LAMMPS", 0.0, TOLERANCE, difference(test, final_state(test), np.array(test["kept"])), "lammps-tests"
+            what, 0.0, TOLERANCE, difference(test, final_state(test), np.array(test["kept"])), "lammps-tests", where="LAMMPS"
         )

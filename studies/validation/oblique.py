@@ -8,9 +8,8 @@ import numpy as np
 
 import demlaws as dl
 from studies.shear.oblique import ANGLE, MEASURED, misfit, rebound, table
-from studies.validation.row import NUMBERS, between
+from studies.validation.row import NUMBERS, PYTHON, between
 
-PYTHON = "Python"
 SLIP, KEPT = "slip", "displacement kept"
 CODE = NUMBERS["test 4"]
 """Chung & Ooi's test 4: angle [degrees], tangential restitution, spin [rad/s], rebound angle of the contact [degrees]."""
@@ -18,11 +17,11 @@ ELEMENTS = NUMBERS["test 5"]
 """Chung & Ooi's test 5, finite elements: V_t/(μ V_n), ω R/(μ V_n) afterwards."""
 
 
-def impact(sphere, density, radius, friction, normal, sideways, model):
-    """Tangential velocity and surface velocity of the spin [m/s] after an impact on a rigid plane."""
+def impact(sphere, radius, friction, velocity, model):
+    """Tangential velocity and surface velocity of the spin [m/s] after an impact on a rigid plane; velocity: down, sideways."""
     law = dl.law("hertz", dl.Contact(radius, sphere.plane_modulus))
-    mass, ratio = density * 4.0 / 3.0 * math.pi * radius**3, 2.0 * (1.0 - sphere.poisson) / (2.0 - sphere.poisson)
-    return rebound(law, mass, friction, ratio, normal, sideways, model)
+    mass, ratio = sphere.density * 4.0 / 3.0 * math.pi * radius**3, 2.0 * (1.0 - sphere.poisson) / (2.0 - sphere.poisson)
+    return rebound(law, mass, friction, ratio=ratio, velocity=velocity, model=model)
 
 
 def code_motions():
@@ -44,20 +43,29 @@ def code_rows(where, found):
     limits = (("tangential restitution", "", 0.02), ("spin over the largest", "", 0.02), ("rebound angle", "°", 1.5))
     for (what, unit, limit), error in zip(limits, errors, strict=True):
         what = f"test 4 at {len(CODE)} angles, {what}: largest difference"
-        yield between(what, where, 0.0, limit, np.abs(error).max(), "kratos", unit, "the usual shear model, displacement kept")
+        yield between(
+            what,
+            0.0,
+            limit,
+            np.abs(error).max(),
+            "kratos",
+            unit=unit,
+            note="the usual shear model, displacement kept",
+            where=where,
+        )
 
 
 def spins(model):
     """ω R/(μ V_n) after the impacts of ELEMENTS."""
-    steel = dl.Material(young=208e9, poisson=0.3)
-    return [impact(steel, 7850.0, 1e-5, 0.3, 1.0, 0.3 * x, model)[1] / 0.3 for x, _ in ELEMENTS]
+    steel = dl.Material(young=208e9, poisson=0.3, density=7850.0)
+    return [impact(steel, 1e-5, 0.3, (1.0, 0.3 * x), model)[1] / 0.3 for x, _ in ELEMENTS]
 
 
 def spin_row(where, spins):
     """Row of the spins ω R/(μ V_n) at each of ELEMENTS, with partial slip."""
     largest = max(abs(found - wanted) / 5.0 for found, (_, wanted) in zip(spins, ELEMENTS, strict=True))
     what = "test 5: spin over that of full sliding, largest difference: shear slip"
-    return between(what, where, 0.0, 0.02, largest, "wu-thornton")
+    return between(what, 0.0, 0.02, largest, "wu-thornton", where=where)
 
 
 # --- series of collisions in the engines
@@ -75,13 +83,14 @@ class Series(NamedTuple):
     rows: Callable  # (engine, velocities sideways and away and ω R of each afterwards) → rows
 
 
-def _job(young, poisson, density, radius, friction, restitution, shear, **more):
+def _job(solid, radius, friction, restitution, shear, **more):
+    young, poisson, density = solid
     job = {"kind": "collisions", "law": "hertz", "unloading": "elastic", "options": {}, "surface": {"roughness": 0.0}}
     job |= {"young": young, "poisson": poisson, "density": density, "radius": radius, "friction": friction}
     return job | {"restitution": restitution, "shear": shear, "other": 0.0} | more
 
 
-def _spinning(name, young, poisson, density, **more):
+def _spinning(name, *solid, **more):
     x, wanted = np.array(NUMBERS[name]).T
     spin = 3.5 * 0.4 * 1.5 * 0.2 / x
 
@@ -90,18 +99,18 @@ def _spinning(name, young, poisson, density, **more):
         value = np.abs((surface - velocity) / -spin - wanted).max()
         what = f"{name}: tangential surface velocity after over before, largest difference"
         note = "codes differ in whether friction limits the dashpot of the shear force"
-        yield between(what, where, 0.0, 0.2, value, "kratos-spin", note=note)
+        yield between(what, 0.0, 0.2, value, "kratos-spin", note=note, where=where)
 
-    job = _job(young, poisson, density, 0.1, 0.4, 0.5, STOCK, **more)
+    job = _job(solid, 0.1, 0.4, 0.5, STOCK, **more)
     return Series(job, [[0.2, 0.0, s] for s in spin.tolist()], rows)
 
 
 def _restitution(wanted):
     def rows(where, found):
         what = f"test 3: restitution of a damped sphere on a plane, set to {wanted}"
-        yield between(what, where, wanted - 0.005, wanted + 0.005, found[0][1] / 3.9, "chung-ooi")
+        yield between(what, wanted - 0.005, wanted + 0.005, found[0][1] / 3.9, "chung-ooi", where=where)
 
-    return Series(_job(380e9, 0.23, 4000.0, 2.5e-3, 0.0, wanted, "elastic"), [[3.9, 0.0, 0.0]], rows)
+    return Series(_job((380e9, 0.23, 4000.0), 2.5e-3, 0.0, wanted, "elastic"), [[3.9, 0.0, 0.0]], rows)
 
 
 def _like_spheres():
@@ -110,9 +119,9 @@ def _like_spheres():
     def rows(where, found):
         velocity, _, surface = np.transpose(found)
         value = np.max(np.maximum(np.abs(velocity), np.abs(surface - spin)) / spin)
-        yield between("test 7: change of the spin of like spheres that roll", where, 0.0, 1e-9, value, "kratos-spin")
+        yield between("test 7: change of the spin of like spheres that roll", 0.0, 1e-9, value, "kratos-spin", where=where)
 
-    job = _job(70e9, 0.33, 2700.0, 0.1, 0.4, 0.5, "elastic", other=0.1, other_density=2700.0, other_spin=-1.0)
+    job = _job((70e9, 0.33, 2700.0), 0.1, 0.4, 0.5, "elastic", other=0.1, other_density=2700.0, other_spin=-1.0)
     return Series(job, [[0.4, 0.0, s] for s in spin], rows)
 
 
@@ -122,16 +131,18 @@ def _rebound():
     def rows(where, found):
         value = np.abs(np.transpose(found)[2] / (0.095 * 5.0) - wanted).max() / 5.0
         what = f"oblique rebound at {len(x)} angles, e = 0.9, spin over that of full sliding, largest difference: shear elastic"
-        yield between(what, where, 0.0, 0.03, value, "thornton-2013")
+        yield between(what, 0.0, 0.03, value, "thornton-2013", where=where)
 
-    return Series(_job(70e9, 0.25, 2650.0, 0.025, 0.1, 0.9, "elastic"), [[5.0, 5.0 * 0.095 * v, 0.0] for v in x.tolist()], rows)
+    return Series(
+        _job((70e9, 0.25, 2650.0), 0.025, 0.1, 0.9, "elastic"), [[5.0, 5.0 * 0.095 * v, 0.0] for v in x.tolist()], rows
+    )
 
 
 SERIES = (
     *map(_restitution, (0.2, 0.4, 0.6, 0.8, 1.0)),
-    Series(_job(380e9, 0.23, 4000.0, 2.5e-3, 0.092, 0.98, STOCK), code_motions(), code_rows),
+    Series(_job((380e9, 0.23, 4000.0), 2.5e-3, 0.092, 0.98, STOCK), code_motions(), code_rows),
     Series(
-        _job(208e9, 0.3, 7850.0, 0.01, 0.3, 1.0, "slip"),
+        _job((208e9, 0.3, 7850.0), 0.01, 0.3, 1.0, "slip"),
         [[0.1, 0.03 * x, 0.0] for x, _ in ELEMENTS],
         lambda where, found: [spin_row(where, np.transpose(found)[2] / 0.03)],
     ),
@@ -160,15 +171,15 @@ def rows():
     what = (
         f"tangential restitution at {len(ANGLE)} angles, root mean square difference from {MEASURED.min():g}–{MEASURED.max():g}"
     )
-    yield between(f"{what}: shear slip", PYTHON, 0.0, 0.02, misfit(measured[SLIP]), "kharaz")
+    yield between(f"{what}: shear slip", 0.0, 0.02, misfit(measured[SLIP]), "kharaz")
     note = "a limit of contacts without partial slip"
-    yield between(f"{what}: shear elastic", PYTHON, 0.02, 0.03, misfit(measured["elastic"]), "kharaz", note=note)
+    yield between(f"{what}: shear elastic", 0.02, 0.03, misfit(measured["elastic"]), "kharaz", note=note)
     yield spin_row(PYTHON, spins(SLIP))
     value = max(abs(found - wanted) / 5.0 for found, (_, wanted) in zip(spins("elastic"), ELEMENTS, strict=True))
     what = "test 5: spin over that of full sliding, largest difference: shear elastic"
-    yield between(what, PYTHON, 0.05, 0.09, value, "wu-thornton", note=note)
-    alumina = dl.Material(young=380e9, poisson=0.23)
-    motions = [impact(alumina, 4000.0, 2.5e-3, 0.092, down, sideways, KEPT) for down, sideways, _ in code_motions()]
+    yield between(what, 0.05, 0.09, value, "wu-thornton", note=note)
+    alumina = dl.Material(young=380e9, poisson=0.23, density=4000.0)
+    motions = [impact(alumina, 2.5e-3, 0.092, motion[:2], KEPT) for motion in code_motions()]
     yield from code_rows(PYTHON, [(velocity, math.nan, surface) for velocity, surface in motions])
 
 
@@ -223,4 +234,4 @@ def pairwise_motions():
         force = dl.driver.sheared(law, overlap, displacement, 0.5, "elastic", friction=0.5).shear_force
         difference = max(abs(force[place] - value) for place, value in stored.items())
         what = f"motion {name}: shear force, largest of {len(stored)} differences over the largest force"
-        yield between(what, PYTHON, 0.0, 1e-11, difference / max(map(abs, stored.values())), "on-dem")
+        yield between(what, 0.0, 1e-11, difference / max(map(abs, stored.values())), "on-dem")

@@ -32,9 +32,7 @@ from studies.extremes.exact import EXACT
 from studies.jamari.published import PRINTED_RATIOS
 from studies.validation import oblique
 from studies.validation.maps import load_ratios, read_csv
-from studies.validation.row import NUMBERS, between, near
-
-PYTHON = "Python"
+from studies.validation.row import NUMBERS, PYTHON, between, near
 
 
 def bound(name, contact, unloading="elastic", **options):
@@ -86,10 +84,10 @@ def impacts():
     """Rows: peak force of the published impacts."""
     for one in IMPACTS:
         peak = driver.impact(bound(HERTZ, one.contact), one.mass, one.speed, 4000).peak_force
-        yield near(f"peak force: {one.name}", PYTHON, one.peak, peak, IMPACT_TOLERANCE, "chung-ooi", "N")
+        yield near(f"peak force: {one.name}", one.peak, peak, IMPACT_TOLERANCE, "chung-ooi", unit="N")
 
 
-def _verlet(one, mass, place, speed, dt, steps):
+def _verlet(one, mass, place, *, speed, dt, steps):
     """Positions after each number of `steps` of velocity Verlet, of a body that meets the contact at place 0."""
     found, force = [], 0.0
     for count in steps:
@@ -125,7 +123,7 @@ KEPT_TOLERANCE = 1e-12
 def kept_rows(one, where, places):
     """Rows of one of LAMMPS's tests, from the places found."""
     for steps, kept, found in zip(one.after, one.places, places, strict=True):
-        yield near(f"{one.name}, position after {steps} steps", where, kept, found, KEPT_TOLERANCE, "lammps", "m")
+        yield near(f"{one.name}, position after {steps} steps", kept, found, KEPT_TOLERANCE, "lammps", unit="m", where=where)
 
 
 def lammps_impacts():
@@ -136,7 +134,7 @@ def lammps_impacts():
         hertz = bound(HERTZ, Contact(share * one.radius, one.modulus))
         mass = share * 4.0 / 3.0 * math.pi * one.radius**3 * one.density
         counts = [b - a for a, b in itertools.pairwise((0, *one.after))]
-        states = _verlet(hertz, mass, (one.place - one.radius) / share, -one.speed, one.dt, counts)
+        states = _verlet(hertz, mass, (one.place - one.radius) / share, speed=-one.speed, dt=one.dt, steps=counts)
         yield from kept_rows(one, PYTHON, [one.radius + share * place for place, _ in states])
 
 
@@ -170,7 +168,7 @@ def restitution():
     elastoplastic = bound(ROUGH_PLASTIC, contact, "thornton", yield_pressure=pressure, loading=HERTZ)
     for ratio in SPEEDS:
         found = quiet(driver.impact, elastoplastic, mass, ratio * yield_speed(contact, pressure, mass), 40000).restitution
-        yield near(f"restitution at V/V_y = {ratio:g}", PYTHON, restitution_of(ratio), found, 1e-5, "thornton")
+        yield near(f"restitution at V/V_y = {ratio:g}", restitution_of(ratio), found, 1e-5, "thornton")
 
 
 def _jackson_green(ratio, yield_strength, contact):
@@ -193,24 +191,21 @@ def indentation():
     note = "a limit of the law, not an agreement: known from an independent program"
     for factor, low, high in ((1.64, -0.68, -0.65), (2.8, -0.46, -0.41)):
         what = f"rough-plastic, p_y = {factor} S_y: force error at 110 ω_c"
-        yield between(what, PYTHON, low, high, off[factor][-1], "jackson-green", note=note)
+        yield between(what, low, high, off[factor][-1], "jackson-green", note=note)
     best = min(float(np.max(np.abs(e))) for f, e in off.items() if f > 4.0)
-    yield between(
-        "rough-plastic, best p_y (4.1–4.4 S_y): largest force error", PYTHON, 0.17, 0.19, best, "jackson-green", note=note
-    )
+    yield between("rough-plastic, best p_y (4.1–4.4 S_y): largest force error", 0.17, 0.19, best, "jackson-green", note=note)
     # Kogut & Etsion's fits use their own ω_c: K = 0.454 + 0.41 ν, H = 2.8 Y
     k = 0.454 + 0.41 * 0.3
     critical = (math.pi * k * 2.8 * strength / (2.0 * contact.modulus)) ** 2 * contact.radius
     carried = float(quiet(bound(HERTZ, contact).force, critical))
     smooth = bound(HERTZ, contact)
     found = float(quiet(smooth.force, critical)) / carried
-    yield near("Hertz at Kogut & Etsion's ω_c: P/P_c of their fit", PYTHON, 1.03, found, 0.031, "kogut-etsion", note="a fit")
+    yield near("Hertz at Kogut & Etsion's ω_c: P/P_c of their fit", 1.03, found, 0.031, "kogut-etsion", note="a fit")
     plastic = bound(ROUGH_PLASTIC, contact, "thornton", yield_pressure=4.2 * strength, loading=HERTZ)
     ratios = np.geomspace(6.0, 110.0, 30)
     error = quiet(plastic.force, ratios * critical) / carried / (1.40 * ratios**1.263) - 1.0
     yield between(
         "rough-plastic, p_y = 4.2 S_y: largest force error over 6–110 ω_c",
-        PYTHON,
         0.0,
         0.25,
         np.max(np.abs(error)),
@@ -243,20 +238,20 @@ def plastic_laws():
     pressure, ratio = YIELD_RATIO * modulus, 20.0
     one = law(THORNTON_NING, contact, yield_pressure=pressure)
     found = quiet(driver.impact, one, mass, ratio * yield_speed(contact, pressure, mass), 40000).restitution
-    yield near("thornton-ning: restitution at V/V_y = 20", PYTHON, restitution_of(ratio), found, 1e-5, "thornton")
+    yield near("thornton-ning: restitution at V/V_y = 20", restitution_of(ratio), found, 1e-5, "thornton")
 
     contact, strength = Contact(0.01, 100e9, roughness=0.0), 1e8
     for ratio in (10.0, 110.0):
         wanted, overlap, load = _jackson_green(ratio, strength, contact)
         found = float(quiet(law(JACKSON_GREEN, contact, yield_strength=strength).force, ratio * overlap)) / load
-        yield near(f"jackson-green: P/P_c at {ratio:g} ω_c", PYTHON, wanted, found, 1e-12, "jackson-green")
+        yield near(f"jackson-green: P/P_c at {ratio:g} ω_c", wanted, found, 1e-12, "jackson-green")
     critical = (math.pi * (0.454 + 0.41 * 0.3) * 2.8 * strength / (2.0 * modulus)) ** 2 * radius
     load = hertz * critical**1.5
     for ratio, wanted in ((3.0, 1.03 * 3.0**1.425), (50.0, 1.40 * 50.0**1.263)):
         found = (
             float(quiet(law(KOGUT_ETSION, Contact(radius, modulus), yield_strength=strength).force, ratio * critical)) / load
         )
-        yield near(f"kogut-etsion: P/P_c at {ratio:g} ω_c", PYTHON, wanted, found, 1e-12, "kogut-etsion")
+        yield near(f"kogut-etsion: P/P_c at {ratio:g} ω_c", wanted, found, 1e-12, "kogut-etsion")
 
     contact = Contact(radius, modulus, roughness=0.0)
     sine, peak = math.sin(1.2), 1e9
@@ -266,11 +261,11 @@ def plastic_laws():
     wanted = [4.0 / 3.0 * modulus * math.sqrt(now) * (d + (radius - now) * blunting) ** 1.5 for d in (top, 0.9 * top)]
     found = cycle(CONICAL_DAMAGE, {"strength": peak, "angle": 1.2}, contact, top, 0.9)
     for what, one, other in zip(("loading", "unloading"), wanted, found, strict=True):
-        yield near(f"conical-damage: force at 3 δ_y, {what}", PYTHON, one, float(other), 1e-12, "conical-damage", "N")
+        yield near(f"conical-damage: force at 3 δ_y, {what}", one, float(other), 1e-12, "conical-damage", unit="N")
 
     k1, k2 = 2e6, 5e6
     found = quiet(driver.impact, law(WALTON_BRAUN, contact, loading_stiffness=k1, stiffness_ratio=k2 / k1), mass, 0.1, 20000)
-    yield near("walton-braun: restitution", PYTHON, math.sqrt(k1 / k2), found.restitution, 1e-6, "walton-braun")
+    yield near("walton-braun: restitution", math.sqrt(k1 / k2), found.restitution, 1e-6, "walton-braun")
 
     depth = 0.002
     limit = k2 / (k2 - k1) * depth * 2.0 * radius
@@ -278,15 +273,15 @@ def plastic_laws():
     found = cycle(
         LUDING, {"loading_stiffness": k1, "stiffness_ratio": k2 / k1, "plasticity_depth": depth}, contact, 0.5 * limit, 0.9
     )
-    yield near("luding: force at δ*/2", PYTHON, 0.5 * k1 * limit, float(found[0]), 1e-12, "luding", "N")
+    yield near("luding: force at δ*/2", 0.5 * k1 * limit, float(found[0]), 1e-12, "luding", unit="N")
     wanted = 0.5 * limit * (k1 - 0.1 * stiffness)
-    yield near("luding: after unloading by a tenth", PYTHON, wanted, float(found[1]), 1e-12, "luding", "N")
+    yield near("luding: after unloading by a tenth", wanted, float(found[1]), 1e-12, "luding", unit="N")
 
     top = 1e-5
     plastic = (1.0 - 1.0 / 3.0) ** (2.0 / 3.0) * top
     found = cycle(EEPA, {"stiffness_ratio": 3.0}, contact, top, 0.95)
     wanted = 3.0 * hertz * ((0.95 * top) ** 1.5 - plastic**1.5)
-    yield near("eepa: after unloading by a twentieth", PYTHON, wanted, float(found[1]), 1e-12, "eepa", "N")
+    yield near("eepa: after unloading by a twentieth", wanted, float(found[1]), 1e-12, "eepa", unit="N")
 
 
 # --- roughness
@@ -303,29 +298,27 @@ def greenwood_tripp():
         # the force at that separation, from the one at ours: dP = K dδ
         found = force - float((here.approach[0] + separation) * here.stiffness[0])
         what = f"μ = {mu:g}, separation {separation:g} σ"
-        yield near(f"force: {what}", PYTHON, force, found, 1e-3, "gt-code", "E* √R σ^1.5")
-        yield near(f"a*/a_H: {what}", PYTHON, radius, here.effective_radius[0], 1e-3, "gt-code")
+        yield near(f"force: {what}", force, found, 1e-3, "gt-code", unit="E* √R σ^1.5")
+        yield near(f"a*/a_H: {what}", radius, here.effective_radius[0], 1e-3, "gt-code")
     for alpha, mu, pressure, radius in NUMBERS["gt-paper"]:
         here = solve("greenwood-tripp", mu, np.array([_force(alpha)]))
         what = f"α = {alpha:g}, μ = {mu:g}"
-        yield near(
-            f"p(0)/p0: {what}", PYTHON, pressure, here.central_pressure[0], 4e-3, "gt-paper", note="three digits are given"
-        )
-        yield near(f"a*/a_H: {what}", PYTHON, radius, here.effective_radius[0], 2e-3, "gt-paper", note="three digits are given")
+        yield near(f"p(0)/p0: {what}", pressure, here.central_pressure[0], 4e-3, "gt-paper", note="three digits are given")
+        yield near(f"a*/a_H: {what}", radius, here.effective_radius[0], 2e-3, "gt-paper", note="three digits are given")
 
 
 def central_pressures():
     """Rows: p(0)/p0 as Jamari & Schipper read it."""
     for mu, printed in PRINTED_RATIOS.items():
         what = f"p(0)/p0 at α = 0.09, μ = {mu:g}"
-        yield near(what, PYTHON, printed, central_pressure(0.09, mu), 0.01, "jamari", note="read from a figure by its authors")
+        yield near(what, printed, central_pressure(0.09, mu), 0.01, "jamari", note="read from a figure by its authors")
 
 
 def yip_venart():
     """Rows: p(0)/p0 against a second program of ours: the paper has figures only."""
     for number, alpha, pressure in NUMBERS["yv-paper"]:
         here = solve("yip-venart", number, np.array([_force(alpha)]))
-        yield near(f"p(0)/p0: N_H = {number:g}, α = {alpha:g}", PYTHON, pressure, here.central_pressure[0], 7e-3, "yv-paper")
+        yield near(f"p(0)/p0: N_H = {number:g}, α = {alpha:g}", pressure, here.central_pressure[0], 7e-3, "yv-paper")
 
 
 GRANITE_LAWS = (HERTZ, RMS, POHRT_POPOV, YIP_VENART, BAHRAMI)
@@ -339,13 +332,11 @@ def granite():
             options = {**options_for(law_name, test), **({"constant": 1.605} if law_name == BAHRAMI else {})}
             one = bound(law_name, test.contact, **options)
             gained = 1e6 * quiet(displacement_gained, one)
-            yield near(
-                f"{name}, {law_name}: displacement from 0.1 to 100 N", PYTHON, displacement, gained, 7e-3, "granite", "µm"
-            )
+            yield near(f"{name}, {law_name}: displacement from 0.1 to 100 N", displacement, gained, 7e-3, "granite", unit="µm")
             if law_name == YIP_VENART:
                 continue  # the only stiffness at hand is our own
             found = 1e-3 * quiet(stiffness_at, one, 10.0)
-            yield near(f"{name}, {law_name}: stiffness at 10 N", PYTHON, stiffness, found, 1e-3, "granite", "N/mm")
+            yield near(f"{name}, {law_name}: stiffness at 10 N", stiffness, found, 1e-3, "granite", unit="N/mm")
 
 
 def cone():
@@ -355,7 +346,7 @@ def cone():
     limit = 9.0 * math.pi**3 / 128.0 * contact.modulus * contact.radius**2 * math.tan(slope) ** 3
     overlap = 0.5 * float(one.overlap(limit))
     wanted = 2.0 * contact.modulus / (math.pi * math.tan(slope)) * overlap**2
-    yield near("goddard: force of a cone", PYTHON, wanted, float(quiet(one.force, overlap)), 1e-12, "sneddon", "N")
+    yield near("goddard: force of a cone", wanted, float(quiet(one.force, overlap)), 1e-12, "sneddon", unit="N")
 
 
 ELEMENTS = {1.6e-4: (0.85, 1.15), 3.2e-4: (0.7, 1.3)}
@@ -382,15 +373,15 @@ def boundary_elements():
         ratio = np.exp(ours - mean)
         what = f"pohrt-popov, longest wavelength {1e6 * longest:g} µm"
         note = f"3 to 50 N, mean of {len(maps)} maps"
-        yield between(f"{what}: stiffness over boundary elements, least", PYTHON, low, high, ratio.min(), "bem", note=note)
-        yield between(f"{what}: stiffness over boundary elements, largest", PYTHON, low, high, ratio.max(), "bem", note=note)
+        yield between(f"{what}: stiffness over boundary elements, least", low, high, ratio.min(), "bem", note=note)
+        yield between(f"{what}: stiffness over boundary elements, largest", low, high, ratio.max(), "bem", note=note)
         exponent = np.polyfit(np.log(ELEMENT_LOADS), mean, 1)[0]
         what = f"{what}: exponent of stiffness over force, theirs (Pohrt & Popov: {0.2567 * 2.2:.3f})"
         if longest < 2e-4:
-            yield near(what, PYTHON, 0.2567 * 2.2, exponent, 0.1, "bem", note=note)
+            yield near(what, 0.2567 * 2.2, exponent, 0.1, "bem", note=note)
         else:
             note += "; waves longer than the contact: a limit of the law"
-            yield between(what, PYTHON, 0.45, 0.60, exponent, "bem", note=note)
+            yield between(what, 0.45, 0.60, exponent, "bem", note=note)
 
 
 def asperities():
@@ -399,11 +390,11 @@ def asperities():
     smooth = np.array([ratio for case, ratio in found if case == "smooth ball"])
     rough = np.array([ratio for case, ratio in found if case != "smooth ball"])
     what = "asperity model over boundary elements at equal separation, load"
-    yield between(f"{what}: smooth ball, least", PYTHON, 0.99, 1.01, smooth.min(), "bem")
-    yield between(f"{what}: smooth ball, largest", PYTHON, 0.99, 1.01, smooth.max(), "bem")
-    yield between(f"{what}: rough maps, least", PYTHON, 0.5, 1.0, rough.min(), "bem")
-    yield between(f"{what}: rough maps, median", PYTHON, 0.8, 1.0, np.median(rough), "bem")
-    yield between(f"{what}: rough maps, largest", PYTHON, 1.0, 1.35, rough.max(), "bem")
+    yield between(f"{what}: smooth ball, least", 0.99, 1.01, smooth.min(), "bem")
+    yield between(f"{what}: smooth ball, largest", 0.99, 1.01, smooth.max(), "bem")
+    yield between(f"{what}: rough maps, least", 0.5, 1.0, rough.min(), "bem")
+    yield between(f"{what}: rough maps, median", 0.8, 1.0, np.median(rough), "bem")
+    yield between(f"{what}: rough maps, largest", 1.0, 1.35, rough.max(), "bem")
 
 
 GROUPS = {

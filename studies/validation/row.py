@@ -6,6 +6,9 @@ import math
 from pathlib import Path
 from typing import NamedTuple
 
+PYTHON = "Python"
+"""Where a row is computed, if in no engine."""
+
 
 class Row(NamedTuple):
     """A found value passes from `low` to `high`; `found` is NaN where the row could not be run, and `note` says why."""
@@ -28,14 +31,14 @@ class Row(NamedTuple):
         return "pass" if self.low <= self.found <= self.high else "FAIL"
 
 
-def near(what, where, expected, found, tolerance, source, unit="", note=""):
+def near(what, expected, found, tolerance, source, *, where=PYTHON, unit="", note=""):
     """A row that passes within a relative `tolerance` of `expected`."""
     width, digits = abs(expected) * tolerance, 7 if tolerance > 1e-9 else 15
     text = f"{expected:.{digits}g} ± {tolerance:g}"
     return Row(what, where, text, expected - width, expected + width, float(found), source, unit, note)
 
 
-def between(what, where, low, high, found, source, unit="", note=""):
+def between(what, low, high, found, source, *, where=PYTHON, unit="", note=""):
     """A row that passes from `low` to `high`."""
     return Row(what, where, f"{low:g} to {high:g}", low, high, float(found), source, unit, note)
 

@@ -10,7 +10,9 @@ import pytest
 
 import demlaws as dl
 from demlaws.advice.fit_model import history
+from demlaws.advice.fit_report import Estimate
 from demlaws.cli import main
+from demlaws.cli.fit import shown
 from demlaws.errors import NeedsClasses
 
 PAIR = dl.Contact(4.35e-3, 32.32e9, 2.4e-6, 2.22, 6.266e9)
@@ -24,6 +26,21 @@ def restored():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", dl.ValidityWarning)
         yield
+
+
+@pytest.mark.parametrize(
+    ("end", "text"),
+    [
+        ("", "modulus 2 [1, 3] GPa (at its bound)"),
+        ("lower", "modulus below 3 GPa (at its bound)"),
+        ("upper", "modulus above 1 GPa (at its bound)"),
+        ("both", "modulus not determined: at its bound"),
+    ],
+)
+def test_an_open_end_of_an_interval_is_stated(end, text):
+    estimate = Estimate(2e9, 5e8, 1e9, 3e9, "at its bound", end)
+    assert shown("modulus", estimate, "Pa") == text
+    assert (end in estimate.note or "not determined" in estimate.note) and "at its bound" in estimate.note
 
 
 @pytest.fixture(scope="module")

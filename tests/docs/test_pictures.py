@@ -8,13 +8,15 @@ from pathlib import Path
 
 import pytest
 
-pytest.importorskip("matplotlib")
-from pictures import difference
+matplotlib = pytest.importorskip("matplotlib")
+from pictures import difference  # noqa: E402
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 sys.path.insert(0, str(DOCS))
 from making import sources  # noqa: E402
 
+DRAWN_WITH = "3.6."
+"""The matplotlib that drew the pictures kept in git, Debian 12's; others leave other margins."""
 DRAWN = [name for name in sources.DRAWN if (DOCS / "pictures" / f"{name}.png").exists()]
 
 
@@ -28,6 +30,8 @@ def test_picture_is_what_its_script_draws(name, tmp_path):
         check=True,
         stdout=subprocess.DEVNULL,
     )
+    if not matplotlib.__version__.startswith(DRAWN_WITH):
+        pytest.skip(f"drawn by matplotlib {matplotlib.__version__}; the picture in git by {DRAWN_WITH}x")
     changed = difference(tmp_path / f"{name}.png", DOCS / "pictures" / f"{name}.png")
     assert changed < 0.005, f"docs/pictures/{name}.png differs in {changed:.1%}: copy what docs/gallery/{name}.py draws"
 
@@ -58,17 +62,6 @@ def test_every_picture_and_table_is_on_a_page():
     gallery = "".join(path.read_text() for path in (DOCS / "gallery").glob("*.py"))
     for name in (*sources.STORED, *sources.MEASURED, *sources.VIEWS):
         assert Path(name).name in text + gallery, f"docs/{name} is on no page"
-
-
-def test_printed_tables_become_csv():
-    printed = "first\n        a    b  c\nx, y    1    2\nz      10    2  3\n\nsecond\n      b\nw    30\n"
-    assert sources.as_csv(printed).splitlines() == [
-        "table,case,a,b,c",
-        'first,"x, y",1,2,',
-        "first,z,10,2,3",
-        "second,w,,30,",
-    ]
-    assert sources.as_csv("| a | b |\n|---|---|\n| 1, 2 | 3 |\n") == 'a,b\n"1, 2",3\n'
 
 
 def test_a_moved_curve_is_seen(tmp_path):

@@ -21,5 +21,5 @@ def test_the_same_test_to_a_tenth_of_the_load_does_not(monkeypatch):
 
 def test_grainlearning_finds_what_the_fit_finds():
     pytest.importorskip("grainlearning")
-    posterior = bayes.calibrate(bayes.displacements, bayes.contact_test(), bayes.FORCES, 40, 10)
+    posterior = bayes.calibrate(bayes.displacements, bayes.contact_test(), bayes.FORCES, samples=40, iterations=10)
     assert posterior.mean == pytest.approx(bayes.TRUTH, rel=0.03)

@@ -33,7 +33,7 @@ def test_every_law_has_its_line_and_its_rows():
     for law in ("goddard", "rms", "bahrami", "thornton-ning", "luding", "eepa"):
         kinds = evidence(groups, CONCLUSIONS[law][0])
         assert kinds and all(law in row.what or law == "goddard" for _, rows in kinds for row in rows)
-    failed = page({"one": [near("eepa: x", "Python", 1.0, 2.0, 0.1, "eepa")]})
+    failed = page({"one": [near("eepa: x", 1.0, 2.0, 0.1, "eepa")]})
     assert "printed equations 0/1 **FAIL**" in failed
 
 
@@ -49,5 +49,5 @@ def test_the_command(tmp_path, capsys, monkeypatch):
     assert "1 rows pass, 0 fail" in capsys.readouterr().out
     for name in ("deviations.png", "asperity.png"):
         assert (tmp_path / "page" / name).stat().st_size > 1000 and name in (tmp_path / "page" / "validation.md").read_text()
-    monkeypatch.setattr("studies.validation.report.GROUPS", {"wrong": lambda: [between("x", "Python", 0, 1, 2, "bem")]})
+    monkeypatch.setattr("studies.validation.report.GROUPS", {"wrong": lambda: [between("x", 0, 1, 2, "bem")]})
     assert main(["--no-engines", "--out", str(tmp_path / "page")]) == 1

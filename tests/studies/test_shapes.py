@@ -31,7 +31,7 @@ def test_a_row_written_and_read(tmp_path, capsys):
     assert shapes.settlement(found) == pytest.approx(np.arange(4) * 1e-4 / 0.2, abs=1e-9)
     options = ["--results", str(tmp_path / "rows.csv"), "--figure", str(tmp_path / "rows.png")]
     assert shapes.main(options) == 0 and (tmp_path / "rows.png").stat().st_size > 5000
-    assert "| levelset | rough | edge |" in capsys.readouterr().out
+    assert "levelset,rough,edge," in capsys.readouterr().out
 
 
 def test_the_kept_runs_are_those_of_the_study():
@@ -52,10 +52,10 @@ def test_small_strain_moduli_are_kept(tmp_path, monkeypatch, capsys):
     options = ["--small", "--results", str(tmp_path / "small.csv"), "--run", "--only", "sphere", "hertz"]
     for _ in range(2):
         assert shapes.main(options) == 0
-        assert "| sphere | hertz | body | 20 | 80 | 1 | 2.5 | 5 |" in capsys.readouterr().out
+        assert "sphere,hertz,body,20,80,1,2.5,5\n" in capsys.readouterr().out
     assert calls == [("sphere", "hertz", "body", "small")]
     assert shapes.main(["--small"]) == 0 and len(calls) == 1  # the kept runs are printed, none is started
-    assert "| levelset | rough | curvature |" in capsys.readouterr().out
+    assert "levelset,rough,curvature," in capsys.readouterr().out
     kept = list(csv.reader((shapes.HERE / "small_strain.csv").read_text().splitlines()))
     modulus = {(row[0], row[2]): [float(r[4]) for r in kept if (r[0], r[2]) == (row[0], row[2])] for row in kept}
     assert all(np.array(modulus["levelset", "edge"]) < 0.6 * np.array(modulus["levelset", "body"]))

@@ -21,5 +21,5 @@ def test_before_they_touch_the_grains_fall_freely(model):
 def test_a_scene_of_liggghts_is_refused_in_another_engine(tmp_path):
     """It would run in LIGGGHTS, and its row would name the other one."""
     with pytest.raises(DemlawsError):
-        run_all("rest", ["lammps"], ["own"], 1, [0], tmp_path / "rows.jsonl")
+        run_all("rest", ["lammps"], ["own"], cycles=1, shaken=[0], out=tmp_path / "rows.jsonl")
     assert not (tmp_path / "rows.jsonl").exists()
