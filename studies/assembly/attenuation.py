@@ -263,6 +263,7 @@ def run_waves(path=RESULTS, store=STORE, seeds=2, progress=print):
     waves = itertools.product(range(1, seeds + 1), (("cycle", (*MODELS, *FLATTENED)), ("pulse", MODELS)))
     wanted = [(kind, model._replace(seed=seed)) for seed, (kind, models) in waves for model in models]
     wanted += [(kind, Model(shear="slip")) for kind in SETTINGS]
+    wanted += [(kind, FLATTENED[1]) for kind in SETTINGS if kind.startswith("cycle")]
     done = {tuple(line[name] for name in ("kind", *FIELDS[1:6])) for line in read(path)}
     for kind, model in wanted:
         if (kind, *model) not in done:

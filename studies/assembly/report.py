@@ -145,7 +145,15 @@ def save(rows, path):
         for case, series in cases(rows).items():
             values = [value for name in names for value in found[case].get(name, (np.nan, np.nan))]
             steps = max(some[-1]["steps"] for some in series.values())
-            lines.writerow([*case, seeds(series), *(f"{value:.4f}".replace("nan", "") for value in values), f"{steps:.0f}"])
+            lines.writerow(
+                [
+                    *case[:-1],
+                    int(case.count),
+                    seeds(series),
+                    *(f"{value:.4f}".replace("nan", "") for value in values),
+                    f"{steps:.0f}",
+                ]
+            )
     return path
 
 

@@ -213,6 +213,16 @@ def test_the_file_of_the_page_is_that_of_the_kept_runs(tmp_path):
     assert Path(report.save(study.read(), tmp_path / "exponents.csv")).read_text() == file.read_text()
 
 
+def test_exponents_of_3000_spheres_are_those_of_1000():
+    found = report.cases(study.read())
+    large = [case for case in found if case.count == 3000]
+    assert len(large) >= 6
+    for case in large:
+        more, fewer = (report.numbers(found[one]) for one in (case, case._replace(count=1000)))
+        for name, limit in (("G0, tangent", 2e-3), ("c_L, tangent", 4e-3), ("c_T, tangent", 4e-3)):
+            assert more[name][0] == pytest.approx(fewer[name][0], abs=limit), (case, name)
+
+
 def test_the_picture_shows_all_laws():
     fig = report.draw([row for row in study.read() if row["count"] == 1000])
     labels = {text.get_text() for ax in fig.axes for text in (ax.get_legend().get_texts() if ax.get_legend() else ())}

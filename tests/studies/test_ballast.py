@@ -140,11 +140,12 @@ def test_what_the_page_claims():
             assert np.isnan(shares.friction) or shares.friction > 85.0, kind
 
 
-def test_no_law_fitted_to_200_cycles_predicts_2000():
-    (one, *_) = report.longest(read(cycles.RESULTS)).values()
-    assert max(report.fit(one, 200.0).at(2000.0)) < 0.75 * report.settlement(one, 2000.0)
-    law = report.fit(one)
-    assert law.power < 0.05 < law.logarithmic and 0.75 < law.exponent < 0.9
+def test_laws_fitted_to_200_cycles_fall_short_of_2000():
+    for one in report.longest(read(cycles.RESULTS)).values():
+        logarithmic, power = np.array(report.fit(one, 200.0).at(2000.0)) / report.settlement(one, 2000.0)
+        assert logarithmic < 0.45 and 0.6 < power < 0.85
+        law = report.fit(one)
+        assert law.power < 0.05 < law.logarithmic and 0.45 < law.exponent < 0.9
 
 
 def test_file_and_table_of_the_page_are_those_of_the_kept_runs(tmp_path):
