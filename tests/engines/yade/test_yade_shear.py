@@ -204,15 +204,14 @@ def test_a_gas_gains_no_energy(omega, name, rule, shear):
 
 
 def test_levels_with_the_native_go(omega):
-    """With calcEnergy YADE's own function acts; all levels follow its Coulomb limit."""
+    """With calcEnergy YADE's own function acts; all levels follow its Coulomb limit. (With our step as the reference nothing was
+    tested: the self-test refuses it where both differ.)"""
     one = example("pohrt-popov", CONTACT, "hertz")
     overlaps, places = oblique(one)
-    found = []
-    for native in (False, True):
-        pair_of_spheres(functor(bridge="native", calcEnergy=native), friction=0.5)
-        found.append(lead(overlaps, places))
-    for own, native in zip(*found, strict=True):
-        assert native == pytest.approx(own, abs=1e-12 * np.abs(own).max())
+    pair_of_spheres(functor(bridge="native", calcEnergy=True), friction=0.5)
+    reached, _, *shear, _ = lead(overlaps, places)
+    expected = sheared(one, reached, places, GRANITE_RATIO, friction=0.5).shear_force.T
+    assert -np.array(shear) == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
 
 
 def test_levels_turn_with_the_contact(omega):
