@@ -80,10 +80,10 @@ class Regime(NamedTuple):
                 f"p0/p_y = {self.ratio:.3f} with the measured p_y = {self.yield_pressure / 1e9:.4g} GPa\n"
                 f"transition (p0 = p_y) at {self.transition_force:.4g} N"
             )
-        how = "by its closed fit" if self.mu is None else f"by Greenwood & Tripp's solution at μ = {self.mu:g}"
+        how = "(closed fit)" if self.mu is None else f"(Greenwood & Tripp's solution at μ = {self.mu:g})"
         change = f"{self.transition_force:.4g} N" if math.isfinite(self.transition_force) else "no force"
         roughness = (
-            f"at this force at σ = {self.transition_roughness * 1e6:.3g} µm"
+            f"at this force for σ below {self.transition_roughness * 1e6:.3g} µm"
             if self.transition_roughness > 0
             else "at this force even a smooth contact has an elastic bulk"
         )

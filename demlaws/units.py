@@ -14,7 +14,7 @@ import numpy as np
 from demlaws.errors import DemlawsError
 
 SMALL_OVERLAP = 0.1
-"""Overlap over effective radius up to which contact laws hold: all take the bodies for half-spaces. One warning beyond it."""
+"""Overlap over effective radius up to which contact laws are valid (bodies as half-spaces). One warning beyond it."""
 LARGEST_OVERLAP = 1.0
 """Overlap over effective radius above which laws are undefined."""
 
@@ -23,16 +23,16 @@ def large_overlap(overlap, radius, count=1, total=1):
     """Text about overlaps beyond SMALL_OVERLAP of the radius, for Python and engines alike: largest one [m], its R [m]."""
     those = f" ({count} of {total} contacts are beyond {SMALL_OVERLAP:g} R)" if total > 1 else ""
     return (
-        f"overlap {overlap:g} m is {overlap / radius:.3g} of the effective radius R = {radius:g} m{those}: contact laws hold "
-        f"for overlaps up to {SMALL_OVERLAP:g} R; check units, loads and the step"
+        f"overlap {overlap:g} m is {overlap / radius:.3g} of the effective radius R = {radius:g} m{those}: contact laws are "
+        f"valid for overlaps up to {SMALL_OVERLAP:g} R; check units, loads and the step"
     )
 
 
 def too_large_overlap(overlap, radius):
     """Text about an overlap [m] beyond LARGEST_OVERLAP of its radius [m], for Python and engines alike."""
     return (
-        f"overlap {overlap:g} m is {overlap / radius:.3g} times the effective radius R = {radius:g} m: contact laws hold for "
-        f"overlaps up to {SMALL_OVERLAP:g} R, beyond R there is no answer; check units, loads and the step"
+        f"overlap {overlap:g} m is {overlap / radius:.3g} times the effective radius R = {radius:g} m: contact laws are valid "
+        f"for overlaps up to {SMALL_OVERLAP:g} R and undefined beyond R; check units, loads and the step"
     )
 
 
@@ -173,7 +173,7 @@ RANGES = {
 LARGEST_ROUGHNESS = 0.5
 """σ/R above which a roughness is refused: no rough sphere is left."""
 LARGE_ROUGHNESS = 0.1
-"""σ/R above which a warning is issued: all laws take the roughness for small beside the radius."""
+"""σ/R above which a warning is issued: all laws assume a roughness far below the radius."""
 LARGE_RADIUS = 1.0
 """Radius [m] above which a warning is issued; a plain number above it that is typed as radius1 or radius2 is refused."""
 
@@ -204,7 +204,8 @@ def judge(**quantities: float) -> list[Finding]:
     findings = []
     for name, value in quantities.items():
         if outside(name, value):
-            findings.append(Finding(False, f"{name} = {value:g} {RANGES[name].unit}".rstrip() + f": {RANGES[name].remedy}"))
+            remedy = "it must be positive" if value <= 0.0 < RANGES[name].low else RANGES[name].remedy
+            findings.append(Finding(False, f"{name} = {value:g} {RANGES[name].unit}".rstrip() + f": {remedy}"))
     if findings:
         return findings
     radius, roughness = quantities.get("radius", 0.0), quantities.get("roughness", 0.0)
@@ -217,7 +218,7 @@ def judge(**quantities: float) -> list[Finding]:
             Finding(
                 admissible,
                 f"roughness = {roughness:g} m is {roughness / radius:.3g} of the radius {radius:g} m, above {limit:g}: the "
-                "laws take roughness for small beside the radius; did you mean µm (1 µm = 1e-6 m)?",
+                "laws assume a roughness far below the radius; did you mean µm (1 µm = 1e-6 m)?",
             )
         )
     return findings

@@ -450,3 +450,18 @@ def test_passivity_is_measured_where_it_is_worst():
     assert {n for n, rule in PAIRS if rule == "thornton" and n in general} == general - {"bahrami"}
     assert all((name, registry()[name].default_unloading) in PAIRS for name in LAWS)
     assert {n for n, rule in PAIRS if rule == "elastic"} == set(LAWS)
+
+
+@pytest.mark.parametrize("force", [-5.0, 0.0])
+def test_a_force_without_contact_has_no_overlap_and_no_warning(force):
+    """Before: -5 N warned that the bulk yields "below 0 N", and 0 N that it is below the range of Hertz's law."""
+    contact = dl.Contact(radius=4e-3, modulus=32e9, roughness=2e-6, fractal_dimension=2.2, hardness=6e9)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert all(dl.law(name, contact).overlap(force) == 0.0 for name in ("hertz", "pohrt-popov"))
+
+
+def test_the_name_of_a_law_comes_first():
+    contact = dl.Contact(radius=4e-3, modulus=32e9)
+    with pytest.raises(dl.DemlawsError, match=r"dl\.law\(NAME, contact\)"):
+        dl.law(contact, "hertz")

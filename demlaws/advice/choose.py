@@ -410,6 +410,14 @@ def _left_out(judge, plan):
     return tuple(result)
 
 
+def by_reason(ruled_out: dict) -> dict:
+    """Reason → labels of the plans that it rules out."""
+    groups: dict = {}
+    for label, reason in ruled_out.items():
+        groups.setdefault(reason, []).append(label)
+    return groups
+
+
 def choose(scene: Scene, tables: bool = True, progress: Callable = iter, *, processes: int = 1) -> Choices:
     """Rank the candidate laws, rules and evaluations for a scene.
 
@@ -443,7 +451,7 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter, *, proc
     'hertz'
     """
     if not isinstance(scene, Scene):
-        raise DemlawsError(f"scene must be a demlaws.Scene, got {scene!r:.60}")
+        raise DemlawsError(f"scene must be a demlaws.Scene (a file: dl.Scene.load), got {scene!r:.60}")
     reference = reference_plan(scene)
     judge = _Evaluator(scene, reference, tables)
     notes = [f"the reference itself ({reference.name}) leaves its range: {breach}" for breach in judge.breaches]
@@ -454,10 +462,8 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter, *, proc
     errors = {plan: error for plan, error in errors.items() if _runs_in(plan, scene.engine)}
     none_meets = all(error > scene.tolerance for error, _ in errors.values())
     if not errors or (none_meets and any(_NO_TABLE in why for why in ruled_out.values())):
-        groups = {}
-        for label, why in ruled_out.items():
-            groups.setdefault(why, []).append(label.split(",")[0])
-        reasons = "; ".join(f"{', '.join(dict.fromkeys(labels))}: {why}" for why, labels in groups.items())
+        names = {why: dict.fromkeys(label.split(",")[0] for label in labels) for why, labels in by_reason(ruled_out).items()}
+        reasons = "; ".join(f"{', '.join(laws)}: {why}" for why, laws in names.items())
         raise DemlawsError(f"no law can serve this scene: {reasons}")
     base = judge.step(reference)
     choices = []

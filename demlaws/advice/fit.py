@@ -82,7 +82,7 @@ def fit(
 
     Parameters
     ----------
-    points : array_like, shape (n, 2), or Points
+    points : array_like, shape (n, 2), Points, or path of a file
         Displacement [m] and force [N] in the order of the test.
     contact : Contact
         Known quantities, and starting values of the fitted ones.
@@ -206,6 +206,8 @@ def _jobs(names, rules, free, force, distinct):
             n for n in (definition.fitting.free if free is None else free) if n in ("modulus", COMPLIANCE) or n in fields
         ]
         if distinct < len(variables) + 4:
+            if not force.size:
+                raise DemlawsError("no point has a force above 0: compression is positive; change the sign of the forces")
             few = f"{distinct} different points with a force above 0 (compression)"
             raise DemlawsError(f"{few}: at least {len(variables) + 4} are needed for {name}")
         for rule in rules or (definition.unloading if unloads else ("elastic",)):

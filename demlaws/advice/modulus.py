@@ -203,7 +203,7 @@ def _steps(scene, factor, inertial, part):
 
 def _check(scene):
     if not isinstance(scene, Scene):
-        raise DemlawsError(f"scene must be a demlaws.Scene, got {scene!r:.60}")
+        raise DemlawsError(f"scene must be a demlaws.Scene (a file: dl.Scene.load), got {scene!r:.60}")
     if scene.quantity == "restitution":
         quantities = ", ".join(MEASURED["oedometer"])
         raise DemlawsError(f"quantity = 'restitution': softening is advised for {quantities} of a packing")

@@ -276,7 +276,7 @@ def _from_toml(path):
     try:
         text = tomllib.loads(read_text(path, "scene "))
     except tomllib.TOMLDecodeError as error:
-        raise DemlawsError(f"{path}: {error}") from error
+        raise DemlawsError(f"{path} is not a scene file (demlaws choose --template): {error}") from error
     values = {}
     try:
         for key, kind in (("material", Material), ("surface", Surface)):

@@ -46,7 +46,8 @@ def in_options(text, arguments):
         text = re.sub(rf"\b{name}='([\w.-]+)'", rf"{option} \1", text)
         if "_" in name:
             text = re.sub(rf"(?<!, )(?<![-\w]){name}\b(?!,)", option, text)
-    return text
+    text = re.sub(r"the contact's (--[\w-]+): give \1", r"\1", text)
+    return re.sub(r"\b(give|and) (\w+)=\.\.\.", r"\1 --option \2=VALUE", text) if hasattr(arguments, "option") else text
 
 
 class _LawFile(argparse.Action):
@@ -160,18 +161,29 @@ def option(text):
     return name.replace("-", "_"), value
 
 
+class _Help(argparse.RawDescriptionHelpFormatter):
+    """Keeps the lines of an example, and wraps a description, which is one line."""
+
+    def _fill_text(self, text, width, indent):
+        if "\n" in text:
+            return super()._fill_text(text, width, indent)
+        return argparse.HelpFormatter._fill_text(self, text, width, indent)
+
+
 def example(text):
     """Keyword arguments of a sub-parser whose epilog keeps its lines."""
-    return {"epilog": "example:\n" + text, "formatter_class": argparse.RawDescriptionHelpFormatter}
+    return {"epilog": "example:\n" + text, "formatter_class": _Help}
 
 
 def _show_warnings(arguments):
     """Warnings for users as one line without a place, which would be in our files; any other as Python does."""
-    otherwise = warnings.showwarning
+    otherwise, shown = warnings.showwarning, set()
 
     def show(message, category, filename, lineno, file=None, line=None):
         if issubclass(category, UserWarning):
-            print(f"demlaws: warning: {in_options(str(message), arguments)}", file=sys.stderr)
+            if (text := in_options(str(message), arguments)) not in shown:
+                print(f"demlaws: warning: {text}", file=sys.stderr)
+            shown.add(text)
         else:
             otherwise(message, category, filename, lineno, file, line)
 

@@ -79,6 +79,7 @@ def run(arguments):
 
 def _print_choices(choices, scene, name, every):
     """The ranking, without the laws that miss the tolerance unless `every`, and what was ruled out."""
+    from demlaws.advice.choose import by_reason
     from demlaws.advice.errors import QUANTITIES
 
     say(f"{name}: {scene.quantity} within {scene.tolerance:g} ({QUANTITIES[scene.quantity]})")
@@ -90,12 +91,13 @@ def _print_choices(choices, scene, name, every):
         if choice.meets or every:
             say(
                 f"{choice.error:9.2g} {choice.mean_error:9.2g} {choice.ns:6.2f} {choice.step_factor:6.3f} "
-                f"{choice.state_bytes:4d} B {choice.table_rows:6d}  {choice.describe()}{'' if choice.meets else '  too large'}",
+                f"{choice.state_bytes:4d} B {choice.table_rows:6d}  {choice.describe()}"
+                f"{'' if choice.meets else ' (above the tolerance)'}",
                 " " * 49,
             )
     say("(ns: stored time per contact of the law alone; step: stable step over that of the reference; order: by ns/step)")
-    for law, reason in choices.ruled_out.items():
-        say(f"ruled out: {law}: {reason}")
+    for reason, plans in by_reason(choices.ruled_out).items():
+        say(f"ruled out: {'; '.join(plans)}: {reason}")
     for note in choices.notes:
         say(f"note: {note}")
 

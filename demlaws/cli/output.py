@@ -11,6 +11,9 @@ from pathlib import Path
 
 from demlaws.errors import DemlawsError
 
+LINES = (".vtp", ".vtu", ".vtk")
+"""Files of contacts as lines: their libraries write no word of ours but the names of the columns."""
+
 
 class Output:
     """Kind of argument: a file to write. Its parser has --force, and leaves what is written by others as it is.
@@ -33,8 +36,9 @@ class Output:
         if str(path) == "-" or not path.is_file():
             return
         with open(path, "rb") as file:
-            head = file.read(4096)
-        ours = head.split(b"\n")[0].decode(errors="replace").strip() == self.titles if self.titles else b"demlaws" in head
+            head = file.read() if path.suffix in LINES else file.read(4096)
+        mark = b"body1" if path.suffix in LINES else b"demlaws"
+        ours = head.split(b"\n")[0].decode(errors="replace").strip() == self.titles if self.titles else mark in head
         if head and not ours:
             raise DemlawsError(f"{path} exists and was not written by this command: name another file, or give --force")
 

@@ -4,6 +4,7 @@ from demlaws.cli import example
 from demlaws.cli.arguments import force, plain
 from demlaws.cli.contact import add_law_arguments, law_from
 from demlaws.cli.output import record, say
+from demlaws.errors import DemlawsError
 
 _UNITS = {
     "radius": ("mm", 1e3),
@@ -37,6 +38,8 @@ def run(arguments):
     from demlaws.units import HANDY
 
     softening = Softening(arguments.factor)
+    if softening.factor < 1.0:
+        raise DemlawsError(f"--factor = {softening.factor:g} makes grains stiffer: it divides the modulus, give 1 or more")
     law = law_from(arguments)
     report = softening.report(law, arguments.load)
     print(f"{law.name}, {law.unloading} unloading, s = {softening.factor:g}\n")

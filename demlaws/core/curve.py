@@ -55,7 +55,7 @@ def cell_and_place(g, u):
     cell += reached(g.kinks, inside)
     # the bits below the cell number, moved up, are t as the mantissa of a number in [1, 2)
     t = from_bits(((pattern << (52 - g.shift)) & 0x000FFFFFFFFFFFFF) | 0x3FF0000000000000) - 1.0
-    inverse_width = from_bits(((2046 + 52 - g.shift) << 52) - (pattern & 0x7FF0000000000000))
+    inverse_width = from_bits((2046 << 52) - ((pattern & 0x7FF0000000000000) - ((52 - g.shift) << 52)))
     below = u < g.floor
     cell = 0 if below else cell
     t = u * g.inverse_floor if below else t

@@ -45,9 +45,9 @@ struct Counts {
 private:
   static std::string summary(Excess excess, const Count &sum) {
     static const char *const where[EXCESSES][2] = {
-        {"deeper than a tenth of R", "times that: the laws hold for small overlaps"},
+        {"deeper than a tenth of R", "times that: the laws are valid for small overlaps"},
         {"beyond the last row of their table", "times its overlap: extrapolated, not certified"},
-        {"rougher than a tenth of R", "times that: the laws take roughness for small beside the radius"},
+        {"rougher than a tenth of R", "times that: the laws assume a roughness far below the radius"},
         {"above the load at which the bulk yields", "times the pressure 0.6 H_m: the law keeps the bulk elastic"},
         {"above the range of force of their law", "times its end"},
         {"below the range of force of their law", "times (its end over the force)"}};
@@ -196,8 +196,8 @@ private:
     what.precision(3);
     what << ratio << (undefined ? " times" : " of") << " the effective radius R = ";
     what.precision(6);
-    what << radius / pair.metre << " m: contact laws hold for overlaps up to " << SMALL_OVERLAP << " R"
-         << (undefined ? ", beyond R there is no answer" : "") << "; check units, loads and the step";
+    what << radius / pair.metre << " m: contact laws are valid for overlaps up to " << SMALL_OVERLAP << " R"
+         << (undefined ? " and undefined beyond R" : "") << "; check units, loads and the step";
     if (softened > 0. && softened < 0.99)
       what << "; E* is " << softened << " of the table's: soften the grains less (`demlaws soften`)";
     return what.str();
@@ -209,7 +209,7 @@ private:
     std::ostringstream what;
     what << "roughness = " << pair.sigma << " m is " << std::round(1000. * ratio) / 1000. << " of the radius "
          << radius / pair.metre << " m, above " << limit
-         << ": the laws take roughness for small beside the radius; did you mean µm (1 µm = 1e-6 m)?";
+         << ": the laws assume a roughness far below the radius; did you mean µm (1 µm = 1e-6 m)?";
     if (ratio > LARGEST_ROUGHNESS) findings.refuse(what.str());
     if (findings.counts(ROUGH, ratio / LARGE_ROUGHNESS, "")) findings.warn(what.str());
   }

@@ -3,6 +3,7 @@
 import contextlib
 import csv
 import math
+import os
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -195,8 +196,10 @@ def read_points(path):
 
 
 def columns_of(points):
-    """Displacement [m] and force [N] of `Points`, of (n, 2) values, or of a table with titles: a DataFrame, a structured
-    array, a dict. Titles are read as those of files ("Depth (nm)"); "displacement" and "force" alone are in SI."""
+    """Displacement [m] and force [N] of `Points`, of a file, of (n, 2) values, or of a table with titles: a DataFrame, a
+    structured array, a dict. Titles are read as those of files ("Depth (nm)"); "displacement" and "force" alone are in SI."""
+    if isinstance(points, str | os.PathLike):
+        points = read_points(points)
     if hasattr(points, "displacement"):
         points = np.column_stack([unmasked(points.displacement), unmasked(points.force)])
     titles = getattr(getattr(points, "dtype", None), "names", None) or getattr(points, "columns", None)

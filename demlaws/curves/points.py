@@ -100,7 +100,11 @@ class MeasuredCurve:
             return
         averaged = len(groups) < overlap.size
         sigmas = np.array([_uncertainty(sigma[g], departure[g], averaged) for g in groups])
-        text = f"{overlap.size} points averaged to {len(groups)} knots" if averaged else f"none: a knot a point, {len(groups)}"
+        text = (
+            f"{overlap.size} points averaged to {len(groups)} knots"
+            if averaged
+            else f"none: one knot per point ({len(groups)})"
+        )
         self.knots = Knots(np.exp(x), np.exp(y), sigmas, int(overlap.size), float(departure.max()), text)
 
     def _allowed(self, force, sigma, largest):

@@ -135,7 +135,7 @@ class Run(NamedTuple):
 
     @property
     def beyond(self):
-        """Where the run leaves the overlaps for which contact laws hold (a tenth of R), in words; "" where it does not."""
+        """Where the run leaves the overlaps for which contact laws are valid (a tenth of R), in words; "" where it does not."""
         path = max(self.paths, key=lambda path: path.overlap.max())
         deepest = int(np.argmax(path.overlap))
         share = float(path.overlap[deepest]) / self.test.radius
@@ -143,7 +143,7 @@ class Run(NamedTuple):
             return ""
         first = float(path.force[np.argmax(path.overlap > 0.1 * self.test.radius)])
         where = f"{share:.3f} R at {path.force[deepest]:.0f} N"
-        return f"above {first:.0f} N the overlap passes 0.1 R, to which contact laws hold: {where}"
+        return f"above {first:.0f} N the overlap passes 0.1 R, the limit of contact laws: {where}"
 
 
 def protocol(bound, turning_points, steps=400):

@@ -103,7 +103,9 @@ def _blunting(angle):
 
 def _prepare(contact, strength=None, angle=None):
     if strength is None or angle is None:
-        raise DemlawsError("law 'conical-damage' needs strength σ_max in Pa and angle α in rad (give strength=..., angle=...)")
+        raise DemlawsError(
+            "law 'conical-damage' needs strength σ_max in Pa and angle α in rad (give strength=... and angle=...)"
+        )
     strength, angle = pressure_of(contact, strength, "strength"), number(angle, "angle", "rad", 0.0, 0.5 * math.pi)
     if angle >= 0.5 * math.pi:
         raise DemlawsError(f"angle = {angle:g} rad: give an angle below π/2, where the cone is a plane")

@@ -261,8 +261,10 @@ class Definition(NamedTuple):
                     f"law {self.name!r} has no option {wrong[0]!r}{did_you_mean(wrong[0], self.options)} Its options are "
                     f"{', '.join(self.options)} (demlaws laws {self.name})"
                 ) from None
-            hint = f"its options are {', '.join(self.options)}" if self.options else "it has no options"
-            raise DemlawsError(f"law {self.name!r}: {error}; {hint} (demlaws laws {self.name})") from None
+            if wrong:
+                raise DemlawsError(f"law {self.name!r} has no options, got {wrong[0]!r}") from None
+            hint = f"its options are {', '.join(self.options)} (demlaws laws {self.name})"
+            raise DemlawsError(f"law {self.name!r}: {error}; {hint}") from None
         try:
             return self.prepare(contact, **options)
         except TypeError as error:  # a list or None where a number or a word belongs

@@ -65,7 +65,7 @@ def _limits(contact):
 
 def _advise(conditions):
     drop = float(conditions.pressure_drop)
-    reason = f"α = {conditions.roughness_parameter:.2g} at first: roughness lowers the pressure by {100 * (1 - drop):.0f} %"
+    reason = f"α = {conditions.roughness_parameter:.2g} at low load: roughness lowers the pressure by {100 * (1 - drop):.0f} %"
     return elastic_bulk(conditions, drop > 0.95, reason)
 
 

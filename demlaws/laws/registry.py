@@ -70,9 +70,13 @@ def find(name: str) -> Definition:
     """The law of this name, or an error that lists the names."""
     if isinstance(name, str) and name in _BUILT_IN:
         return _built_in(name)
+    if not isinstance(name, str):
+        raise DemlawsError(
+            f"a law's name must be text, got {name!r:.60}: dl.law(NAME, contact); the laws are {', '.join(laws())}"
+        )
     user_laws = _registered()
-    if not isinstance(name, str) or name not in user_laws:
-        raise DemlawsError(f"unknown law {name!r}{did_you_mean(name, laws())} The laws are {', '.join(laws())}")
+    if name not in user_laws:
+        raise DemlawsError(f"unknown law {name!r:.60}{did_you_mean(name, laws())} The laws are {', '.join(laws())}")
     return user_laws[name]
 
 

@@ -103,7 +103,7 @@ def _limits(contact):
     limits = bulk_yield(contact)
     for alpha, reason in (
         (5.0, "α > 5: against Greenwood & Tripp the fitted contact radius is unreliable"),
-        (1.0, "α > 1: beyond the metal surfaces that the fit was made on; it overestimates overlap at low load"),
+        (1.0, "α > 1: beyond the metal surfaces of the fit; it overestimates overlap at low load"),
     ):
         limits.append(Limit(float(np.max(force)) / alpha**1.5, math.inf, reason))
     return limits
@@ -111,7 +111,7 @@ def _limits(contact):
 
 def _advise(conditions):
     alpha = conditions.roughness_parameter
-    return elastic_asperities(conditions, alpha <= 1.0, f"α = {alpha:.2g} at first: the fit was made on surfaces up to 1")
+    return elastic_asperities(conditions, alpha <= 1.0, f"α = {alpha:.2g} at low load: the fit covers α up to 1")
 
 
 LAW = Definition(

@@ -136,7 +136,9 @@ def _prepare(
         of_granite = (
             f"{GRANITE_YIELD_PRESSURE / 1e9:g}e9, that is {GRANITE_YIELD_PRESSURE / GRANITE.hardness:.3f} times its hardness"
         )
-        raise DemlawsError(f"law 'rough-plastic' needs yield_pressure in Pa (granite of the tests: {of_granite})")
+        raise DemlawsError(
+            f"law 'rough-plastic' needs yield_pressure in Pa: give yield_pressure=... (granite of the tests: {of_granite})"
+        )
     pressure = after = pressure_of(contact, yield_pressure, "yield_pressure")
     if post_yield_pressure is not None:
         after = pressure_of(contact, post_yield_pressure, "post_yield_pressure")

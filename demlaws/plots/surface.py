@@ -26,9 +26,11 @@ def regime_figure(contact, force=None, title=None):
         roughness = contact.roughness * np.geomspace(1e-2, 1e2, 161)
     regime_bar(fig, regime_axis(ax, contact, forces, roughness), ax)
     if force is not None and contact.roughness:
-        ax.plot(force, contact.roughness * MICRO, "k*", ms=13)
+        ax.plot(force, contact.roughness * MICRO, "k*", ms=14, mec="white")
         ratio = regime.pressure_ratio(contact, force)
-        ax.annotate(f"  {ratio:.3g}: {regime.deforming_part(ratio)}", (force, contact.roughness * MICRO), va="center")
+        label, light = f"{ratio:.3g}: {regime.deforming_part(ratio)}", {"fc": "white", "ec": "none", "alpha": 0.8, "pad": 1.5}
+        place = {"xytext": (10, 0), "textcoords": "offset points", "va": "center"}
+        ax.annotate(label, (force, contact.roughness * MICRO), bbox=light, **place)
     ax.set_title(title or f"R = {contact.radius * 1e3:.3g} mm, E* = {contact.modulus / 1e9:.3g} GPa")
     return fig
 

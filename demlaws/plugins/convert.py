@@ -53,7 +53,9 @@ def convert(text, engine, table, folder=None, name=""):
     if engine == "lammps" and not job.commands & {"units", "include", "read_restart"}:
         job.notes.insert(0, Note(1, "no units line: LAMMPS uses units lj; write the input in units si", False))
     if not job.found:
-        raise DemlawsError(f"no pair_style or wall/gran line of {engine}'s granular models in this input: nothing to convert")
+        raise DemlawsError(
+            f"no pair_style or fix wall/gran line of {engine.upper()}'s granular models in this input: nothing to convert"
+        )
     return Converted(converted, job.notes, job.changed)
 
 

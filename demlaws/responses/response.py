@@ -356,7 +356,7 @@ class Response:
             radius = float(np.min(self.contact.radius))
             warn(
                 f"{self.name}: overlap above {SMALL_OVERLAP * radius:.6g} m, {SMALL_OVERLAP:g} of the effective radius "
-                f"R = {radius:g} m: contact laws hold up to there; check units, loads and the step",
+                f"R = {radius:g} m: contact laws are valid up to there; check units, loads and the step",
                 LargeOverlap,
             )
 
@@ -455,7 +455,7 @@ class Response:
         return [breach for _, breach in sorted(pairs, key=lambda one: -one[0])]
 
     def _warn_of_limits(self, force):
-        touching = force[force > 0.0] if np.ndim(force) else force
+        touching = np.extract(force > 0.0, force)
         for breach in self.breaches(float(np.min(touching, initial=math.inf)), float(np.max(touching, initial=0.0))):
             warn(f"{self.name} {breach.range}: {breach.reason}")
 

@@ -186,7 +186,7 @@ class LoadStep:
             f"force {self.force:.6g} N at separation {self.separation * 1e6:.4g} µm (overlap {self.overlap * 1e6:.4g} µm)\n"
             f"contact area {self.contact_area * 1e12:.5g} µm² in {len(self.micro)} micro-contacts: {states}"
             + (
-                "; all are fully plastic, so the area is the load over c_h H_m, whatever the map"
+                "; all are fully plastic: the area is the load over c_h H_m and independent of the map"
                 if self.counts[2] == len(self.micro) > 0
                 else ""
             )

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from demlaws.errors import DemlawsError
 
-INSTALL = "install it with `sudo apt install yade`"
+INSTALL = "sudo apt install yade, or set YADE to its start script"
 SCENES = tuple(name + packed for name in (".xml", ".yade", ".bin") for packed in ("", ".gz", ".bz2"))
 """How names of saved scenes end."""
 
@@ -20,11 +20,11 @@ def executable(name="yade"):
     command = os.environ.get("YADE") or "yade"
     path = shutil.which(command)
     if path is None:
-        raise DemlawsError(f"no {command!r} command was found: {INSTALL}")
+        raise DemlawsError(f"{command!r} not found: {INSTALL}")
     if name != "yade":
         batch = shutil.which(f"{path}-batch")
         if batch is None:
-            raise DemlawsError(f"no {path}-batch command was found: {INSTALL}")
+            raise DemlawsError(f"'{path}-batch' not found: {INSTALL}")
         return batch
     return path
 

@@ -28,7 +28,7 @@ for name, text in names.items():
         overlap = dl.law(name, pair).overlap(force) * 1e6
     ax.plot(overlap, force, color=colour, lw=1.2 if colour == "0.65" else 2.2)
     place = (np.interp(40.0, force, overlap) - 0.1, 40.0) if name == "rms" else (overlap[-1], 51.0)
-    horizontal = "right" if name == "rms" else "center"
+    horizontal = "right" if name in ("rms", "hertz") else "center"
     ax.text(*place, text, color=colour if colour != "0.65" else "0.4", ha=horizontal, va="bottom", fontsize=9)
 
 path = dl.driver.force_controlled(rough, [50, 0])

@@ -43,6 +43,7 @@ SECTIONS = {
         "lammps",
         "made/lammps-cases",
         "machines",
+        "from-source",
     ],
     "reference": ["symbols", "materials", "bibliography", "table-format", "made/citation", "made/changelog"],
     "validation": ["limits", "trade", "softening", "cost", "made/costs"],

@@ -31,8 +31,12 @@ STORED = {
     "validation/small-strain.png": "studies.assembly --report --figure {out}",
     "tables/angular-bed.csv": "studies.shapes --figure {scratch}/angular.png",
     "tables/angular-small-strain.csv": "studies.shapes --small",
+    "tables/attenuation.csv": "studies.assembly --attenuation --report",
+    "tables/ballast-beds.csv": "studies.ballast --beds --report",
     "tables/glass-beads.csv": "studies.experiment --report --figure {scratch}/experiment.png",
     "tables/shear-springs.csv": "studies.shear --springs 12 16 30 32",
+    "tables/small-strain-probes.csv": "studies.assembly --probe --report",
+    "tables/small-strain-settings.csv": "studies.assembly --sensitivity --report",
     "tables/trade-softening.csv": "studies.trade --softening",
 }
 """Pictures, and tables that are printed, from rows that a study keeps: arguments of `python -m`."""
@@ -52,6 +56,8 @@ MEASURED = {
     "tables/liggghts-restitution.csv": "the case impact of liggghts_inputs",
     "tables/liggghts-tutorials.csv": "python -m studies.cases.tutorials",
     "tables/mutations.csv": "make mutations, and python tests/mutations.py --tests 'test_report.py -k published_answer'",
+    "tables/plastic-compared.csv": "read in the sources of each row",
+    "tables/plastic-differences.csv": "the command or source of each row",
     "tables/shear-ratio.csv": "the command of each row",
     "tables/shear-rest.csv": "the command of each row",
     "tables/trade-contact.csv": "python -m studies.trade; demlaws yade run -x yade_scripts/cost.py",

@@ -69,10 +69,11 @@ def run(arguments):
         series = QUICK if arguments.quick else study.wanted(arguments.grains, arguments.seeds)
         study.run(series, arguments.results, arguments.store, progress)
     count = QUICK[0].count if arguments.quick else arguments.grains
-    rows = [row for row in study.read(arguments.results) if row["count"] == count]
+    kept = study.read(arguments.results)
+    rows = [row for row in kept if row["count"] == count]
     print(report.table(rows))
     if arguments.table is not None:
-        print(report.save(rows, arguments.table))
+        print(report.save(kept, arguments.table))
     if arguments.figure is not None:
         print(plots.save(report.draw(rows), arguments.figure))
 

@@ -2,7 +2,7 @@
 
 - cycle: a packing is compressed along z with friction to each pressure, and strained to and fro there. share: area of the
   second loop of stress over strain, over the largest elastic energy ½ M ε². dissipated: energy that the contacts lose,
-  over ½ M ε² V; they also lose energy that they had stored before.
+  over ½ M ε² V; they also lose energy that they had stored before. With rule hertz asperities stay flattened.
 - pulse: a pulse in a column of packings at rest without shear forces, as in the case `waves`. share: energy dissipated
   on the way from NEAR to FAR over the energy of the pulse.
 
@@ -11,6 +11,7 @@ The amplitude of a wave of frequency f and speed c falls by exp(-α x) with α =
 
 import itertools
 import tempfile
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,7 +22,7 @@ from demlaws.lammps.run import HEAD
 from demlaws.laws import HERTZ, POHRT_POPOV
 from studies.assembly.report import spread
 from studies.assembly.stiffness import moduli
-from studies.assembly.study import HERE, START, STORE, Series, append, begin, read
+from studies.assembly.study import BEADS, HERE, START, STORE, Series, append, begin, read, smooth
 from studies.trade.liggghts_oedometer import data_text
 
 RESULTS = HERE / "attenuation.csv"
@@ -41,6 +42,7 @@ FIELDS = (
     "sigma_um",
     "shear",
     "seed",
+    "rule",
     "kPa",
     "axis",
     "amplitude",
@@ -118,50 +120,53 @@ run             {steps}
 
 
 class Model(NamedTuple):
-    """Law, combined roughness [µm], shear model, packing."""
+    """Law, combined roughness [µm], shear model, packing, unloading rule."""
 
     law: str = HERTZ
     sigma: float = 0.0
     shear: str = "default"
     seed: int = 1
+    rule: str = "elastic"
 
     def series(self, count):
         """`Series` of the packing."""
         return Series(law=self.law, sigma=self.sigma, count=count, seed=self.seed)
 
+    def frequency(self, pressure):
+        """√(K/m) [1/s] of contacts of ten times the mean force, K after a reversal."""
+        series = self.series(COUNT)
+        law, bead = series.bound() if self.rule == "elastic" else smooth(series), BEADS[series.bead]
+        return float(np.sqrt(law.stiffness(law.overlap(10.0 * pressure * bead.diameter**2)) / bead.mass))
+
 
 MODELS = tuple(Model(*law, shear) for shear in SHEAR for law in ((HERTZ, 0.0), (POHRT_POPOV, 0.5)))
+FLATTENED = tuple(Model(POHRT_POPOV, 0.5, shear, rule=HERTZ) for shear in SHEAR)
+"""Cycles alone: contacts of a packing at rest are on first loading, so that a pulse flattens them."""
 
 
 def ground(folder, model, packing, frequency, column, step=0.2):
     """Write table and data of a packing; input up to the motion, with steps of `step`/frequency."""
     bead = packing.bead
     (folder / "post").mkdir()
-    packing.law.tabulate(rtol=1e-7).save(folder / "pair.tbl")
+    packing.law.joined(model.rule).tabulate(rtol=1e-7).save(folder / "pair.tbl")
     atoms = [(1, bead.diameter, bead.density, *place) for place in packing.bodies[0]]
     (folder / "start.data").write_text(data_text([(0.0, side) for side in packing.size], atoms, types=1))
     about = {"young": bead.young, "poisson": bead.poisson, "friction": bead.friction, "words": SHEAR[model.shear]}
     return HEAD + GROUND.format(column=column, dt=step / frequency, **about)
 
 
-def frequency_at(packing, pressure):
-    """√(K/m) [1/s] of contacts of ten times the mean force."""
-    law, bead = packing.law, packing.bead
-    return float(np.sqrt(law.stiffness(law.overlap(10.0 * pressure * bead.diameter**2)) / bead.mass))
-
-
-def cycles(model, store=STORE, count=COUNT, pressures=PRESSURES, strains=STRAINS, period=PERIOD):
+def cycles(model, store=STORE, count=COUNT, pressures=PRESSURES, strains=STRAINS, period=PERIOD, step=0.2):
     """Rows of `cycle`; the drag is 0.03 m √(K/m) in compression, a tenth of it in cycles, where it takes less than 1 %."""
     packing, keys = begin(model.series(count), store), []
     packing.compress([START] * 3)
-    bead, frequency = packing.bead, frequency_at(packing, pressures[-1])
+    bead, frequency = packing.bead, model.frequency(pressures[-1])
 
     def drag(part):
         return DRAG.format(drag=part * bead.mass * frequency, turn=0.1 * part * bead.mass * frequency * bead.diameter**2)
 
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        text = ground(folder, model, packing, frequency, "change_box      all triclinic") + BEGIN
+        text = ground(folder, model, packing, frequency, "change_box      all triclinic", step) + BEGIN
         for pressure in pressures:
             rate = -2e-4 / bead.diameter * np.sqrt(pressure / bead.density)
             text += drag(0.03) + COMPRESS.format(rate=rate, pressure=pressure, rest=REST) + ENERGY * (not keys) + drag(0.003)
@@ -236,28 +241,35 @@ def pulses(model, store=STORE, pressures=PRESSURES, speeds=SPEEDS):
                 yield pulse(model, packing, pressure, axis, amplitude)
 
 
-def sensitive(model, store=STORE):
-    """Rows of one pulse with half the step and of the cycles at one pressure at half the speed."""
+SETTINGS = {
+    "pulse, half the step": {"step": 0.1},
+    "cycle, half the step": {"step": 0.1, "period": 2 * PERIOD},
+    "cycle, half the speed": {"period": 2 * PERIOD},
+}
+
+
+def sensitive(kind, model, store=STORE):
+    """Rows of one pulse, or of the cycles at one pressure, with other settings."""
     pressure = PRESSURES[0]
-    packing = at_rest(model, pressure, store)
-    yield pulse(model, packing, pressure, "z", SPEEDS[1], step=0.1) | {"kind": SETTINGS[0]}
-    for one in cycles(model, store, pressures=(pressure,), period=2 * PERIOD):
-        yield one | {"kind": SETTINGS[1]}
+    if kind.startswith("pulse"):
+        found = [pulse(model, at_rest(model, pressure, store), pressure, "z", SPEEDS[1], **SETTINGS[kind])]
+    else:
+        found = cycles(model, store, pressures=(pressure,), **SETTINGS[kind])
+    return [one | {"kind": kind} for one in found]
 
 
-SETTINGS = ("pulse, half the step", "cycle, half the speed")
-
-
-def run_waves(path=RESULTS, store=STORE, seeds=1, progress=print):
-    """Rows that `path` lacks."""
-    done = {(line["kind"], line["law"], line["shear"], line["seed"]) for line in read(path)}
-    kinds = {"cycle": cycles, "pulse": pulses}
-    for seed, (kind, rows), model in itertools.product(range(1, seeds + 1), kinds.items(), MODELS):
-        if (kind, model.law, model.shear, seed) not in done:
-            append(path, FIELDS, list(rows(model._replace(seed=seed), store)))
-            progress(f"{kind} {' '.join(map(str, model._replace(seed=seed)))}")
-    if SETTINGS[0] not in {line["kind"] for line in read(path)}:
-        append(path, FIELDS, list(sensitive(Model(shear="slip"), store)))
+def run_waves(path=RESULTS, store=STORE, seeds=2, progress=print):
+    """Rows that `path` lacks; settings of a packing with `slip`, last."""
+    waves = itertools.product(range(1, seeds + 1), (("cycle", (*MODELS, *FLATTENED)), ("pulse", MODELS)))
+    wanted = [(kind, model._replace(seed=seed)) for seed, (kind, models) in waves for model in models]
+    wanted += [(kind, Model(shear="slip")) for kind in SETTINGS]
+    wanted += [(kind, FLATTENED[1]) for kind in SETTINGS if kind.startswith("cycle")]
+    done = {tuple(line[name] for name in ("kind", *FIELDS[1:6])) for line in read(path)}
+    for kind, model in wanted:
+        if (kind, *model) not in done:
+            rows = {"cycle": cycles, "pulse": pulses}.get(kind, partial(sensitive, kind))
+            append(path, FIELDS, list(rows(model, store)))
+            progress(f"{kind} {' '.join(map(str, model))}")
 
 
 def exponent(lines):
@@ -274,39 +286,24 @@ def exponent(lines):
     return spread(found)
 
 
+WAVE = ("kind", "law", "sigma_um", "shear", "rule", "axis", "amplitude")
+
+
 def table(path=RESULTS):
-    """Text: shares of longitudinal waves of the larger amplitude (mean of the packings), exponents of α of all waves."""
-    rows, pressures = read(path), [1e-3 * pressure for pressure in PRESSURES]
-    heads = [f"share, {pressure:g} kPa" for pressure in pressures]
-    heads += [f"exponent, {size}, {way}" for size in ("larger", "small") for way in ("longitudinal", "transverse")]
-    lines = ["| motion | law, shear | seeds | " + " | ".join(heads) + " |", "|---" * (3 + len(heads)) + "|"]
-    for key in dict.fromkeys(
-        (row["kind"], row["law"], row["shear"])
-        for row in sorted(rows, key=lambda row: row["kind"])
-        if row["kind"] not in SETTINGS
-    ):
-        some = [row for row in rows if (row["kind"], row["law"], row["shear"]) == key]
-        small, larger = STRAINS if key[0] == "cycle" else SPEEDS
-
-        def chosen(axis, amplitude, some=some):
-            return [row for row in some if row["axis"] == axis and row["amplitude"] == amplitude]
-
-        shares = [np.mean([row["share"] for row in chosen("z", larger) if row["kPa"] == p]) for p in pressures]
-        ends = [exponent(chosen(axis, size)) for size in (larger, small) for axis in AXES]
-        cells = [f"{share:.2g}" for share in shares]
+    """Text: a line per wave of each model: shares (means of the packings), exponent of α, steps of a run; settings last."""
+    found, pressures = {}, [1e-3 * pressure for pressure in PRESSURES]
+    for row in sorted(read(path), key=lambda row: (row["kind"] in SETTINGS, row["kind"])):
+        found.setdefault(tuple(row[name] for name in WAVE), []).append(row)
+    heads = ["motion", *WAVE[1:5], "wave", "amplitude", "seeds", *(f"share, {p:g} kPa" for p in pressures), "exponent", "steps"]
+    lines = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
+    for (kind, law, sigma, *rest, axis, amplitude), some in found.items():
+        shares = [[row["share"] for row in some if row["kPa"] == p] for p in pressures]
+        mean, off = exponent(some) if kind not in SETTINGS else (np.nan, np.nan)
+        cells = [kind, law, f"{sigma:g}", *rest, "longitudinal" if axis == "z" else "transverse", f"{amplitude:g}"]
+        cells += [str(len({row["seed"] for row in some})), *(f"{np.mean(share):.3g}" if share else "" for share in shares)]
         cells += [
-            ("–" if np.isnan(mean) else f"{mean:+.2f}") + ("" if np.isnan(off) else f" ± {off:.2f}") for mean, off in ends
+            ("" if np.isnan(mean) else f"{mean:+.2f}") + ("" if np.isnan(off) else f" ± {off:.2f}"),
+            f"{some[-1]['steps']:.0f}",
         ]
-        lines.append(f"| {key[0]} | {key[1]}, {key[2]} | {len({row['seed'] for row in some})} | {' | '.join(cells)} |")
-    return "\n".join([*lines, "", *sensitivity(rows)])
-
-
-def sensitivity(rows):
-    """Lines: shares with half the step and at half the speed, beside the usual ones."""
-    keys = ("law", "shear", "seed", "kPa", "axis", "amplitude")
-    usual = {(row["kind"], *(row[key] for key in keys)): row["share"] for row in rows}
-    for row in rows:
-        if row["kind"] in SETTINGS:
-            about = [row[key] for key in keys]
-            before = usual[(row["kind"].split(",")[0], *about)]
-            yield f"{row['kind']}, {' '.join(map(str, about))}: share {row['share']:.3g}, usual {before:.3g}"
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)

@@ -30,6 +30,7 @@ class Case(NamedTuple):
     dimension: float
     slope: float
     packing: str
+    count: float
 
 
 def cases(rows):
@@ -140,10 +141,19 @@ def save(rows, path):
     names = list(dict.fromkeys(name for values in found.values() for name in values))
     with open(path, "w", newline="") as file:
         lines = csv.writer(file, lineterminator="\n")
-        lines.writerow([*Case._fields, "seeds", *(f"{name}{end}" for name in names for end in ("", " ±"))])
+        lines.writerow([*Case._fields, "seeds", *(f"{name}{end}" for name in names for end in ("", " ±")), "most steps"])
         for case, series in cases(rows).items():
             values = [value for name in names for value in found[case].get(name, (np.nan, np.nan))]
-            lines.writerow([*case, seeds(series), *(f"{value:.4f}".replace("nan", "") for value in values)])
+            steps = max(some[-1]["steps"] for some in series.values())
+            lines.writerow(
+                [
+                    *case[:-1],
+                    int(case.count),
+                    seeds(series),
+                    *(f"{value:.4f}".replace("nan", "") for value in values),
+                    f"{steps:.0f}",
+                ]
+            )
     return path
 
 
@@ -180,7 +190,11 @@ MARKS = {
     ("glass clumps", "dense"): "D",
     ("glass clumps", "loose"): "P",
 }
-PANELS = (("G", "isotropic", "G0, isotropic"), ("G", "oedometric", "G, oedometric"), ("M", "oedometric", "M, oedometric"))
+PANELS = (
+    ("G", "isotropic", "G0, isotropic, between neighbouring pressures"),
+    ("G", "oedometric", "G = ρ c_T², oedometric"),
+    ("M", "oedometric", "M = ρ c_L², oedometric"),
+)
 
 
 def one_contact(law, sigma=1.0):
@@ -199,7 +213,7 @@ def draw(rows):
     """Local exponents of G0 (isotropic), and of M and G along the load (oedometric), over σ/δ."""
     from demlaws.plots import colour, figure
 
-    fig, axes = figure(columns=3, width=4.4, height=4.0)
+    fig, axes = figure(rows=3, width=6.4, height=3.9)
     found = cases(rows)
     laws = dict.fromkeys(case.law for case in found if case.sigma_um)
     for ax, (column, path, title) in zip(axes, PANELS, strict=True):
@@ -216,20 +230,20 @@ def draw(rows):
             elif case.dimension == 2.2 and case.sigma_um:
                 mark = MARKS[case.bead, case.packing]
                 ax.plot(x, y, mark, ms=4.5, mfc="none", color=colour(case.law))
-        ax.set(xscale="log", xlabel="σ/δ, δ: overlap at the mean force", title=title, xlim=(0.03, 10.0), ylim=(0.28, 1.0))
+        ax.set(xscale="log", ylabel="exponent", title=title, xlim=(0.03, 10.0), ylim=(0.28, 1.0))
     for (bead, packing), mark in MARKS.items():
         if any((case.bead, case.packing) == (bead, packing) for case in found):
             axes[1].plot([], [], mark, ms=4.5, mfc="none", color="k", label=f"{bead}, {packing} packing")
     axes[0].axhspan(*ALLOWED["G0"], color="k", alpha=0.08, lw=0)
-    place = {"xycoords": ("axes fraction", "data"), "fontsize": 8}
-    axes[0].annotate("measured: around 0.5", (0.99, 0.5), va="center", ha="right", **place)
+    place = {"xycoords": ("axes fraction", "data"), "fontsize": 9}
+    axes[0].annotate("measured: around 0.5", (0.01, 0.5), va="center", **place)
     for ax, speed in ((axes[1], "c_T"), (axes[2], "c_L")):
         ax.axhline(2.0 * MEASURED[speed], color="k", lw=0.8, ls=":")
         text = f"measured: 2 × {MEASURED[speed]}"
         ax.annotate(text, (0.01, 2.0 * MEASURED[speed]), va="bottom", **place)
-    axes[0].set(ylabel="exponent between neighbouring pressures")
+    axes[-1].set(xlabel="σ/δ, δ: overlap at the mean force")
     for ax in axes[:2]:
         handles, labels = ax.get_legend_handles_labels()
         kept = [n for n, label in enumerate(labels) if (" packing" in label and "hertz" not in label) == (ax is axes[1])]
-        ax.legend([handles[n] for n in kept], [labels[n] for n in kept], fontsize=7, loc="upper left")
+        ax.legend([handles[n] for n in kept], [labels[n] for n in kept], fontsize=8.5, loc="upper left")
     return fig

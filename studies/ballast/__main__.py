@@ -23,6 +23,7 @@ def parser():
     parser.add_argument("--store", type=Path, default=cycles.STORE, help="folder of beds and of interrupted runs")
     parser.add_argument("--quick", action="store_true", help="two cases of 80 spheres and 5 cycles, a minute")
     parser.add_argument("--beds", action="store_true", help="beds deposited and loaded with each shear model")
+    parser.add_argument("--limit", action="store_true", help="largest stable step of beds at 200 kPa, from their kept states")
     parser.add_argument("--report", action="store_true", help="tables only, from the runs in the file")
     parser.add_argument("--table", type=Path, help="CSV file with the numbers of every bed")
     parser.add_argument("--figure", type=output, help="picture of settlement, resilient modulus and dissipation")
@@ -36,6 +37,11 @@ def run(arguments):
     def progress(text):
         print(text, file=sys.stderr, flush=True)
 
+    if arguments.limit:
+        for case in QUICK if arguments.quick else (cycles.Case(), cycles.SENSITIVITY["as in the study"]):
+            print(f"{report.kind_of(case)}, steps of {case.dt:g} s")
+            cycles.stability(case, arguments.store)
+        return
     if arguments.beds:
         if not arguments.report:
             beds.run_beds(store=arguments.store, progress=progress)
@@ -47,11 +53,10 @@ def run(arguments):
     settings = {"least": QUICK[0].cycles, "count": QUICK[0].count} if arguments.quick else {}
     print(report.table(rows, **settings))
     if not arguments.quick:
-        for text in (report.effects, report.energies, report.many, report.sensitivity, report.costs, report.course):
+        for text in (report.effects, report.many, report.course):
             print("\n" + text(rows))
-        print("\n" + report.repeats(rows, read(cycles.REPEATS)))
     if arguments.table is not None:
-        print(report.save(rows, arguments.table))
+        print(report.save(rows, read(cycles.REPEATS), arguments.table))
     if arguments.figure is not None:
         print(plots.save(picture.draw(rows), arguments.figure))
 

@@ -93,6 +93,15 @@ compute         flow all pair/local p16 cutoff radius
 dump            flow all local {every} post/flow.txt c_pair[1] c_pair[2] c_flow
 dump_modify     flow format float %.12g
 """
+STATE = """\
+compute         pair all property/local patom1 patom2 cutoff radius
+compute         force all pair/local fx fy fz p13 cutoff radius
+write_dump      all custom post/grains.txt id x y z radius mass modify format float %.17g
+dump            state all local 1 post/contacts.txt index c_pair[*] c_force[*]
+dump_modify     state format float %.17g
+run             0
+"""
+"""Grains and contacts, in the columns that `demlaws timestep` expects, then the largest overlap."""
 CARRIED = """\
 variable        lacks equal abs(v_load-v_carried)/v_load+1e4*c_moves
 fix             rest all halt 500 v_lacks < 0.02 error continue

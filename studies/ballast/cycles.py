@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from demlaws.cli import main as command
 from demlaws.lammps import run
 from demlaws.laws import HERTZ, POHRT_POPOV
 from studies.assembly.study import append, read
@@ -226,29 +227,39 @@ def run_case(case, store=STORE, progress=lambda text: None):
     return state["rows"]
 
 
+def stability(case, store=STORE):
+    """Print the largest stable step of a finished case of spheres at HIGH, by `demlaws timestep`; walls not included."""
+    folder, steps, law = Path(store) / "-".join(map(str, case)), round(case.period / case.dt), case.contact
+    state = json.loads((folder / "state.json").read_text())
+    text = bed.ground(law, bed.from_restart(f"{len(list(parts(case)))}.restart", False), case.dt)
+    text += bed.load(LOW, HIGH, case.period, steps // 2, case.dt, state["top"], state["placed"]) + bed.STATE
+    simulate(folder, "state", text)
+    rough = f"--unloading hertz --combined-roughness {law.sigma}um --fractal-dimension 2.22 --largest-overlap 7".split()
+    about = f"--law {law.law} --young {bed.YOUNG:g} --poisson {bed.POISSON} --friction {bed.FRICTION}".split()
+    files = [str(folder / "post" / name) for name in ("grains.txt", "contacts.txt")]
+    return command(["timestep", *files, *about, *(rough if law.sigma else [])])
+
+
 def wanted():
     """All cases, those first that the page needs most."""
     hertz, rough = Case(), Case(law=POHRT_POPOV, sigma=2.4)
     yield rough._replace(cycles=2000)
-    yield from (case._replace(seed=seed) for seed in (1, 2) for case in (hertz, rough))
-    yield from (rough._replace(sigma=10.0), hertz._replace(shear="slip"), rough._replace(shear="slip"))
-    yield from (hertz._replace(shear="mindlin"), *list(SENSITIVITY.values())[1:])
-    yield from (case._replace(grains="clumps") for case in (hertz, rough))
-    yield from (case._replace(seed=3) for case in (hertz, rough))
-    yield from (rough._replace(sigma=sigma) for sigma in (0.5, 5.0, 1.0))
-    yield from (rough._replace(shear="mindlin"), rough._replace(sigma=10.0, seed=2))
-    yield from (case._replace(grains="clumps", seed=2) for case in (hertz, rough))
-    yield from (case._replace(shear="slip", seed=2) for case in (rough, hertz))
+    yield from list(SENSITIVITY.values())[1:]
+    kinds = [case._replace(grains=grains) for grains in ("spheres", "clumps") for case in (hertz, rough)]
+    kinds += [case._replace(shear=shear) for shear in ("slip", "mindlin") for case in (hertz, rough)]
+    kinds += [rough._replace(sigma=sigma) for sigma in (10.0, 0.5, 5.0, 1.0)]
+    yield from (case._replace(seed=seed) for seed in (1, 2) for case in kinds)
+    yield rough._replace(cycles=2000, seed=2)
+    yield from (case._replace(seed=3) for case in kinds)
 
 
-def finished(path=RESULTS):
-    """Cases that a file of results has."""
-    kinds = [type(value) for value in Case()]
-    return {tuple(kind(row[name]) for kind, name in zip(kinds, Case._fields, strict=True)) for row in read(path)}
+def case_of(row):
+    """`Case` of a row."""
+    return Case(*(type(value)(row[name]) for name, value in Case()._asdict().items()))
 
 
 def run_cases(cases, path=RESULTS, store=STORE, progress=print):
     """Run the cases that `path` lacks."""
     for case in dict.fromkeys(cases):
-        if tuple(case) not in finished(path):
+        if case not in map(case_of, read(path)):
             append(path, FIELDS, run_case(case, store, progress))

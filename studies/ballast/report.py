@@ -1,6 +1,7 @@
 """Settlement, resilient modulus and loss per cycle from the rows of `cycles`: tables and picture."""
 
 import csv
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -8,7 +9,7 @@ import numpy as np
 from demlaws.laws import HERTZ, POHRT_POPOV
 from studies.assembly.report import spread
 from studies.ballast.bed import DENSITY
-from studies.ballast.cycles import SENSITIVITY, Case
+from studies.ballast.cycles import SENSITIVITY, Case, case_of
 
 LONGEST = 200
 """Cycles of the cases in the tables; one case has more."""
@@ -28,6 +29,11 @@ class Kind(NamedTuple):
     def __str__(self):
         rough = f", σ = {self.sigma:g} µm" if self.sigma else ""
         return f"{self.grains}, {self.law}{rough}, {self.shear}"
+
+
+def kind_of(case):
+    """`Kind` of a case."""
+    return Kind(*(getattr(case, name) for name in KEY))
 
 
 def order(kind):
@@ -52,9 +58,12 @@ def series(rows, least=30, most=LONGEST, **settings):
 
 
 def longest(rows):
-    """Rows of the case with the most cycles."""
-    most = max(row["cycles"] for row in rows)
-    return sorted((row for row in rows if row["cycles"] == most), key=lambda row: row["cycle"])
+    """Seed → rows in order of the cycle of the beds with the most cycles."""
+    most, found = max(row["cycles"] for row in rows), {}
+    for row in sorted(rows, key=lambda row: (row["seed"], row["cycle"])):
+        if row["cycles"] == most:
+            found.setdefault(int(row["seed"]), []).append(row)
+    return found
 
 
 def main_cycles(rows):
@@ -138,7 +147,9 @@ class Dissipation(NamedTuple):
 
 def dissipation(rows, first=15, last=30):
     """Mean `Dissipation` of the kept cycles from `first` to `last`; the models of LAMMPS do not book friction: NaN."""
-    chosen = [row for row in rows if first <= row["cycle"] <= min(last, row["cycles"]) and not np.isnan(row["rest_J"])]
+    chosen = [
+        row for row in rows if first <= row["cycle"] <= min(last, row["cycles"]) and not np.isnan(row.get("rest_J", np.nan))
+    ]
     if not chosen:
         return Dissipation(*[np.nan] * 5)
     inside, plastic, rest, work = (
@@ -150,27 +161,68 @@ def dissipation(rows, first=15, last=30):
     return Dissipation(1e3 * float(total), *map(float, shares), float(total / work))
 
 
+def secant(rows, cycle):
+    """Resilient modulus [MPa] of a cycle between 20 and 200 kPa."""
+    (row,) = (row for row in rows if row["cycle"] == cycle)
+    return (row["peak_kPa"] - row["least_kPa"]) * row["height_mm"] / row["resilient_um"]
+
+
+def inertial(rows):
+    """Largest inertial number of cycles 2 and later: rate of strain × d √(ρ/p), both amid a swing of the load."""
+    return max(
+        np.pi
+        * row["resilient_um"]
+        * 1e-3
+        / row["height_mm"]
+        / row["period"]
+        * MEAN
+        * np.sqrt(DENSITY / (500.0 * row["high_kPa"]))
+        for row in rows
+        if row["cycle"] > 1
+    )
+
+
+def seconds(rows):
+    """Time [s] of all cycles of a bed."""
+    cycle, each = np.array([(row["cycle"], row["seconds"]) for row in rows]).T
+    return float(np.sum(np.diff(cycle, prepend=0.0) * each))
+
+
 STOCK = ("mindlin",)
 """Shear models whose friction `compute demlaws/energy` does not have."""
 COLUMNS = {
-    "settled (µm), N = 1": lambda rows: settlement(rows, 1),
-    "30": lambda rows: settlement(rows, 30),
-    "100": lambda rows: settlement(rows, 100),
-    "200": lambda rows: settlement(rows, 200),
+    **{f"settled (µm), N = {number}": partial(settlement, cycle=number) for number in (1, 18, 30, 100, 200)},
+    "settled (µm), last": lambda rows: main_cycles(rows)[1][-1],
     "a + b log N: b (µm)": lambda rows: fit(rows).slope,
     "off (%)": lambda rows: 100.0 * fit(rows).logarithmic,
     "N^d: d": lambda rows: fit(rows).exponent,
     "off, %": lambda rows: 100.0 * fit(rows).power,
     "M (MPa)": lambda rows: moduli(rows)[1][-1],
+    "M (MPa), N = 18": partial(secant, cycle=18),
     "n": modulus_exponent,
     "m": tangent_exponent,
     "dissipated in cycle 1 (mJ)": lambda rows: dissipation(rows, 1, 1).total,
-    "later (mJ)": lambda rows: dissipation(rows).total,
+    "plastic flow in cycle 1 (%)": lambda rows: dissipation(rows, 1, 1).plastic,
+    "dissipated later (mJ)": lambda rows: dissipation(rows).total,
     "over work": lambda rows: dissipation(rows).of_work,
     "friction (%)": lambda rows: dissipation(rows).friction,
     "plastic flow (%)": lambda rows: dissipation(rows).plastic,
     "damping (%)": lambda rows: dissipation(rows).damping,
+    "over work, N = 9 to 18": lambda rows: dissipation(rows, 9, 18).of_work,
+    "inertial number": inertial,
+    "steps per cycle": lambda rows: rows[-1]["steps"],
+    "time (s)": seconds,
 }
+"""Of each bed; later: cycles 15 to 30."""
+MEASURES = {
+    "settlement, N = 1 (µm)": lambda rows: settlement(rows, 1),
+    "N = 1 to 200 (µm)": lambda rows: settlement(rows, 200) - settlement(rows, 1),
+    "M (MPa)": COLUMNS["M (MPa)"],
+    "n": modulus_exponent,
+    "dissipated in cycle 1 (mJ)": COLUMNS["dissipated in cycle 1 (mJ)"],
+    "later (mJ)": COLUMNS["dissipated later (mJ)"],
+}
+"""Of the tables."""
 
 
 def cell(values):
@@ -186,62 +238,39 @@ def cell(values):
 
 def table(rows, **settings):
     """Text: a line per kind of bed."""
-    lines = ["| bed | seeds | " + " | ".join(COLUMNS) + " |", "|---" * (2 + len(COLUMNS)) + "|"]
+    lines = ["| bed | seeds | " + " | ".join(MEASURES) + " |", "|---" * (2 + len(MEASURES)) + "|"]
     for kind, beds in series(rows, **settings).items():
-        cells = [cell([function(one) for one in beds.values()]) for function in COLUMNS.values()]
+        cells = [cell([function(one) for one in beds.values()]) for function in MEASURES.values()]
         lines.append(f"| {kind} | {len(beds)} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 
-def save(rows, path):
-    """Write the numbers of every bed to a CSV file; its path."""
+def runs(rows):
+    """`Case` → rows in order of the cycle, sorted by kind, cycles and settings."""
+    found = {}
+    for row in sorted(rows, key=lambda row: row["cycle"]):
+        found.setdefault(case_of(row), []).append(row)
+
+    def place(case):
+        return order(kind_of(case)), -case.cycles, case.seed, case.period, case.dt
+
+    return {case: found[case] for case in sorted(found, key=place)}
+
+
+SETTINGS = {(case.period, case.dt): name for name, case in SENSITIVITY.items()}
+
+
+def save(rows, again, path):
+    """Write the numbers of every bed, and of its repetition `again`, to a CSV file; its path."""
     with open(path, "w", newline="") as file:
         lines = csv.writer(file, lineterminator="\n")
-        lines.writerow([*KEY, "seed", "cycles", *COLUMNS, "time (s)"])
-        for kind, beds in series(rows).items():
-            for seed, one in beds.items():
+        lines.writerow(["settings", *KEY, "seed", "cycles", *COLUMNS])
+        for some, repeated in ((rows, ""), (again, ", repetition")):
+            for case, one in runs(some).items():
                 numbers = [f"{function(one):.4g}".replace("nan", "") for function in COLUMNS.values()]
-                lines.writerow([*kind, seed, int(one[0]["cycles"]), *numbers, f"{seconds(one):.0f}"])
+                about = [getattr(case, name) for name in (*KEY, "seed", "cycles")]
+                lines.writerow([SETTINGS[case.period, case.dt] + repeated, *about, *numbers])
     return path
-
-
-def repeats(rows, again):
-    """Text: settlement of beds, and of a repetition with the formula of the load written differently (rounding)."""
-    lines = ["| bed, seed | run | settled (µm), N = 1 | 30 | 100 | 200 |", "|---|---|---|---|---|---|"]
-    found = series(rows)
-    for kind, beds in series(again).items():
-        for seed in beds.keys() & found.get(kind, {}).keys():
-            for name, one in (("of the tables", found[kind][seed]), ("repetition", beds[seed])):
-                cells = " | ".join(f"{settlement(one, number):.3g}" for number in (1, 30, 100, 200))
-                lines.append(f"| {kind}, {seed} | {name} | {cells} |")
-    return "\n".join(lines)
-
-
-def seconds(rows):
-    """Time [s] of all cycles of a bed."""
-    cycle, each = np.array([(row["cycle"], row["seconds"]) for row in rows]).T
-    return float(np.sum(np.diff(cycle, prepend=0.0) * each))
-
-
-ENERGIES = {
-    "cycle 1 (mJ)": COLUMNS["dissipated in cycle 1 (mJ)"],
-    "plastic flow (%)": lambda rows: dissipation(rows, 1, 1).plastic,
-    "cycles 15 to 30 (mJ)": COLUMNS["later (mJ)"],
-    "over work": COLUMNS["over work"],
-    "friction (%)": COLUMNS["friction (%)"],
-    "plastic flow, %": COLUMNS["plastic flow (%)"],
-    "damping (%)": COLUMNS["damping (%)"],
-}
-
-
-def energies(rows):
-    """Text: energy that a cycle dissipates, of the beds whose energies are known."""
-    lines = ["| bed | seeds | " + " | ".join(ENERGIES) + " |", "|---" * (2 + len(ENERGIES)) + "|"]
-    for kind, beds in series(rows).items():
-        if not any(np.isnan(dissipation(one).total) for one in beds.values()):
-            cells = " | ".join(cell([function(one) for one in beds.values()]) for function in ENERGIES.values())
-            lines.append(f"| {kind} | {len(beds)} | {cells} |")
-    return "\n".join(lines)
 
 
 BASE = Kind("spheres", HERTZ, 0.0, "default")
@@ -257,15 +286,6 @@ EFFECTS = {
     "shear: slip for default, pohrt-popov": (ROUGH, ROUGH._replace(shear="slip")),
     "shape: clumps for spheres, hertz": (BASE, BASE._replace(grains="clumps")),
 }
-MEASURES = {
-    "settlement, N = 1": lambda rows: settlement(rows, 1),
-    "N = 1 to 200": lambda rows: settlement(rows, 200) - settlement(rows, 1),
-    "M": COLUMNS["M (MPa)"],
-    "n": modulus_exponent,
-    "m": tangent_exponent,
-    "dissipated in cycle 1": lambda rows: dissipation(rows, 1, 1).total,
-    "later": lambda rows: dissipation(rows).total,
-}
 
 
 def scatter(found, function):
@@ -280,7 +300,8 @@ def effects(rows):
     """Text: changes in percent, of the same seeds; bold: more than twice the scatter of packings."""
     found = series(rows)
     off = {name: scatter(found, function) for name, function in MEASURES.items()}
-    lines = ["| change (%) | seeds | " + " | ".join(MEASURES) + " |", "|---" * (2 + len(MEASURES)) + "|"]
+    heads = [name.split(" (")[0] for name in MEASURES]
+    lines = ["| change (%) | seeds | " + " | ".join(heads) + " |", "|---" * (2 + len(MEASURES)) + "|"]
     for what, (before, after) in EFFECTS.items():
         common, cells = found.get(before, {}).keys() & found.get(after, {}).keys(), []
         if common:
@@ -299,36 +320,6 @@ def secant(rows, cycle):
     return (row["peak_kPa"] - row["least_kPa"]) * row["height_mm"] / row["resilient_um"]
 
 
-def sensitivity(rows):
-    """Text: the first 18 cycles of one bed with other settings."""
-    lines = [
-        "| settings | settled (µm), N = 1 | N = 18 | M, N = 18 (MPa) | dissipated/work, N = 9 to 18 |",
-        "|---|---|---|---|---|",
-    ]
-    for name, case in SENSITIVITY.items():
-        chosen = [row for row in rows if all(row[key] == value for key, value in case._asdict().items())]
-        if chosen:
-            shares = dissipation(chosen, 9, 18)
-            found = settlement(chosen, 1), settlement(chosen, 18), secant(chosen, 18), shares.of_work
-            lines.append(f"| {name} | " + " | ".join(f"{value:.3g}" for value in found) + " |")
-    return "\n".join(lines)
-
-
-def inertial(rows):
-    """Largest inertial number of cycles 2 and later: rate of strain × d √(ρ/p), both amid a swing of the load."""
-    return max(
-        np.pi
-        * row["resilient_um"]
-        * 1e-3
-        / row["height_mm"]
-        / row["period"]
-        * MEAN
-        * np.sqrt(DENSITY / (500.0 * row["high_kPa"]))
-        for row in rows
-        if row["cycle"] > 1
-    )
-
-
 def course(rows):
     """Text: inertial number, load carried, time per cycle."""
     carried = [np.median([row[name] for row in rows if row["high_kPa"] == 200.0]) for name in ("least_kPa", "peak_kPa")]
@@ -337,36 +328,18 @@ def course(rows):
     return f"{text} {max(each):.2g}); the plate carries {carried[0]:.0f} to {carried[1]:.0f} kPa (median)"
 
 
-def costs(rows):
-    """Text: number of cycles, seeds and time of each kind of bed, all cases."""
-    lines = ["| bed | cycles | seeds | steps per cycle | time (s) |", "|---|---|---|---|---|"]
-    found = {}
-    for row in rows:
-        case = tuple(row[name] for name in Case._fields)
-        found.setdefault(case, []).append(row)
-    kinds = {}
-    for case, some in found.items():
-        case = Case(*case)
-        key = Kind(*(getattr(case, name) for name in KEY)), case.cycles, case.period, case.dt
-        kinds.setdefault(key, []).append(sorted(some, key=lambda row: row["cycle"]))
-    for (kind, number, period, dt), beds in sorted(kinds.items(), key=lambda item: (order(item[0][0]), item[0][1:])):
-        time = cell([seconds(one) for one in beds])
-        lines.append(f"| {kind} | {number:.0f} | {len(beds)} | {period / dt:.0f} | {time} |")
-    return "\n".join(lines)
-
-
 def many(rows):
-    """Text: both laws of settlement, fitted to the first and to all cycles of the longest case."""
-    one = longest(rows)
-    last = one[0]["cycles"]
-    found = settlement(one, last)
+    """Text: both laws of settlement, fitted to the first and to all cycles of the longest cases."""
     lines = [
-        f"| fitted to cycles | a + b log N: b (µm) | off (%) | at {last:.0f} (µm) | N^d: d | off, % | at {last:.0f}, µm |",
-        "|---" * 7 + "|",
+        "| seed | fitted to cycles | a + b log N: b (µm) | off (%) | last (µm) | N^d: d | off, % | last, µm | measured (µm) |",
+        "|---" * 9 + "|",
     ]
-    for end in (30.0, 200.0, last):
-        law = fit(one, end)
-        ends = law.at(last)
-        numbers = f"{law.slope:.0f} | {100 * law.logarithmic:.1f} | {ends[0]:.0f} | {law.exponent:.3f} | {100 * law.power:.1f}"
-        lines.append(f"| 2 to {end:.0f} | {numbers} | {ends[1]:.0f} |")
-    return "\n".join([*lines, f"measured after {last:.0f} cycles: {found:.0f} µm"])
+    for seed, one in longest(rows).items():
+        last = one[0]["cycles"]
+        for end in (30.0, LONGEST, last):
+            law = fit(one, end)
+            ends = law.at(last)
+            logarithmic = f"{law.slope:.0f} | {100 * law.logarithmic:.1f} | {ends[0]:.0f}"
+            power = f"{law.exponent:.3f} | {100 * law.power:.1f} | {ends[1]:.0f}"
+            lines.append(f"| {seed} | 2 to {end:.0f} | {logarithmic} | {power} | {settlement(one, last):.0f} |")
+    return "\n".join(lines)

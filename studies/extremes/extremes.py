@@ -79,7 +79,7 @@ def make_group(case, contact, radius1, radius2, roughness):
     """A `Group` of these contacts; in a table's case the table reaches nearly to R."""
     law, closed_form = case.bind(contact, 0.9), case._replace(evaluation="closed form").bind(contact)
     solved, table = registry()[case.law].solved, case.evaluation == "table"
-    # beyond R there is no answer, and positions round
+    # beyond R laws are undefined, and positions round
     share = 0.098 if solved else 0.85 if table else 1.0 - 1e-6
     largest = np.broadcast_to(np.asarray(contact.radius, float), radius1.shape) * share
     modulus = np.broadcast_to(np.asarray(contact.modulus, float), radius1.shape).copy()

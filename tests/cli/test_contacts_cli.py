@@ -7,7 +7,9 @@ import pytest
 
 from demlaws.cli import main
 from demlaws.cli.contacts import LIGGGHTS_CASE
+from demlaws.cli.output import Output
 from demlaws.cli.timestep import LAMMPS_CASE
+from demlaws.errors import DemlawsError
 
 RADIUS, FIRST, BOX = 4e-3, 0.123456789012, "-1 1\n-1 1\n-1 1"
 
@@ -87,3 +89,13 @@ def test_lines(tmp_path, capsys):
     assert first == pytest.approx([FIRST + 2 * RADIUS - 2e-6, 0, 0]) and last == pytest.approx(
         [FIRST + 4 * RADIUS - 3e-6, 0, 0]
     )
+
+
+def test_lines_of_this_command_are_overwritten_and_no_others(tmp_path):
+    """Before: a second run of the command refused its own .vtp file."""
+    file = tmp_path / "contacts.vtp"
+    file.write_text('<VTKFile type="PolyData">' + 5000 * " " + '<DataArray Name="body1">')
+    Output().check(file)
+    file.write_text('<VTKFile type="PolyData"><DataArray Name="pressure">')
+    with pytest.raises(DemlawsError):
+        Output().check(file)

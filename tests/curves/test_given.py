@@ -176,7 +176,7 @@ def test_points_are_kept_where_they_are_few():
     overlap, force = [1e-6, 2e-6, 5e-6, 1e-5], [0.1, 0.4, 3.0, 10.0]
     table = dl.Table.from_points(np.column_stack([overlap, force]), CONTACT, rtol=1e-4)
     np.testing.assert_allclose(table.force(np.array(overlap)), force, rtol=1e-4)
-    assert table.knots.points == 4 and table.knots.smoothing == "none: a knot a point, 4"
+    assert table.knots.points == 4 and table.knots.smoothing == "none: one knot per point (4)"
     assert np.all(np.diff(table.force(np.linspace(0, 1e-5, 2000))) > 0)
     assert math.isnan(table.uncertainty(3e-6))
     two = dl.Table.from_points(np.column_stack([[1e-6, 2e-6], [1.0, 3.0]]), CONTACT)

@@ -108,3 +108,9 @@ def test_titles_without_a_meaning_are_refused():
         with pytest.raises(DemlawsError):
             columns_of(table)
     np.testing.assert_array_equal(columns_of(pytest.importorskip("pandas").DataFrame(np.ones((3, 2)))), np.ones((2, 3)))
+
+
+def test_a_file_is_read_by_its_name(tmp_path):
+    """Before: a path was refused, as if it were one number."""
+    (tmp_path / "test.csv").write_text("displacement (um),force (N)\n1,0.5\n2,1.5\n3,3\n")
+    np.testing.assert_allclose(columns_of(tmp_path / "test.csv"), [[1e-6, 2e-6, 3e-6], [0.5, 1.5, 3.0]])

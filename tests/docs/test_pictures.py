@@ -8,13 +8,15 @@ from pathlib import Path
 
 import pytest
 
-pytest.importorskip("matplotlib")
-from pictures import difference
+matplotlib = pytest.importorskip("matplotlib")
+from pictures import difference  # noqa: E402
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 sys.path.insert(0, str(DOCS))
 from making import sources  # noqa: E402
 
+DRAWN_WITH = "3.6."
+"""The matplotlib that drew the pictures kept in git, Debian 12's; others leave other margins."""
 DRAWN = [name for name in sources.DRAWN if (DOCS / "pictures" / f"{name}.png").exists()]
 
 
@@ -28,6 +30,8 @@ def test_picture_is_what_its_script_draws(name, tmp_path):
         check=True,
         stdout=subprocess.DEVNULL,
     )
+    if not matplotlib.__version__.startswith(DRAWN_WITH):
+        pytest.skip(f"drawn by matplotlib {matplotlib.__version__}; the picture in git by {DRAWN_WITH}x")
     changed = difference(tmp_path / f"{name}.png", DOCS / "pictures" / f"{name}.png")
     assert changed < 0.005, f"docs/pictures/{name}.png differs in {changed:.1%}: copy what docs/gallery/{name}.py draws"
 

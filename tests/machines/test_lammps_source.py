@@ -1,6 +1,7 @@
 """What lammps_source.py reports; `make lammps-source` builds LAMMPS."""
 
 import importlib.util
+import os
 import sys
 from pathlib import Path
 
@@ -35,8 +36,13 @@ def test_without_tools_it_is_not_run(script, tmp_path, monkeypatch, capsys):
 def test_a_build_that_fails_or_takes_too_long_fails(script, tmp_path, monkeypatch, capsys):
     (tmp_path / "unpacked").write_text("nowhere")
     (tmp_path / "tree" / "cmake").mkdir(parents=True)
-    (tmp_path / "tree" / "cmake" / "CMakeLists.txt").write_text("message(FATAL_ERROR no)")
+    (tmp_path / "tree" / "cmake" / "CMakeLists.txt").touch()
     (tmp_path / "tree" / "src").mkdir()
+    cmake = tmp_path / "bin" / "cmake"
+    cmake.parent.mkdir()
+    cmake.write_text("#!/bin/sh\nexit 1\n")
+    cmake.chmod(0o755)
+    monkeypatch.setenv("PATH", str(cmake.parent), prepend=os.pathsep)
     monkeypatch.setattr(script, "PYTHON", sys.executable)
     monkeypatch.setattr(script.shutil, "which", lambda name: name)
     assert script.main(["--folder", str(tmp_path)]) == 1

@@ -317,7 +317,7 @@ def test_columns_of_contacts(omega):
     assert isinstance(frame, pandas.DataFrame) and len(frame) == 1 and frame["force (N)"][0] == state.force[0] == force()
     assert "overlap (m)" in str(state) and "1 contacts" in repr(state)
     assert list(COLUMNS) == [f.name for f in dataclasses.fields(state) if not f.name.startswith("centre")]
-    page = re.sub(" +", " ", (ROOT / "yade_scripts/README.md").read_text())
+    page = re.sub(" +", " ", (ROOT / "docs/reference/yade.md").read_text())
     for name, (unit, meaning) in COLUMNS.items():
         assert re.sub(" +", " ", f"| `{name}` | {unit} | {meaning} |") in page, name
 

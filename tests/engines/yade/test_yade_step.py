@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 from yade_scenes import engine_list, functor, interaction_loop, material, sphere, under_yade, yade
 
-from demlaws.yade import native
-
 STEPS = 250
 OPTIONS = [{"calcEnergy": True}, {"includeMoment": True}, {"neverErase": True}]
 DAMPING = {"damped along the normal": {"en": 0.6, "es": 1.0}, "damped in shear": {"en": 1.0, "es": 0.6}}
@@ -104,6 +102,8 @@ def contact_steps(found):
 
 
 def test_hertz_leaves_what_stock_mindlin_leaves(omega):
+    from demlaws.yade import native
+
     stock = seen(box_of_stones(yade.Law2_ScGeom_MindlinPhys_Mindlin()))
     law = hertz()
     calls = Counted(law)
@@ -183,6 +183,7 @@ def test_on_two_threads(tmp_path):
     under_yade(
         """
 from test_yade_step import *
+from demlaws.yade import native
 assert yade.O.numThreads == 2
 stock = seen(box_of_stones(yade.Law2_ScGeom_MindlinPhys_Mindlin()))
 assert_same(seen(box_of_stones(hertz())), stock)
@@ -200,6 +201,7 @@ def test_a_step_that_differs_is_refused(tmp_path):
     under_yade(
         """
 from test_yade_step import *
+from demlaws.yade import native
 find = native.Layout.find_step
 
 def wrong(layout):

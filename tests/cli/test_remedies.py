@@ -1,0 +1,58 @@
+"""Typical mistakes on the command line: the message names the value and the remedy."""
+
+import warnings
+
+import pytest
+
+from demlaws.cli import main
+
+CONTACT = "--radius 8mm --young 60.6GPa --poisson 0.25 --roughness 1.7um --fractal-dimension 2.22"
+FILES = {
+    "below.csv": "displacement (um),force (N)\n" + "".join(f"{i},-{i}\n" for i in range(1, 9)),
+    "notes.txt": "radii\n",
+    "rough.toml": "radii = [5e-3, 5e-3]\nforce = [50.0, 100.0]\nquantity = 'overlap'\n[material]\nyoung = 60e9\npoisson = 0.2\n"
+    "[surface]\nroughness = 4e-4\nfractal_dimension = 2.2\n",
+}
+MISTAKES = [
+    (f"soften --factor 0.1 --law hertz {CONTACT}", ["0.1", "1 or more"]),
+    (f"curve --law eepa {CONTACT} --forces 10", ["--option stiffness_ratio=VALUE"]),
+    (f"curve --law conical-damage {CONTACT} --forces 10", ["--option strength=VALUE", "--option angle=VALUE"]),
+    (f"curve --law rough-plastic {CONTACT} --forces 10", ["--option yield_pressure=VALUE"]),
+    (f"curve --law hertz {CONTACT} --forces 10 --option softness=3", ["has no options", "'softness'"]),
+    ("curve --law pohrt-popov --radius 8mm --young 60GPa --poisson 0.2 --forces 1", ["needs --fractal-dimension\n"]),
+    ("curve --law hertz --radius 8mm --young=-60GPa --poisson 0.2 --forces 1", ["-6e+10 Pa", "positive"]),
+    ("fit below.csv --test SS(18-18)", ["compression is positive", "sign"]),
+    ("choose notes.txt", ["notes.txt", "scene", "--template"]),
+]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    """Files of the mistakes, and main()'s own way of showing warnings undone."""
+    monkeypatch.chdir(tmp_path)
+    for name, text in FILES.items():
+        (tmp_path / name).write_text(text)
+    with warnings.catch_warnings():
+        yield
+
+
+@pytest.mark.parametrize(("line", "words"), MISTAKES, ids=lambda value: value if isinstance(value, str) else "")
+def test_a_mistake_is_named_with_its_remedy(line, words, capsys):
+    """Before: --factor 0.1 stiffened silently, and options of laws were written as in Python."""
+    assert main(line.split()) == 2
+    text = capsys.readouterr().err
+    assert text.startswith("demlaws: error: ") and all(word in text for word in words), text
+
+
+def test_a_warning_is_shown_once(capsys):
+    """Before: choose repeated the same line for each candidate."""
+    assert main(["choose", "rough.toml"]) == 0
+    lines = [line for line in capsys.readouterr().err.splitlines() if "warning" in line]
+    assert lines and len(lines) == len(set(lines))
+
+
+def test_descriptions_are_wrapped_at_words(capsys):
+    """Before: one line of 700 characters, which a terminal cuts within words."""
+    with pytest.raises(SystemExit):
+        main(["timestep", "--help"])
+    assert max(map(len, capsys.readouterr().out.split("example:")[0].splitlines())) <= 110
