@@ -117,8 +117,11 @@ def run(arguments):
     )
     print(f"{points.source}: {ranking.points[1].size} points to {ranking.points[1].max():.4g} N; intervals hold 95 %\n")
     print("\n".join(table_lines(ranking, arguments)))
-    fields = ("name", "unloading", "misfit", "systematic", "aicc", "delta", "weight", "parameters", "notes")
-    record(laws=[{name: getattr(f, name) for name in fields} for f in ranking], skipped=dict(ranking.skipped))
+    fields = ("name", "unloading", "misfit", "systematic", "aicc", "delta", "weight", "notes")
+    laws = [{name: getattr(f, name) for name in fields} for f in ranking]
+    for one, f in zip(laws, ranking, strict=True):
+        one["parameters"] = {name: {**e._asdict(), "note": e.note} for name, e in f.parameters.items()}
+    record(laws=laws, skipped=dict(ranking.skipped))
     for name, reason in ranking.skipped.items():
         print(wrapped(in_options(f"not fitted: {name}: {reason}", arguments)))
     if arguments.csv is not None:

@@ -74,6 +74,7 @@ def test_the_table_of_a_fit(file, capsys):
 def test_the_mark_of_a_systematic_misfit_is_in_json(file, capsys):
     assert main(["fit", str(file), *CONTACT, "--law", "hertz", "--json"]) == 0
     laws = json.loads(capsys.readouterr().out)["laws"]
+    assert laws[0]["parameters"]["zero"]["note"] == laws[0]["parameters"]["zero"]["open_end"] == ""
     assert all(law["systematic"] for law in laws)
 
 
