@@ -53,17 +53,17 @@ def run(arguments):
     if arguments.probe:
         if not arguments.report:
             probe.run_probes(arguments.grains, store=arguments.store, progress=progress)
-        print(probe.table())
+        print(probe.table(), end="")
         return
     if arguments.attenuation:
         if not arguments.report:
             attenuation.run_waves(store=arguments.store, progress=progress)
-        print(attenuation.table())
+        print(attenuation.table(), end="")
         return
     if arguments.sensitivity:
         if not arguments.report:
             study.run_sensitivity(arguments.grains, store=arguments.store, progress=progress)
-        print(report.sensitivity(study.read(study.SENSITIVITY)))
+        print(report.sensitivity(study.read(study.SENSITIVITY)), end="")
         return
     if not arguments.report:
         series = QUICK if arguments.quick else study.wanted(arguments.grains, arguments.seeds)

@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from demlaws.files import csv_text
 from demlaws.lammps import run
 from demlaws.lammps.run import HEAD
 from demlaws.laws import HERTZ, POHRT_POPOV
@@ -290,12 +291,12 @@ WAVE = ("kind", "law", "sigma_um", "shear", "rule", "axis", "amplitude")
 
 
 def table(path=RESULTS):
-    """Text: a line per wave of each model: shares (means of the packings), exponent of α, steps of a run; settings last."""
+    """CSV text: a line per wave of each model: shares (means of the packings), exponent of α, steps of a run; settings last."""
     found, pressures = {}, [1e-3 * pressure for pressure in PRESSURES]
     for row in sorted(read(path), key=lambda row: (row["kind"] in SETTINGS, row["kind"])):
         found.setdefault(tuple(row[name] for name in WAVE), []).append(row)
     heads = ["motion", *WAVE[1:5], "wave", "amplitude", "seeds", *(f"share, {p:g} kPa" for p in pressures), "exponent", "steps"]
-    lines = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
+    lines = []
     for (kind, law, sigma, *rest, axis, amplitude), some in found.items():
         shares = [[row["share"] for row in some if row["kPa"] == p] for p in pressures]
         mean, off = exponent(some) if kind not in SETTINGS else (np.nan, np.nan)
@@ -305,5 +306,5 @@ def table(path=RESULTS):
             ("" if np.isnan(mean) else f"{mean:+.2f}") + ("" if np.isnan(off) else f" ± {off:.2f}"),
             f"{some[-1]['steps']:.0f}",
         ]
-        lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+        lines.append(cells)
+    return csv_text(heads, lines)

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.errors import quiet
+from demlaws.files import csv_text
 from demlaws.lammps import run
 from demlaws.lammps.run import HEAD
 from demlaws.laws import POHRT_POPOV
@@ -174,14 +175,12 @@ def run_probes(count=1000, path=RESULTS, store=STORE, probed=PROBED, pressure=10
 
 
 def table(path=RESULTS):
-    """Text: errors of the linearised stiffness."""
-    lines = [
-        "| bead, law | modulus | strain | probe (MPa) | linear over probe − 1 | with the forces carried |",
-        "|---|---|---|---|---|---|",
-    ]
+    """CSV text: errors of the linearised stiffness."""
+    titles = ("bead, law", "modulus", "strain", "probe (MPa)", "linear over probe − 1", "with the forces carried")
+    lines = []
     for row in read(path):
         linear, exact = (row[name] / row["engine"] - 1.0 for name in ("linear", "exact"))
         linear, exact = ("–" if np.isnan(error) else f"{error:+.1e}" for error in (linear, exact))
         label = f"{row['bead']}, {row['law']}, σ = {row['sigma_um']:g} µm"
-        lines.append(f"| {label} | {row['modulus']} | {row['strain']:g} | {1e-6 * row['engine']:.3f} | {linear} | {exact} |")
-    return "\n".join(lines)
+        lines.append([label, row["modulus"], f"{row['strain']:g}", f"{1e-6 * row['engine']:.3f}", linear, exact])
+    return csv_text(titles, lines)

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from demlaws.files import csv_text
 from demlaws.laws import HERTZ, POHRT_POPOV
 
 ALL, LOW = (10.0, 1000.0), (10.0, 100.0)
@@ -158,14 +159,14 @@ def save(rows, path):
 
 
 def sensitivity(rows):
-    """Text: exponents of one packing with other settings of the compression."""
-    lines = ["| settings | packing, path | exponent of M | of G | G at 100 kPa (MPa) | steps |", "|---|---|---|---|---|---|"]
+    """CSV text: exponents of one packing with other settings of the compression."""
+    titles, lines = ("settings", "packing, path", "exponent of M", "of G", "G at 100 kPa (MPa)", "steps"), []
     for key in dict.fromkeys((row["settings"], row["packing"], row["path"]) for row in rows):
         chosen = [row for row in rows if (row["settings"], row["packing"], row["path"]) == key]
         shear = next(1e-6 * row["G"] for row in chosen if row["kPa"] == LOW[1])
-        found = f"{exponent(chosen, 'M'):.4f} | {exponent(chosen, 'G'):.4f} | {shear:.2f} | {chosen[-1]['steps']:.0f}"
-        lines.append(f"| {key[0]} | {key[1]}, {key[2]} | {found} |")
-    return "\n".join(lines)
+        exponents = (f"{exponent(chosen, column):.4f}" for column in "MG")
+        lines.append([key[0], f"{key[1]}, {key[2]}", *exponents, f"{shear:.2f}", f"{chosen[-1]['steps']:.0f}"])
+    return csv_text(titles, lines)
 
 
 def local(series, column, path):

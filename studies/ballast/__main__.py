@@ -45,7 +45,7 @@ def run(arguments):
     if arguments.beds:
         if not arguments.report:
             beds.run_beds(store=arguments.store, progress=progress)
-        print(beds.table())
+        print(beds.table(), end="")
         return
     if not arguments.report:
         cycles.run_cases(QUICK if arguments.quick else cycles.wanted(), arguments.results, arguments.store, progress)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from demlaws.files import csv_text
 from demlaws.lammps import run
 from studies.assembly.study import append, read
 from studies.ballast import bed
@@ -79,16 +80,22 @@ def run_beds(path=RESULTS, store="results/ballast", shears=tuple(bed.SHEAR), see
 
 
 def table(path=RESULTS):
-    """Text: state at rest, and what the plate does."""
-    lines = [
-        "| deposited with | loaded with | solid share | contacts | sunk at rest (µm) | plate (mm) | solid share | contacts |",
-        "|---|---|---|---|---|---|---|---|",
+    """CSV text: state at rest, and what the plate does."""
+    titles = [
+        "deposited with",
+        "loaded with",
+        "solid share",
+        "contacts",
+        "sunk at rest (µm)",
+        "plate (mm)",
+        "solid share",
+        "contacts",
     ]
+    lines = []
     found = {}
     for row in read(path):
         found.setdefault((row["deposited"], row["loaded"]), []).append(row)
     for (deposited, loaded), some in found.items():
         mean = [np.mean([row[name] for row in some]) for name in (FIELDS[4], FIELDS[5], *FIELDS[7:])]
-        cells = "{:.4f} | {:.2f} | {:.1f} | {:.2f} | {:.4f} | {:.2f}".format(*mean)
-        lines.append(f"| {deposited} | {loaded} | {cells} |")
-    return "\n".join(lines)
+        lines.append([deposited, loaded, *"{:.4f},{:.2f},{:.1f},{:.2f},{:.4f},{:.2f}".format(*mean).split(",")])
+    return csv_text(titles, lines)
