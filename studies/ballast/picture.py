@@ -37,7 +37,7 @@ def _settlements(ax, found):
             ax.fill_between(number, settled.min(axis=0), settled.max(axis=0), color=more["color"], alpha=0.12, lw=0)
     for shear in ("mindlin", "slip"):
         ax.plot([], [], "k", ls=STYLES[shear], lw=1.4, label=f"shear model {shear}")
-    about = {"xlabel": "cycle", "ylabel": "settlement (µm)", "title": "Settlement: σ acts in cycle 1, shape in all"}
+    about = {"xlabel": "cycle", "ylabel": "settlement (µm)", "title": "Settlement: σ acts in cycle 1, shape after it"}
     ax.set(xscale="log", yscale="log", **about)
     ax.set_ylim(top=8.0 * ax.get_ylim()[1])
     ax.legend(fontsize=8.5, ncols=2, loc="upper left")
