@@ -272,7 +272,10 @@ def contacts_of_dump(arguments, atoms, lengths, entries):
     distance = np.linalg.norm(between, axis=1)
     if np.any(np.abs(distance / atoms["radius"][pairs].sum(axis=1) - 1.0) > 0.5):
         raise DemlawsError(f"{arguments.contacts}: grains in contact are far apart or one and the same; check --columns")
-    force = np.abs(np.sum(between * np.stack(force, axis=1), axis=1)) / distance
+    vector = np.stack(force, axis=1)
+    force = np.abs(np.sum(between * vector, axis=1)) / distance
+    if np.linalg.norm(vector) > 3.0 * np.linalg.norm(force):  # a coefficient of friction above 2.8
+        raise DemlawsError(f"{arguments.contacts}: the forces point across the lines between the centres; check --columns")
     each, times = np.unique(np.sort(pairs[force > 0.0], axis=1), axis=0, return_counts=True)
     for a, b in each[times > 1][:1]:
         raise DemlawsError(

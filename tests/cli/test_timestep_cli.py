@@ -163,6 +163,12 @@ def test_bad_dumps_are_refused_in_one_line(tmp_path, capsys, change, which):
     assert message.startswith("demlaws: error: ") and message.count("\n") == 1
 
 
+def test_forces_across_the_centres_are_refused(tmp_path, capsys):
+    """Columns of the shear force, say: the limit would be many times too large. Here those of x, y, z are exchanged."""
+    assert main(["timestep", *dumps(tmp_path, "lammps"), *GRANITE, "--columns", *"23564"]) == 2
+    assert "across the lines between the centres" in capsys.readouterr().err
+
+
 def test_what_is_missing_is_refused(tmp_path):
     files = dumps(tmp_path, "lammps")
     columns = ["--columns", "2", "3", "4", "5", "60"]

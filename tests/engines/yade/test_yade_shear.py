@@ -204,8 +204,8 @@ def test_a_gas_gains_no_energy(omega, name, rule, shear):
 
 
 def test_levels_with_the_native_go(omega):
-    """With calcEnergy YADE's own function acts; all levels follow its Coulomb limit. (With our step as the reference nothing was
-    tested: the self-test refuses it where both differ.)"""
+    """With calcEnergy YADE's own function acts; all levels follow its Coulomb limit. (Our step is no reference: where both
+    differ, the self-test refuses it.)"""
     one = example("pohrt-popov", CONTACT, "hertz")
     overlaps, places = oblique(one)
     pair_of_spheres(functor(bridge="native", calcEnergy=True), friction=0.5)
