@@ -80,4 +80,4 @@ def assert_goes_on(engine, folder, text, moves, ranks, **watch):
 def gas(engine, friction, shear, **more):
     """A closed box of 27 spheres without damping: spheres, pair style, and all else but `run`."""
     options = {"words": f"shear {shear}", "tables": ["law.tbl"] * 2, "side": 3, "step": 2e-7, "every": 5000}
-    return scene(engine, "demlaws", friction, **options, **more)
+    return scene(engine, "demlaws", friction=friction, **options, **more)
