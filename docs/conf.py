@@ -8,6 +8,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+from docutils import nodes  # noqa: E402
 from making import pages  # noqa: E402
 
 import demlaws  # noqa: E402
@@ -59,7 +60,18 @@ def outdated(app, env, added, changed, removed):
     return [name for name in env.found_docs if name == "index" or name.endswith("/index")]
 
 
+def doctree_read(app, doctree):
+    """Pictures of one column are as wide as a narrow screen, others as high as one of their panels (site.css)."""
+    for image in doctree.findall(nodes.image):
+        header = (HERE / image["uri"]).read_bytes()[:24] if image["uri"].endswith(".png") else b""
+        if header and int.from_bytes(header[20:24], "big") > int.from_bytes(
+            header[16:20], "big"
+        ):  # height and width of a PNG file
+            image["classes"].append("column")
+
+
 def setup(app):
     """Sphinx calls this."""
     app.connect("source-read", source_read)
     app.connect("env-get-outdated", outdated)
+    app.connect("doctree-read", doctree_read)
