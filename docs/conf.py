@@ -2,6 +2,7 @@
 
 import datetime
 import platform
+import struct
 import sys
 from pathlib import Path
 
@@ -63,11 +64,10 @@ def outdated(app, env, added, changed, removed):
 def doctree_read(app, doctree):
     """Pictures of one column are as wide as a narrow screen, others as high as one of their panels (site.css)."""
     for image in doctree.findall(nodes.image):
-        header = (HERE / image["uri"]).read_bytes()[:24] if image["uri"].endswith(".png") else b""
-        if header and int.from_bytes(header[20:24], "big") > int.from_bytes(
-            header[16:20], "big"
-        ):  # height and width of a PNG file
-            image["classes"].append("column")
+        if image["uri"].endswith(".png"):
+            width, height = struct.unpack(">II", (HERE / image["uri"]).read_bytes()[16:24])
+            if height > width:
+                image["classes"].append("column")
 
 
 def setup(app):
