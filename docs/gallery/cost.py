@@ -5,9 +5,11 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 
+LAWS = ("pohrt-popov, elastic", "pohrt-popov, Hertz unloading")
 RATIO = "time over the engine's own Hertz and shear"
 with open(Path(__file__).parents[1] / "tables" / "cost-steps.csv", encoding="utf-8") as file:
-    ROWS = [row for row in csv.DictReader(file) if row["shear"] != "1 level" and "--sizes" not in row["command"]]
+    ROWS = [row for row in csv.DictReader(file) if row["contacts"] in ("4038", "3672") and row["law"] in LAWS]
+    ROWS = [row for row in ROWS if not {"--sizes", "--damped", "--periodic"} & set(row["command"].replace("(", "").split())]
 
 fig, ax = plt.subplots(figsize=(7.2, 3.6), layout="constrained")
 labels = []
