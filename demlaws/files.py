@@ -11,6 +11,9 @@ from typing import Any
 
 from demlaws.errors import DemlawsError
 
+PARAVIEW = (".vtp", ".vtu", ".vtk")
+"""How names of files of contacts as lines end."""
+
 
 def as_path(path: Any) -> Path:
     """A Path of text or of a Path."""

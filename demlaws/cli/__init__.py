@@ -183,7 +183,7 @@ def _show_warnings(arguments):
         if issubclass(category, UserWarning):
             if (text := in_options(str(message), arguments)) not in shown:
                 print(f"demlaws: warning: {text}", file=sys.stderr)
-            shown.add(text)
+                shown.add(text)
         else:
             otherwise(message, category, filename, lineno, file, line)
 

@@ -10,9 +10,7 @@ import sys
 from pathlib import Path
 
 from demlaws.errors import DemlawsError
-
-LINES = (".vtp", ".vtu", ".vtk")
-"""Files of contacts as lines: their libraries write no word of ours but the names of the columns."""
+from demlaws.files import PARAVIEW
 
 
 class Output:
@@ -36,8 +34,8 @@ class Output:
         if str(path) == "-" or not path.is_file():
             return
         with open(path, "rb") as file:
-            head = file.read() if path.suffix in LINES else file.read(4096)
-        mark = b"body1" if path.suffix in LINES else b"demlaws"
+            # the libraries that write files of contacts know no word of ours but the names of the columns
+            head, mark = (file.read(), b"body1") if path.suffix in PARAVIEW else (file.read(4096), b"demlaws")
         ours = head.split(b"\n")[0].decode(errors="replace").strip() == self.titles if self.titles else mark in head
         if head and not ours:
             raise DemlawsError(f"{path} exists and was not written by this command: name another file, or give --force")

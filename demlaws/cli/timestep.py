@@ -302,7 +302,8 @@ def _ratio_and_rayleigh(arguments, kinds):
     ratio, rayleigh = 1.0, None
     if arguments.poisson is not None and arguments.young is not None:
         young, poisson = arguments.young[0], arguments.poisson[0]
-        ratio = shear_ratio(*2 * [Material(young, poisson)])
+        grain = Material(young, poisson)
+        ratio = shear_ratio(grain, grain)
         rayleigh = min(rayleigh_step(r, density, young, poisson=poisson) for r, density in kinds)
     if arguments.shear_ratio is not None:
         ratio = number(arguments.shear_ratio, "--shear-ratio", "", 0.0, LARGEST_SHEAR_RATIO)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from demlaws.errors import DemlawsError
+from demlaws.files import PARAVIEW
 from demlaws.responses.results import Tabular
 
 COLUMNS = {
@@ -134,7 +135,7 @@ class Contacts(Tabular):
 
 def _writer(suffix: str) -> Any:
     """The function that writes points, lines and cell data into a file of this kind."""
-    if suffix not in (".vtp", ".vtu", ".vtk"):
+    if suffix not in PARAVIEW:
         raise DemlawsError(f"contacts are saved as .vtp, .vtu or .vtk, got {suffix!r}")
     try:
         import pyvista

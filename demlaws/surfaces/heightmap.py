@@ -34,7 +34,7 @@ class HeightMap:
 
     heights: np.ndarray
     pixel_x: float
-    pixel_y: float = None  # type: ignore[assignment]  # default: pixel_x
+    pixel_y: float = None  # type: ignore[assignment]  # stands for pixel_x until __post_init__: readers find a number
     form_order: int | None = None
 
     def __post_init__(self):

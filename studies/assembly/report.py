@@ -1,11 +1,10 @@
 """Exponents over pressure from the rows of `study`: tables and picture."""
 
-import csv
 from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.files import csv_text
+from demlaws.files import csv_text, save_csv
 from demlaws.laws import HERTZ, POHRT_POPOV
 
 ALL, LOW = (10.0, 1000.0), (10.0, 100.0)
@@ -140,22 +139,15 @@ def save(rows, path):
     """Write the exponents of all cases, mean and standard deviation, to a CSV file; its path."""
     found = {case: numbers(series) for case, series in cases(rows).items()}
     names = list(dict.fromkeys(name for values in found.values() for name in values))
-    with open(path, "w", newline="") as file:
-        lines = csv.writer(file, lineterminator="\n")
-        lines.writerow([*Case._fields, "seeds", *(f"{name}{end}" for name in names for end in ("", " ±")), "most steps"])
-        for case, series in cases(rows).items():
-            values = [value for name in names for value in found[case].get(name, (np.nan, np.nan))]
-            steps = max(some[-1]["steps"] for some in series.values())
-            lines.writerow(
-                [
-                    *case[:-1],
-                    int(case.count),
-                    seeds(series),
-                    *(f"{value:.4f}".replace("nan", "") for value in values),
-                    f"{steps:.0f}",
-                ]
-            )
-    return path
+    lines = []
+    for case, series in cases(rows).items():
+        values = (value for name in names for value in found[case].get(name, (np.nan, np.nan)))
+        written = (f"{value:.4f}".replace("nan", "") for value in values)
+        steps = max(some[-1]["steps"] for some in series.values())
+        lines.append([*map(str, case[:-1]), int(case.count), seeds(series), *written, f"{steps:.0f}"])
+    return save_csv(
+        path, [*Case._fields, "seeds", *(f"{name}{end}" for name in names for end in ("", " ±")), "most steps"], lines
+    )
 
 
 def sensitivity(rows):

@@ -1,11 +1,11 @@
 """Settlement, resilient modulus and loss per cycle from the rows of `cycles`: tables and picture."""
 
-import csv
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
+from demlaws.files import save_csv
 from demlaws.laws import HERTZ, POHRT_POPOV
 from studies.assembly.report import spread
 from studies.ballast.bed import DENSITY
@@ -262,15 +262,13 @@ SETTINGS = {(case.period, case.dt): name for name, case in SENSITIVITY.items()}
 
 def save(rows, again, path):
     """Write the numbers of every bed, and of its repetition `again`, to a CSV file; its path."""
-    with open(path, "w", newline="") as file:
-        lines = csv.writer(file, lineterminator="\n")
-        lines.writerow(["settings", *KEY, "seed", "cycles", *COLUMNS])
-        for some, repeated in ((rows, ""), (again, ", repetition")):
-            for case, one in runs(some).items():
-                numbers = [f"{function(one):.4g}".replace("nan", "") for function in COLUMNS.values()]
-                about = [getattr(case, name) for name in (*KEY, "seed", "cycles")]
-                lines.writerow([SETTINGS[case.period, case.dt] + repeated, *about, *numbers])
-    return path
+    lines = []
+    for some, repeated in ((rows, ""), (again, ", repetition")):
+        for case, one in runs(some).items():
+            numbers = (f"{function(one):.4g}".replace("nan", "") for function in COLUMNS.values())
+            about = (str(getattr(case, name)) for name in (*KEY, "seed", "cycles"))
+            lines.append([SETTINGS[case.period, case.dt] + repeated, *about, *numbers])
+    return save_csv(path, ["settings", *KEY, "seed", "cycles", *COLUMNS], lines)
 
 
 BASE = Kind("spheres", HERTZ, 0.0, "default")
