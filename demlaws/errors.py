@@ -65,7 +65,7 @@ class MapWarning(ValidityWarning):
 
 
 class BridgeWarning(UserWarning):
-    """The law acts through the public API, since the native bridge is not available; or this YADE has not been tested."""
+    """demlaws has not been tested with this version of YADE."""
 
 
 class TimeStepWarning(UserWarning):

@@ -1,7 +1,7 @@
 """What a law costs inside YADE: time per contact of the interaction loop, as a ratio to native Hertz-Mindlin.
 
 Shows: native Hertz-Mindlin, native linear, YADE's Conical Damage Model, the bridge with several laws in closed form and as a
-table, and the public way; with 1 and with 2 threads. The ratio of a law of ours is taken within one scene and one run: the
+table; with 1 and with 2 threads. The ratio of a law of ours is taken within one scene and one run: the
 same functor alternates between our code and its own every two steps, of which the second is timed, over the same contacts in
 the same memory; other models have scenes of their own, which take turns. The ratio is the figure; times depend on the machine.
 Start: demlaws yade run -x yade_scripts/cost.py [--quick] [--sizes 4000 15000 60000] [--threads 1 2] [--bridge] [--laws LAW ...]
@@ -73,7 +73,7 @@ def of_rule(name, rule):
 EVERY = {
     f"{name}, {rule}": lambda name=name, rule=rule: of_rule(name, rule) for name in dl.laws() for rule in find(name).offered()
 }
-PEERS = ("native Hertz-Mindlin", "native linear", "native Conical Damage Model", "public way, pohrt-popov")
+PEERS = ("native Hertz-Mindlin", "native linear", "native Conical Damage Model")
 
 
 def spheres(side, material, overlap=2e-4 * RADIUS):
@@ -118,11 +118,7 @@ def peer(side, name):
         stone.sigmaMax, stone.alpha = 6.27e9, 0.5
         law = yade.Law2_ScGeom_MindlinPhysCDM_HertzMindlinCDM()
         return scene(side, law, yade.Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM(), stone)
-    if name.startswith("public"):
-        law = Law2_ScGeom_MindlinPhys_Demlaws("pohrt-popov", "elastic", SURFACE, bridge="public", label="public")
-    else:
-        law = yade.Law2_ScGeom_MindlinPhys_Mindlin()
-    return scene(side, law, yade.Ip2_FrictMat_FrictMat_MindlinPhys(), granite())
+    return scene(side, yade.Law2_ScGeom_MindlinPhys_Mindlin(), yade.Ip2_FrictMat_FrictMat_MindlinPhys(), granite())
 
 
 def undisturbed(samples):
@@ -181,7 +177,7 @@ def measure_bridge(side, rounds, steps, wanted):
     for n, name in enumerate(wanted):
         try:
             given, unloading, options = (BRIDGE | EVERY)[name]()
-            law = Law2_ScGeom_MindlinPhys_Demlaws(given, unloading, SURFACE, bridge="native", label=f"law{n}", **options)
+            law = Law2_ScGeom_MindlinPhys_Demlaws(given, unloading, SURFACE, label=f"law{n}", **options)
             damping = {"en": 0.5, "es": 0.5} if "--damped" in sys.argv else {}
             number = scene(side, law, yade.Ip2_FrictMat_FrictMat_MindlinPhys(**damping), granite())
         except (dl.DemlawsError, RuntimeError) as error:  # the guard's: an overlap that the law has no force at
@@ -222,7 +218,7 @@ def measure_peers(side, rounds, steps):
     for _ in range(rounds):
         for name, number in numbers.items():
             O.switchToScene(number)
-            times[name].append(undisturbed(clock.run(max(steps // 10, 10) if name.startswith("public") else steps)))
+            times[name].append(undisturbed(clock.run(steps)))
     native = times[PEERS[0]]
     return {name: (min(values), *spread(np.divide(values, native)), 0.0) for name, values in times.items()}
 
@@ -241,10 +237,10 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="fewer repetitions, 4,000 contacts unless sizes are given")
     parser.add_argument("--sizes", type=int, nargs="+", help="numbers of contacts, about (default 15000)")
-    parser.add_argument("--bridge", action="store_true", help="our laws alone, without YADE's other models and the public way")
+    parser.add_argument("--bridge", action="store_true", help="our laws alone, without YADE's other models")
     known = list(BRIDGE | EVERY)
     parser.add_argument("--laws", nargs="+", choices=known, default=list(BRIDGE), metavar="LAW", help="some of our laws")
-    parser.add_argument("--every", action="store_true", help="every law with each of its rules, native bridge only")
+    parser.add_argument("--every", action="store_true", help="every law with each of its rules, without YADE's other models")
     parser.add_argument("--damped", action="store_true", help="viscous damping, in our laws and in the native one beside them")
     parser.add_argument("--periodic", action="store_true", help="a periodic cell")
     parser.add_argument("--threads", type=int, nargs="+", default=[1, 2], help="numbers of threads (default 1 2)")
@@ -296,14 +292,13 @@ def draw(arguments, results):
     """The ratios of the last size."""
     names = list(results[arguments.threads[0]]["times"])
     figure, axis = plt.subplots(figsize=(8, max(4, 0.25 * len(names))), constrained_layout=True)
-    shown = [name for name in names if not name.startswith("public")]
     for n, threads in enumerate(arguments.threads):
-        ratios = [results[threads]["times"][name][1] for name in shown]
-        place = np.arange(len(shown)) + 0.4 * (n - 0.5 * (len(arguments.threads) - 1))
+        ratios = [results[threads]["times"][name][1] for name in names]
+        place = np.arange(len(names)) + 0.4 * (n - 0.5 * (len(arguments.threads) - 1))
         axis.barh(place, ratios, height=0.38, label=f"{threads} thread(s)")
     axis.axvline(1.0, color="k", lw=0.8)
     axis.axvline(1.1, color="k", lw=0.8, ls=":")
-    axis.set_yticks(range(len(shown)), shown, fontsize=8)
+    axis.set_yticks(range(len(names)), names, fontsize=8)
     axis.invert_yaxis()
     axis.set(xlabel="time of the interaction loop over native Hertz-Mindlin")
     axis.legend()

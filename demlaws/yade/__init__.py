@@ -18,8 +18,6 @@ _HOMES = {
     "attached": "scene",
     "engines": "scene",
     "guard": "scene",
-    "public_finish": "scene",
-    "public_step": "scene",
 }
 
 __all__ = ["BridgeWarning", "ShapeWarning", "TimeStepWarning", *_HOMES]

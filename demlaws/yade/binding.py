@@ -36,30 +36,19 @@ class _Request:
 class Binding:
     """A law at work under a functor's label, in the scene whose token is `scene` (None: in none).
 
-    contacts: how many the native bridge has room for; runner: the PyRunner before this law's contacts; held: contacts that the
-    public way keeps between steps; share: the part of the critical step for a time stepper, from `engines(law, timestep=…)`.
+    contacts: how many there is room for; runner: the PyRunner before this law's contacts; share: the part of the critical step
+    for a time stepper, from `engines(law, timestep=…)`.
     """
 
-    def __init__(self, label, pairs, bridge, contacts=native.MOST_ROWS):
+    def __init__(self, label, pairs, contacts=native.MOST_ROWS):
         self.label, self.pairs = label, pairs
-        self.attachment = self.reason = self.held = self.runner = self.share = None
-        if bridge != "public":
-            try:
-                self.attachment = native.Attachment(pairs, contacts)
-            except native.BridgeUnavailable as error:
-                if bridge == "native":
-                    raise
-                self.reason = str(error)
-        self.context = layout.Context() if self.attachment is None else self.attachment.context
+        self.runner = self.share = None
+        self.attachment = native.Attachment(pairs, contacts)
+        self.context = self.attachment.context
         self.context["may_be_unlisted"] = pairs.needs_no_judgement
         self.scene, self.left, self.guards, self.warned, self._scenes = None, None, 0, False, 0
         self._messages, self._limits = set(), {}
         self._requests = deque()
-
-    @property
-    def bridge(self):
-        """native or public: how the law acts."""
-        return "public" if self.attachment is None else "native"
 
     @property
     def account(self):
@@ -76,7 +65,7 @@ class Binding:
     def enter(self, scene, account=(0.0, 0, 0.0, 0.0)):
         """Begin to act in a scene with this account; the account of a scene that was left continues."""
         if scene != self.left:
-            self.account, self.held = account, None
+            self.account = account
             self._scenes += 1
         self.scene, self.left, self.guards, self.warned = scene, None, 0, False
         self._messages, self._limits = set(), {}
@@ -90,23 +79,11 @@ class Binding:
     def watched_by(self, runner):
         """Set the guard's PyRunner before this law's contacts, or None."""
         self.runner = runner
-        if self.attachment is not None:
-            self.attachment.watched_by(runner)
-
-    @property
-    def memory(self):
-        """Where the history of contacts is."""
-        if self.attachment is not None:
-            return self.attachment
-        if self.held is None:
-            from demlaws.yade.public import Held
-
-            self.held = Held(self.pairs)
-        return self.held
+        self.attachment.watched_by(runner)
 
     def rows(self, contacts):
         """The contacts as an array of `layout.CONTACT`; tag 0 where the law has not seen the contact."""
-        return with_overlaps(self.memory.rows_of(contacts), contacts)
+        return with_overlaps(self.attachment.rows_of(contacts), contacts)
 
     # --- for users
 
@@ -147,11 +124,9 @@ class Binding:
         rows = self.rows(real_contacts())
         rows = rows[rows["tag"] > 0]
         energies, (past, open_count, loss, viscous) = self.pairs.energies(rows), self.account
-        more = {}
-        if self.attachment is not None:
-            more = {"shear_stored": float(rows["held"].sum()), "shear_dissipated": float(rows["lost"].sum()) + loss}
-            if self.attachment.layout.knows_velocities:
-                more["viscous"] = float(rows["viscous"].sum()) + viscous
+        more = {"shear_stored": float(rows["held"].sum()), "shear_dissipated": float(rows["lost"].sum()) + loss}
+        if self.attachment.layout.knows_velocities:
+            more["viscous"] = float(rows["viscous"].sum()) + viscous
         stored, dissipated = float(energies["stored"].sum()), float(energies["dissipated"].sum()) + past
         return Totals(stored, dissipated, max(open_count - len(rows), 0), **more)
 
@@ -163,13 +138,13 @@ class Binding:
         def read():
             selection = [interactions] if isinstance(interactions, yade.Interaction) else interactions
             contacts = real_contacts() if selection is None else [one for one in selection if is_our_contact(one)]
-            known = [] if self.attachment is None else list(SHEAR)[: 3 if self.attachment.layout.knows_velocities else 2]
+            known = list(SHEAR)[: 3 if self.attachment.layout.knows_velocities else 2]
             return state_of(self.pairs, contacts, self.rows(contacts), known)
 
         return self.between_engines(read)
 
     def describe(self):
-        """One line: law, surfaces, way, counts."""
+        """One line: law, surfaces, counts."""
         from demlaws.yade.reports import describe
 
         return describe(self)
@@ -210,7 +185,7 @@ class Binding:
                 for finding in judge(young=material.young, poisson=material.poisson):
                     linear = " (k_s/k_n in YADE's linear laws, not here)" if material.poisson > 0.5 else ""
                     raise EngineStopped(f"material {material.label!r}: {finding.text}{linear}")
-        for contact, tag in zip(contacts, self.memory.rows_of(contacts)["tag"], strict=True):
+        for contact, tag in zip(contacts, self.attachment.rows_of(contacts)["tag"], strict=True):
             if tag > 0 or contact.iterMadeReal >= O.iter - 1 or contact.geom.penetrationDepth <= 0:
                 continue  # made by another engine just now, or about to end
             raise EngineStopped(
@@ -247,7 +222,7 @@ class Binding:
         if radii.mode == layout.FUNCTION_RADIUS and self.context["new_contacts"]:
             self.context["new_contacts"] = 0
             contacts = real_contacts()
-            for contact, row in zip(contacts, self.memory.rows_of(contacts), strict=True):
+            for contact, row in zip(contacts, self.attachment.rows_of(contacts), strict=True):
                 if row["tag"] > 0 and radii.is_new(contact):
                     radius = self.checked_radius(contact, row, radii.call(contact))
                     self.attachment.set_radius(contact, radius)
@@ -271,7 +246,7 @@ class Binding:
             from demlaws.yade.reports import body_radius_text
 
             contact = O.interactions[self.context.bodies("unknown_shape")]
-            text = body_radius_text(contact, float(self.memory.rows_of([contact])["radius"][0]))
+            text = body_radius_text(contact, float(self.attachment.rows_of([contact])["radius"][0]))
             warn(f"law {self.label!r}: {text}", ShapeWarning)
 
     def warn_of_joints(self):
@@ -341,10 +316,7 @@ class Binding:
 
     def judge_validity(self):
         """Warn once per scene and pair of surfaces of each limit of the law that contacts are beyond, and of roughness."""
-        if self.attachment is not None:
-            rows, contacts = self.attachment.live()
-        else:
-            rows, contacts = self.memory.rows, self.memory.keys
+        rows, contacts = self.attachment.live()
         for stone in O.materials:
             angle = getattr(stone, "frictionAngle", 0.0)
             if not 0.0 <= angle < 0.5 * math.pi:
@@ -386,18 +358,15 @@ class Binding:
                 worst = group[int(np.argmax(excess))]
                 where = "above" if force[worst] > limit.maximum_force else "below"
                 bound = limit.maximum_force if where == "above" else limit.minimum_force
-                bodies = self._bodies(contacts[worst])
+                bodies = self.attachment.bodies_of(contacts[worst])
                 self._warn_once(
                     (number, reason),
                     f"{count} of {len(rows)} contacts are {where} the range of {self.pairs.name}: {reason}. Worst: "
                     f"{bodies[0]}+{bodies[1]}, {force[worst]:.3g} N, {where} {bound:.3g} N, R = {rows['radius'][worst]:.3g} m",
                 )
 
-    def _bodies(self, contact):
-        return contact[:2] if isinstance(contact, tuple) else self.attachment.bodies_of(contact)
-
     def _labels(self, contact):
-        return [O.bodies[number].material.label for number in self._bodies(contact)]
+        return [O.bodies[number].material.label for number in self.attachment.bodies_of(contact)]
 
     def _warn_once(self, key, text):
         if text is not None and key not in self._messages:

@@ -1,6 +1,5 @@
-"""`demlaws yade check`, run under YADE: versions, what the bridge finds, self-tests of laws and unloading rules."""
+"""`demlaws yade check`, run under YADE: versions, processor, what the bridge finds, self-tests of laws and rules."""
 
-import platform
 import time
 
 from demlaws.laws import HERTZ, USUAL
@@ -31,22 +30,17 @@ def every_pair():
 def main(select=each_once):
     """Print versions, the bridge, and self-tests of the chosen laws and rules; exit status 1 without the bridge."""
     start = time.perf_counter()
-    import numba
-    import numpy
     import yade
-    import yade.config
 
     import demlaws as dl
-
-    print(f"demlaws {dl.__version__}, YADE {yade.config.version}, Python {platform.python_version()}", end=", ")
-    print(f"numba {numba.__version__}, numpy {numpy.__version__}, {platform.machine()}, {yade.O.numThreads} thread(s)")
     from demlaws.yade import native
+    from demlaws.yade.reports import unavailable_text, versions
 
+    print(f"demlaws {dl.__version__}, {versions()}, {yade.O.numThreads} thread(s)")
     try:
         layout = native.find_layout()
     except native.BridgeUnavailable as error:
-        print(f"native bridge: not available: {error}")
-        print("scripts run by the public-API way, at some twenty times the cost")
+        print(f"native bridge: not available: {unavailable_text(error)}")
         return 1
     offset, index, _ = layout.slot
     print(f"native bridge: available; go is entry {index} of the table that the functor holds at byte {offset}")
@@ -85,7 +79,7 @@ def self_tests(dl, pairs):
             source, options, unloading = name, find(name).example, rule
             if rule == GIVEN:
                 source, options, unloading = example(name, contact, rule), {}, None
-            binding = Binding("check", Pairs(source, surfaces, unloading, options, spans), "native")
+            binding = Binding("check", Pairs(source, surfaces, unloading, options, spans))
         except dl.DemlawsError as error:
             print(f"{name:18}{rule:11}  not joined: {str(error).split(': ', 1)[-1][:90]}")
             continue

@@ -15,7 +15,6 @@ import numba
 import numpy as np
 import yade
 
-from demlaws.contact import effective_radius
 from demlaws.core.numba_compat import callback, kernel, loop
 from demlaws.errors import DemlawsError
 from demlaws.solvers.ellipsoid import quick_factors
@@ -227,23 +226,6 @@ class Shapes:
         self.table = table
         context["shapes"], context["shape_count"] = table.ctypes.data, len(table)
         context["shapes_stale"] = 0
-
-    def of_contact(self, contact):
-        """Equivalent R [m] of a contact from the curvature of its bodies: as compiled code finds it."""
-        places, keep = [], []
-        for number in (contact.id1, contact.id2):
-            body = yade.O.bodies[number]
-            record = self.record_of(body)
-            if record["kind"][0] == 0:
-                return math.nan
-            pose = np.array([*body.state.pos, *(body.state.ori[n] for n in range(4))])
-            keep.append(pose)
-            places += [record.ctypes.data, pose.ctypes.data, pose.ctypes.data + 24]
-        geom = contact.geom
-        where = np.array([*geom.contactPoint, *geom.normal])
-        first, second = geom.refR1 if geom.refR1 > 0 else geom.refR2, geom.refR2
-        radius = effective_radius(first, second)
-        return gap_radius(*places, where.ctypes.data, where.ctypes.data + 24, radius, self.largest)
 
 
 def fault_text(kind, value, shapes):

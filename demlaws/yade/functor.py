@@ -8,7 +8,7 @@ import warnings
 import yade
 
 from demlaws.contact import compliance, effective_radius
-from demlaws.core.shear import DEFAULT, SLIP
+from demlaws.core.shear import DEFAULT
 from demlaws.errors import BridgeWarning, DemlawsError, warn
 from demlaws.laws import HERTZ
 from demlaws.yade import native, selftest
@@ -36,12 +36,11 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         bounds it on flat faces), the measured radius of its edges [m], or a function of the interaction that returns R [m],
         called once after the contact's first step. Default: the `edge_radius` of its Surface, else as "body", with a warning.
     shear: "elastic": K_t is a share of the stiffness with which the contact would unload now, and the shear force falls with it
-        (passive); "loading": the same of first loading at the present force; "slip": partial slip, native bridge only;
+        (passive); "loading": the same of first loading at the present force; "slip": partial slip;
         "native": Mindlin's shear as YADE has it, which can create energy (docs/shear.md).
     levels: of "elastic" and "loading", 1 to 8: groups of a contact's springs that touched at similar stiffness and have one
         stretch. With 1 the shear force of a contact whose overlap vibrates is lost.
     shear_ratio: K_t/K, above 0 and at most 4/3; default: that of the materials' Poisson's ratios, as Mindlin's law has it.
-    bridge: "native", "public" or "auto" (public with a `BridgeWarning` where the native one is not available).
     label: name of the law in saved files, unique in a scene and constant.
     radii, moduli: smallest and largest effective radius [m] and modulus [Pa] of the contacts, which laws with a solved curve
         (Yip–Venart, Greenwood–Tripp) need; default: those of the bodies in the scene.
@@ -62,15 +61,12 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         shear=DEFAULT,
         levels=None,
         shear_ratio=None,
-        bridge="auto",
         label="demlaws",
         radii=None,
         moduli=None,
         **options,
     ):
         attributes = {name: options.pop(name) for name in list(options) if name in NATIVE_ATTRIBUTES}
-        if bridge not in ("auto", "native", "public"):
-            raise DemlawsError(f'bridge must be "auto", "native" or "public", got {bridge!r}')
         if not isinstance(label, str) or not label.isidentifier() or keyword.iskeyword(label):
             raise DemlawsError(f"label must be a Python name, got {label!r}: YADE makes a variable of it")
         if getattr(vars(builtins).get(label), "__module__", "") == "builtins":
@@ -79,13 +75,18 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         spans = _spans(radii, moduli, flats)
         if shear == "native":
             warn("shear='native' keeps the shear force where contacts become softer, which can create energy (docs/shear.md)")
-        elif shear == SLIP and bridge == "public":
-            raise DemlawsError("shear='slip' needs the native bridge: the public way cannot set the shear force")
         choices = {"smooth": smooth, "flats": flats, "shear": shear, "levels": levels, "shear_ratio": shear_ratio}
         pairs = Pairs(law, surfaces, unloading, options, spans, radius=radius, **choices)
-        self.binding = Binding(label, pairs, bridge)
-        self.binding.check_functor(self)
-        _take_up(self, bridge, stacklevel=3)
+        try:
+            self.binding = Binding(label, pairs)
+            self.binding.check_functor(self)
+            selftest.run(self.binding)
+        except native.BridgeUnavailable as error:
+            from demlaws.yade.reports import unavailable_text
+
+            raise DemlawsError(unavailable_text(error)) from None
+        self.binding.attachment.patch(self)
+        _warn_of_untested(stacklevel=3)
 
     @classmethod
     def _from_text(cls, label, text):
@@ -96,8 +97,7 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         functor = cls.__new__(cls)
         yade.Law2_ScGeom_MindlinPhys_Mindlin.__init__(functor, label=label, **attributes)
         functor.binding = binding
-        if binding.attachment is not None:
-            binding.attachment.patch(functor)
+        binding.attachment.patch(functor)
         return functor
 
     def __reduce__(self):
@@ -122,11 +122,6 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
             f"the label {self.label!r} of a law cannot be changed to {value!r}, since saved scenes know the law by it: "
             f"make the law with label={value!r}"
         )
-
-    @property
-    def way(self):
-        """How the law acts: "native" or "public"."""
-        return self.binding.bridge
 
     def totals(self):
         """`Totals` of the current scene: stored energy and plastic dissipation [J], ended contacts included."""
@@ -177,30 +172,12 @@ _native_label = yade.Law2_ScGeom_MindlinPhys_Mindlin.label
 _reported = set()
 
 
-def _take_up(functor, bridge, stacklevel):
-    """Make the functor act natively if the self-test passes; warn if it does not, or if this YADE has not been tested."""
-    binding = functor.binding
-    if binding.attachment is not None:
-        try:
-            selftest.run(binding)
-        except selftest.SelfTestFailed as error:
-            if bridge == "native":
-                raise
-            binding.attachment, binding.reason = None, str(error)
-        else:
-            binding.attachment.patch(functor)
-            line = native.find_layout().untested
-            if line is not None and line not in _reported:
-                _reported.add(line)
-                warnings.warn(line, BridgeWarning, stacklevel=stacklevel)
-    if binding.attachment is None and binding.pairs.springs:
-        raise DemlawsError(f"shear='slip' needs the native bridge, which is not available: {binding.reason}")
-    if binding.attachment is None and bridge == "auto":
-        warnings.warn(
-            f"the native bridge is not available ({binding.reason}); YADE's public API is used, at about twenty times the cost",
-            BridgeWarning,
-            stacklevel=stacklevel,
-        )
+def _warn_of_untested(stacklevel):
+    """Warn once of a YADE that has not been tested."""
+    line = native.find_layout().untested
+    if line is not None and line not in _reported:
+        _reported.add(line)
+        warnings.warn(line, BridgeWarning, stacklevel=stacklevel)
 
 
 def _range(name, unit, value):

@@ -530,7 +530,7 @@ def entry(pairs, own, behind):
     return callback(types.uint8(*[types.int64] * 4), _go, constants)
 
 
-# --- batches: the public way, energies
+# --- batches: self-tests, reports, energies
 
 
 @loop

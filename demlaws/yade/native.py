@@ -285,7 +285,7 @@ def find_layout():
     if _layout is None:
         if os.uname().sysname != "Linux" or os.uname().machine != "x86_64":
             raise BridgeUnavailable(
-                f"the bridge is made for Linux on x86-64, this is {os.uname().sysname} {os.uname().machine}"
+                f"it needs Linux on a processor of x86-64, this is {os.uname().sysname} {os.uname().machine}"
             )
         _layout = Layout()
     return _layout

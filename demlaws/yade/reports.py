@@ -1,11 +1,14 @@
 """Messages about contacts, laws and time steppers: loaded when there is something to say."""
 
+import platform
+
 import numpy as np
 import yade
+import yade.config
 
 from demlaws.errors import did_you_mean
 from demlaws.units import RANGES, SMALL_OVERLAP, large_overlap, too_large_overlap
-from demlaws.yade import layout
+from demlaws.yade import layout, native
 from demlaws.yade.omega import radius_fault, real_contacts
 from demlaws.yade.pairs import NOT_SERVED
 
@@ -59,9 +62,8 @@ def fault_text(binding, kind, bodies, *, value, radius=None):
         )
     if kind == layout.LOST_ROW:
         return (
-            " has a history that this process does not have: its scene was saved or loaded without demlaws (or the public "
-            "bridge met a joint of a chain). Load it by O.load after `import demlaws.yade`, or let all contacts begin "
-            "again: O.interactions.clear()"
+            " has a history that this process does not have: its scene was saved or loaded without demlaws. "
+            "Load it by O.load after `import demlaws.yade`, or let all contacts begin again: O.interactions.clear()"
         )
     if kind == layout.NO_ROW:
         return f" is one too many: there is memory for {int(binding.context['capacity'])} contacts"
@@ -85,8 +87,27 @@ def fault_text(binding, kind, bodies, *, value, radius=None):
     )
 
 
+def unavailable_text(failure):
+    """Message about a YADE with which the bridge does not work; failure: of a proof."""
+    tested = ", ".join(native.TESTED)
+    return (
+        f"demlaws does not work with this YADE: {failure}. No law is applied, and YADE is unchanged. This is {versions()}. Use "
+        f"YADE {tested} on 64-bit x86, with a numpy and a numba that `pip install demlaws` chooses there; `demlaws yade check` "
+        "repeats the tests. Without them the forces of a simulation can be computed afterwards in Python, from its overlaps: "
+        "dl.law(...).evaluate, or a table"
+    )
+
+
+def versions():
+    """Versions of YADE, Python, numba and numpy of this process, and the processor."""
+    import numba
+
+    python, machine = platform.python_version(), platform.machine()
+    return f"YADE {yade.config.version}, Python {python}, numba {numba.__version__}, numpy {np.__version__}, {machine}"
+
+
 def describe(binding):
-    """One line: law, surfaces, bridge, counts."""
+    """One line: law, surfaces, counts."""
     surfaces = ", ".join(
         f"{label}: Sq {s.roughness:g} m" + ("" if s.fractal_dimension is None else f", Df {s.fractal_dimension:g}")
         for label, s in binding.pairs.all_surfaces().items()
@@ -97,13 +118,12 @@ def describe(binding):
     elif O.running:
         where = f"{count} contacts of all kinds, running"
     else:
-        where = f"{int((binding.memory.rows_of(real_contacts())['tag'] > 0).sum())} contacts of {count}"
-    reason = f" ({binding.reason})" if binding.reason else ""
+        where = f"{int((binding.attachment.rows_of(real_contacts())['tag'] > 0).sum())} contacts of {count}"
     pairs = binding.pairs
     shear = f"shear {pairs.shear_name}" + (f" in {pairs.levels} levels" if pairs.levels else "")
     shear += "" if pairs.shear_ratio is None else f", K_t/K {pairs.shear_ratio:g}"
     smooth = ", meant smooth" if binding.pairs.smooth else ""
-    return f"{binding.pairs.name}; {shear}; surfaces: {surfaces or 'none' + smooth}; {binding.bridge} bridge{reason}; {where}"
+    return f"{binding.pairs.name}; {shear}; surfaces: {surfaces or 'none' + smooth}; {where}"
 
 
 def joint_text(first, second):

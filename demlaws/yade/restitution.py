@@ -78,7 +78,7 @@ def _like(body):
 
 
 def _bounce(pairs, lower, upper, *, mass, speed, en):
-    binding = Binding("impact", pairs, "native", FEW_ROWS)
+    binding = Binding("impact", pairs, FEW_ROWS)
     size, radius, stone = 4 * _radius(upper), _radius(upper), _like(lower)
     if _radius(lower):
         base = utils.sphere((0, 0, -_radius(lower)), _radius(lower), fixed=True, material=stone)

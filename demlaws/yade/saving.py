@@ -19,22 +19,27 @@ from demlaws.yade.omega import real_contacts
 from demlaws.yade.pairs import NOMINAL, LawSource, Pairs, Span
 from demlaws.yade.radii import Curvature
 
+FORMER_VERSION = (
+    "the scene was saved by a former version of demlaws, whose contacts have another history: continue it with that "
+    "version, or take its bodies into a new scene"
+)
+
 
 def law_text(binding, attributes):
     """JSON from which `law_from` restores a law in another process; attributes: the functor's."""
-    content = {"bridge": binding.bridge, "account": binding.account, "attributes": attributes}
+    content = {"account": binding.account, "attributes": attributes}
     return json.dumps(content | {"pairs": pairs_text(binding.pairs)})
 
 
 def law_from(label, text):
     """The binding described by `law_text`, in no scene, and the functor's attributes."""
     content = json.loads(text)
-    return Binding(label, pairs_from(content["pairs"]), content["bridge"]), content["attributes"]
+    return Binding(label, pairs_from(content["pairs"])), content["attributes"]
 
 
 def are_same(one, other):
     """Whether two bindings are the same law: contacts of one may continue with the other."""
-    return (one.bridge, pairs_text(one.pairs, True)) == (other.bridge, pairs_text(other.pairs, True))
+    return pairs_text(one.pairs, True) == pairs_text(other.pairs, True)
 
 
 # --- history of contacts
@@ -42,7 +47,7 @@ def are_same(one, other):
 
 def history(binding):
     """Text of the current scene's contacts with their history, for `restore`."""
-    bodies, rows = binding.memory.saved(real_contacts())
+    bodies, rows = binding.attachment.saved(real_contacts())
     content = zlib.compress(bodies.tobytes() + rows.tobytes())
     return json.dumps({"contacts": len(rows), "content": base64.b64encode(content).decode()})
 
@@ -52,8 +57,10 @@ def restore(binding, text):
     saved = json.loads(text)
     count, content = saved["contacts"], zlib.decompress(base64.b64decode(saved["content"]))
     bodies = np.frombuffer(content, np.int64, 2 * count).reshape(count, 2)
-    rows = np.frombuffer(content, binding.memory.saved_dtype, count, bodies.nbytes)
-    binding.memory.restore(bodies, rows, real_contacts())
+    dtype = binding.attachment.saved_dtype
+    if len(content) != bodies.nbytes + count * dtype.itemsize:
+        raise DemlawsError(FORMER_VERSION)
+    binding.attachment.restore(bodies, np.frombuffer(content, dtype, count, bodies.nbytes), real_contacts())
 
 
 # --- laws between surfaces
@@ -88,10 +95,7 @@ def pairs_from(text):
     """Pairs from the text of a saved scene."""
     content = json.loads(text)
     if "levels" not in content:
-        raise DemlawsError(
-            "the scene was saved by a former version of demlaws, whose contacts have another history of shear: continue it "
-            "with that version, or take its bodies into a new scene"
-        )
+        raise DemlawsError(FORMER_VERSION)
     law = {(a, b): _source_from(one) for a, b, one in content["special"]}
     if content["default"]:
         law = _source_from(content["default"])

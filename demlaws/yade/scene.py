@@ -30,14 +30,8 @@ HISTORY = "demlaws-history.{label}"
 """Tag with the history of a law's contacts."""
 CONTACT = ["ScGeom", "MindlinPhys"]
 """Classes of the contacts that a law acts on."""
-DUMMY = "demlaws_dummy_"
-"""Label of a functor in the user's InteractionLoop whose forces the public way discards."""
-PREPARE = "__import__('demlaws.yade').yade.public_step({label!r})"
-FINISH = "__import__('demlaws.yade').yade.public_finish({label!r})"
 FUNCTORS = yade.LawDispatcher.functors
 """YADE's own property, which `patches` replaces after this module is imported."""
-HIDDEN = 4
-"""Engines of the public way behind the InteractionLoop: PyRunner, ForceResetter, LawDispatcher, PyRunner."""
 
 
 # --- engines
@@ -68,32 +62,19 @@ def is_our_law(functor):
     return isinstance(functor, Law2_ScGeom_MindlinPhys_Demlaws)
 
 
-def dummy_for(functor):
-    """Label of the law that a functor is a dummy for, or None."""
-    return functor.label.removeprefix(DUMMY) if functor.label.startswith(DUMMY) else None
-
-
 def laws_here():
     """Label → functor of our laws in the current scene."""
     return {functor.label: functor for _, _, functor in law_functors(get_engines()) if is_our_law(functor)}
 
 
-def _runs(engine, command):
-    """Whether an engine is a PyRunner of this command, with any label."""
-    return isinstance(engine, yade.PyRunner) and engine.command.startswith(command.split("{")[0])
+def is_guard(engine):
+    """Whether an engine is the guard of a law."""
+    return isinstance(engine, yade.PyRunner) and engine.command.startswith(GUARD_COMMAND.split("{")[0])
 
 
 def visible(engines):
-    """An engine list without guards and the engines of the public way."""
-    result, skip = [], 0
-    for engine in engines:
-        if skip:
-            skip -= 1
-        elif _runs(engine, PREPARE):
-            skip = HIDDEN - 1
-        elif not _runs(engine, GUARD_COMMAND):
-            result.append(engine)
-    return result
+    """An engine list without guards."""
+    return [engine for engine in engines if not is_guard(engine)]
 
 
 def get_visible():
@@ -107,7 +88,7 @@ def set_visible(engines):
     engines = visible(list(engines))
     _attach_loaded()
     before, old = get_engines(), laws_here()
-    laws = _laws_in(engines, old)
+    laws = _laws_in(engines)
     _refuse_switch(engines, before, laws, old)
     for functor in laws.values():
         _take_over(functor, old.get(functor.label))
@@ -130,7 +111,7 @@ def set_functors(dispatcher, functors):
     """`dispatcher.functors = …` for users: a law that comes into the scene so gets its guard, too."""
     before, functors = list(dispatcher.functors), list(functors)
     here = any(native.address(one) == native.address(dispatcher) for engine in get_engines() for one in dispatchers(engine))
-    if not here or not any(is_our_law(one) or dummy_for(one) for one in (*before, *functors)):
+    if not here or not any(is_our_law(one) for one in (*before, *functors)):
         FUNCTORS.__set__(dispatcher, functors)
         return
     if O.interactions.countReal():
@@ -157,7 +138,7 @@ def with_energies(tracker):
         parts |= {"ShearElastic": totals.shear_stored, "ShearLost": totals.shear_dissipated}
         parts["Viscous"] = totals.viscous
         for name, energy in parts.items():
-            if energy == energy:  # the public way does not know those of shear
+            if energy == energy:  # the work of viscous forces is not known where the native go acts
                 tracker[label + name] = energy
     return tracker
 
@@ -174,7 +155,7 @@ def _refuse_integrator(engine):
         )
 
 
-def _laws_in(engines, old):
+def _laws_in(engines):
     """Label → functor of our laws in a list that a user assigns."""
     laws, live = {}, []
     for engine in engines:
@@ -183,24 +164,15 @@ def _laws_in(engines, old):
         for dispatcher in dispatchers(engine):
             _refuse_rivals(dispatcher)
             live += [] if engine.dead else [dispatcher]
-    if len(live) > 1 and any(is_our_law(f) or dummy_for(f) for dispatcher in live for f in dispatcher.functors):
+    if len(live) > 1 and any(is_our_law(f) for dispatcher in live for f in dispatcher.functors):
         raise DemlawsError(
             f"{len(live)} engines of the list have law functors, one of them a demlaws law: each would compute every contact, "
             "and forces count more than once. Put all law functors into one InteractionLoop; demlaws laws that differ by pairs "
             "of materials are one law, given as a dict {(label, label): law}"
         )
-    for engine, _, functor in law_functors(engines):
-        label = dummy_for(functor)
-        if label is not None:
-            if label not in old:
-                raise DemlawsError(f"this InteractionLoop belongs to a law {label!r} that is not in the scene: make a new one")
-            functor = old[label]
-        if not is_our_law(functor):
-            continue
-        if laws.setdefault(functor.label, functor) is not functor:
+    for _, _, functor in law_functors(engines):
+        if is_our_law(functor) and laws.setdefault(functor.label, functor) is not functor:
             raise DemlawsError(f"two laws of the scene are labelled {functor.label!r}: give one of them another label=…")
-        if functor.binding.attachment is None:
-            _refuse_public(engines, engines.index(engine), functor)
     return laws
 
 
@@ -216,24 +188,6 @@ def _refuse_rivals(dispatcher):
             f"{type(dispatcher).__name__} was given {len(functors)} functors for the same contacts "
             f"({', '.join(map(str, functors.values()))}), of which YADE calls one only, possibly without its scene: give one"
         )
-
-
-def _refuse_public(engines, place, functor):
-    """The public way does not act in every engine list; `place`: number of the InteractionLoop."""
-    loop = engines[place]
-    for engine in engines[:place]:
-        if not isinstance(engine, yade.ForceResetter | yade.Collider | yade.PyRunner | yade.TimeStepper):
-            raise DemlawsError(
-                f"{type(engine).__name__} is before InteractionLoop: the public way resets forces behind it; put engines that "
-                "apply forces after InteractionLoop"
-            )
-    if not isinstance(loop, yade.InteractionLoop):
-        raise DemlawsError(
-            f"the public way needs the law in an InteractionLoop of the engine list, not in {type(loop).__name__}"
-        )
-    others = [f for f in loop.lawDispatcher.functors if f is not functor and dummy_for(f) != functor.label]
-    if others or loop.callbacks:
-        raise DemlawsError("the public way cannot share its InteractionLoop with other law functors or callbacks")
 
 
 def _refuse_other_physics(engine):
@@ -255,15 +209,14 @@ def _take_over(functor, old):
 
     if are_same(functor.binding, old.binding):
         functor.binding = old.binding
-        if old.binding.attachment is not None:
-            old.binding.attachment.patch(functor)
+        old.binding.attachment.patch(functor)
 
 
 def _refuse_switch(engines, before, laws, old):
     """YADE keeps the functor of each contact: only the same law may be assigned while contacts exist."""
 
     def others(engines):
-        return {native.address(f) for _, _, f in law_functors(visible(engines)) if not is_our_law(f) and not dummy_for(f)}
+        return {native.address(f) for _, _, f in law_functors(visible(engines)) if not is_our_law(f)}
 
     if not (laws or old) or O.interactions.countReal() == 0:
         return
@@ -289,35 +242,20 @@ def _switch_text():
 
 
 def completed(engines, laws, before):
-    """A user's list with guards and the engines of the public way."""
-    guards = {engine.command: engine for engine in before if _runs(engine, GUARD_COMMAND)}
+    """A user's list with guards."""
+    guards = {engine.command: engine for engine in before if is_guard(engine)}
     complete = []
     for engine in engines:
-        behind = []
-        for dispatcher in dispatchers(engine):
-            for functor in dispatcher.functors:
-                law = laws.get(dummy_for(functor) or functor.label)
-                if law is None or (law is not functor and not dummy_for(functor)):
-                    continue
-                if law.binding.attachment is not None:
-                    command = GUARD_COMMAND.format(label=law.label)
-                    runner = guards.get(command) or yade.PyRunner(command=command)
-                    runner.iterPeriod, runner.realPeriod, runner.initRun, runner.dead = PERIOD, IN_SECONDS, True, False
-                    runner.nDone = 0
-                    complete.append(runner)
-                    law.binding.runner = runner
-                else:
-                    if law is functor:
-                        dummy = yade.Law2_ScGeom_MindlinPhys_HertzWithLinearShear(neverErase=True, label=DUMMY + law.label)
-                        FUNCTORS.__set__(dispatcher, [dummy])
-                    behind = [
-                        yade.PyRunner(command=PREPARE.format(label=law.label), iterPeriod=1, initRun=True),
-                        yade.ForceResetter(),
-                        yade.LawDispatcher([law]),
-                        yade.PyRunner(command=FINISH.format(label=law.label), iterPeriod=1, initRun=True),
-                    ]
-                    law.binding.runner = behind[0]
-        complete += [engine, *behind]
+        for _, _, law in law_functors([engine]):
+            if laws.get(law.label) is not law:
+                continue
+            command = GUARD_COMMAND.format(label=law.label)
+            runner = guards.get(command) or yade.PyRunner(command=command)
+            runner.iterPeriod, runner.realPeriod, runner.initRun, runner.dead = PERIOD, IN_SECONDS, True, False
+            runner.nDone = 0
+            complete.append(runner)
+            law.binding.runner = runner
+        complete.append(engine)
     return complete
 
 
@@ -374,7 +312,7 @@ class as_saved:
                 O.tags[LAW.format(label=functor.label)] = saving.law_text(functor.binding, functor.attributes())
                 O.tags[HISTORY.format(label=functor.label)] = saving.history(functor.binding)
                 self.kept.append((dispatcher, list(dispatcher.functors)))
-        self.runners = [(engine, engine.nDone) for engine in get_engines() if _runs(engine, GUARD_COMMAND)]
+        self.runners = [(engine, engine.nDone) for engine in get_engines() if is_guard(engine)]
         for dispatcher, functors in self.kept:
             FUNCTORS.__set__(dispatcher, [_placeholder(label=f.label) if is_our_law(f) else f for f in functors])
         for runner, _ in self.runners:
@@ -413,8 +351,8 @@ def attach_saved():
         FUNCTORS.__set__(dispatcher, [law if f.label == label else f for f in dispatcher.functors])
         law.binding.enter(token, json.loads(text)["account"])
         saving.restore(law.binding, _tag(HISTORY.format(label=label)))
-        commands = GUARD_COMMAND.format(label=label), PREPARE.format(label=label)
-        law.binding.watched_by(next((e for e in get_engines() if getattr(e, "command", None) in commands), None))
+        command = GUARD_COMMAND.format(label=label)
+        law.binding.watched_by(next((e for e in get_engines() if getattr(e, "command", None) == command), None))
     set_engines(get_engines())  # YADE sets its variables named by labels
     _at_work[O.thisScene] = laws_here()
 
@@ -434,12 +372,7 @@ def _restored(label, former, text):
         if current | {"account": None} == content | {"account": None}:
             former.updateAttrs(content["attributes"])
             return former
-    law = Law2_ScGeom_MindlinPhys_Demlaws._from_text(label, text)
-    if law.binding.bridge != content["bridge"]:
-        raise DemlawsError(
-            f"law {label!r} was saved under the {content['bridge']} bridge, which is not available here: {law.binding.reason}"
-        )
-    return law
+    return Law2_ScGeom_MindlinPhys_Demlaws._from_text(label, text)
 
 
 # --- called by engines
@@ -449,7 +382,7 @@ def guard(label):
     """Called by a law's PyRunner: attaches the law in a new process, raises the faults of native code."""
     functor = at_work(label)
     binding = functor.binding
-    if binding.attachment is None or not binding.attachment.acts_in(functor):
+    if not binding.attachment.acts_in(functor):
         raise EngineStopped(f"the functor of law {label!r} does not use it: assign O.engines again")
     binding.watch(functor)
     _warn(binding.bound_steppers(get_engines()))
@@ -474,23 +407,6 @@ def at_work(label):
             "for each scene"
         )
     return functor
-
-
-def public_step(label):
-    """Called by the first hidden engine of the public way, before the law acts."""
-    from demlaws.yade import public
-
-    functor = at_work(label)
-    public.step(functor.binding)
-    _warn(functor.binding.bound_steppers(get_engines()))
-
-
-def public_finish(label):
-    """Called by the last hidden engine of the public way, after the law has acted."""
-    from demlaws.yade import public
-
-    functor = at_work(label)
-    public.finish(functor.binding, functor.neverErase)
 
 
 def attached(label="demlaws"):

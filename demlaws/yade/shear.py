@@ -9,15 +9,14 @@ displacement of the step, and turns vectors with the contact.
 
 from typing import NamedTuple
 
-import numpy as np
 from numba.extending import overload
 
 from demlaws.core.fastmath import sqrt
-from demlaws.core.numba_compat import INLINED, kernel, loop
+from demlaws.core.numba_compat import INLINED, kernel
 from demlaws.core.shear import EMPTY
 from demlaws.yade import objects
 from demlaws.yade.mindlin import advance, follow, slide, trial_force, trial_of_one_spring, turned
-from demlaws.yade.records import assign, cross, dot, minus_scaled, pointee, scaled, vector, view
+from demlaws.yade.records import assign, dot, minus_scaled, pointee, scaled, vector, view
 
 SPRINGS = 12
 """Springs of a contact with partial slip."""
@@ -162,34 +161,6 @@ def _follow(mode, context, contact, row):
             reduce_levels(row, vector(phys.shearElastic))
 
     return moved
-
-
-# --- levels of the public way, an array of rows at a time
-
-
-@loop
-def relax_loop(rows, stiffness):
-    """`relax_levels` of all rows; their elastic shear forces [N]."""
-    forces = np.empty((rows.size, 3))
-    for n in range(rows.size):
-        relax_levels(rows[n], stiffness[n])
-        assign(forces[n], force_of_levels(rows[n]))
-    return forces
-
-
-@loop
-def move_loop(rows, motion, sliding):
-    """`move_levels` of all rows, then Coulomb's limit. motion: for each row the axes by which vectors turn with the normal and
-    about it, the displacement [m], and the elastic shear force of Mindlin's law [N]."""
-    for n in range(rows.size):
-        row, axis, twist, increment = rows[n], vector(motion[n, 0]), vector(motion[n, 1]), vector(motion[n, 2])
-        for level in range(len(row.bound)):
-            stretch = vector(row.stretch[level])
-            for turn in (axis, twist):
-                stretch = minus_scaled(stretch, 1.0, cross(stretch, turn))
-            assign(row.stretch[level], minus_scaled(stretch, 1.0, increment))
-        if sliding[n]:
-            reduce_levels(row, vector(motion[n, 3]))
 
 
 # --- Mindlin's law with an account of energy

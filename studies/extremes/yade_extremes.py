@@ -23,7 +23,6 @@ class Yade:
 
     name = "YADE"
     evaluation = "closed form"
-    bridge = "native"
 
     def _scene(self, case, contact, roughness, moduli, effective_radii):
         """An empty scene; returns its law functor and a function that gives the material of a modulus and roughness."""
@@ -35,7 +34,7 @@ class Yade:
         if find(case.law).solved:  # the others serve whatever comes
             radii, span = (tuple(float(f(x)) for f in (np.min, np.max)) for x in (effective_radii, moduli))
             options |= {"radii": radii, "moduli": span}
-        law = Law2_ScGeom_MindlinPhys_Demlaws(case.law, case.unloading, surfaces, bridge=self.bridge, **options)
+        law = Law2_ScGeom_MindlinPhys_Demlaws(case.law, case.unloading, surfaces, **options)
         made = {}
 
         def material(modulus, sigma):

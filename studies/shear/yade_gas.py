@@ -28,7 +28,7 @@ def functor(law, rule, shear, poisson):
         options |= {"radii": (pair.radius, pair.radius), "moduli": (pair.modulus, pair.modulus)}
         options["flats"] = "yade"
     unloading = None if rule == GIVEN else rule
-    return Law2_ScGeom_MindlinPhys_Demlaws(given, unloading, surface, shear=shear, bridge="native", **options)
+    return Law2_ScGeom_MindlinPhys_Demlaws(given, unloading, surface, shear=shear, **options)
 
 
 def simulate(given, poisson, friction, shear):

@@ -17,7 +17,7 @@ R = 0.01
 
 
 def law(radius=None, **options):
-    return functor("hertz", "elastic", None, smooth=True, radius=radius, **{"bridge": "native", **options})
+    return functor("hertz", "elastic", None, smooth=True, radius=radius, **options)
 
 
 def has_polyhedra():
@@ -143,7 +143,7 @@ def test_a_contact_that_rotates(omega):
 CHOICES = {"body": "body", "curvature": "curvature", "edge": 3e-3}
 
 
-def on_corner(omega, radius, edge=3e-3, half=8e-3, overlap=4e-5, bridge="native"):
+def on_corner(omega, radius, edge=3e-3, half=8e-3, overlap=4e-5):
     """A cube with rounded edges, on a corner on a wall: (state, distance from its centre to the contact)."""
     omega.reset()
     stone = material()
@@ -153,7 +153,7 @@ def on_corner(omega, radius, edge=3e-3, half=8e-3, overlap=4e-5, bridge="native"
     turned = yade.Quaternion()
     turned.setFromTwoVectors(yade.Vector3(1, 1, 1), yade.Vector3(0, 0, -1))
     omega.bodies[1].state.ori = turned
-    functor = law(radius, bridge=bridge)
+    functor = law(radius)
     engines(functor)
     omega.step()
     omega.step()
@@ -170,8 +170,6 @@ def test_a_scanned_grain_with_rounded_edges(omega):
     assert forces["body"] == pytest.approx(1, rel=1e-2) and forces["edge"] == pytest.approx(1, rel=1e-9)
     assert forces["curvature"] == pytest.approx(1, rel=0.05)
     assert reach / 3e-3 > 3.8
-    public, native = on_corner(omega, "curvature", bridge="public")[0], states["curvature"]
-    assert (public.radius[0], public.force[0]) == pytest.approx((native.radius[0], native.force[0]), rel=1e-12)
 
 
 # --- choices, refusals
@@ -195,11 +193,10 @@ def cubes(functor, kind="level set", overlap=1e-5, half=8e-3):
     return functor
 
 
-@pytest.mark.parametrize("bridge", ["native", "public"])
-def test_flat_on_flat_has_no_curvature(omega, tmp_path, bridge):
-    cubes(law("curvature", bridge=bridge))
+def test_flat_on_flat_has_no_curvature(omega, tmp_path):
+    cubes(law("curvature"))
     stops(r"(?s)contact 0\+1 \(LevelSet on LevelSet\): flat on flat.*Curvature\(largest")
-    bounded = cubes(law(dy.Curvature(largest=0.02), bridge=bridge))
+    bounded = cubes(law(dy.Curvature(largest=0.02)))
     advance(2)
     assert bounded.contacts().radius == pytest.approx([0.02], rel=1e-6)
     omega.save(str(tmp_path / "scene.yade"))
@@ -229,17 +226,14 @@ def test_polyhedra_take_an_edge_radius_and_no_curvature(omega):
     cubes(law("curvature"), "polyhedra")
     stops(r"(?s)Polyhedra on Polyhedra\).*edge radius in m")
     surfaces = {"granite": dl.Surface(edge_radius=4e-4)}
-    for make in (lambda: law(4e-4), lambda: functor("hertz", "elastic", surfaces, bridge="native")):
+    for make in (lambda: law(4e-4), lambda: functor("hertz", "elastic", surfaces)):
         chosen = cubes(make(), "polyhedra")
         advance(2)
         assert chosen.contacts().radius == pytest.approx([4e-4], rel=1e-12)
 
 
 def test_potential_particles_are_refused_by_name(omega):
-    """YADE's geometry gives them no radius: MindlinPhys has no stiffness, and native Mindlin's force is NaN.
-
-    In the native way: in the public one YADE's own assertion ends the process at a NaN.
-    """
+    """YADE's geometry gives them no radius: MindlinPhys has no stiffness, and native Mindlin's force is NaN."""
     material()
     half, edge = 8e-3, 2e-3
     reach = yade.Vector3(half, half, half)
@@ -255,28 +249,26 @@ def test_potential_particles_are_refused_by_name(omega):
     stops(r"contact 0\+1 of PotentialParticle")
 
 
-@pytest.mark.parametrize("bridge", ["native", "public"])
-def test_without_a_choice_one_warning_names_shape_and_radius(omega, bridge):
-    cubes(law(bridge=bridge))
+def test_without_a_choice_one_warning_names_shape_and_radius(omega):
+    cubes(law())
     with pytest.warns(dy.ShapeWarning, match=r"LevelSet on LevelSet\) has R = 0.004 m") as caught:
         advance(4)
     assert len([w for w in caught if w.category is dy.ShapeWarning]) == 1
     with warnings.catch_warnings():
         warnings.simplefilter("error", dy.ShapeWarning)
         for chosen in ("body", 1e-3):
-            cubes(law(chosen, bridge=bridge))
+            cubes(law(chosen))
             advance(4)
 
 
-@pytest.mark.parametrize("bridge", ["native", "public"])
-def test_a_function_of_the_contact(omega, bridge):
+def test_a_function_of_the_contact(omega):
     seen = []
 
     def radius(contact):
         seen.append((contact.id1, contact.id2))
         return 2e-3 if isinstance(yade.O.bodies[contact.id2].shape, yade.LevelSet) else -1.0
 
-    functor = cubes(law(radius, bridge=bridge))
+    functor = cubes(law(radius))
     advance(4)
     assert functor.contacts().radius == pytest.approx([2e-3], rel=1e-12) and seen == [(0, 1)]
     state = functor.contacts()
@@ -284,7 +276,7 @@ def test_a_function_of_the_contact(omega, bridge):
     assert omega.interactions[0, 1].phys.normalForce.norm() == pytest.approx(state.force[0], rel=1e-12)
     with pytest.raises(DemlawsError, match="function, which cannot be saved"):
         omega.saveTmp("state")
-    cubes(law(lambda contact: 0.0, bridge=bridge))
+    cubes(law(lambda contact: 0.0))
     stops(r"radius= returned 0.0 for contact 0\+1")
 
 
@@ -295,7 +287,7 @@ def test_spheres_keep_their_radius_under_every_choice(omega):
     found = []
     for choice in (None, "body", "curvature", 1e-4):
         omega.reset()
-        two_spheres(functor(bridge="native", radius=choice), steps=60)
+        two_spheres(functor(radius=choice), steps=60)
         found.append(force())
     assert found[0] > 0 and len(set(found)) == 1
 
@@ -303,7 +295,7 @@ def test_spheres_keep_their_radius_under_every_choice(omega):
 def test_a_rough_contact_follows_the_curvature(omega):
     """What the law needs of R besides Hertz's coefficient is renewed, too."""
     material()
-    rough = functor("pohrt-popov", "hertz", radius="curvature", bridge="native")
+    rough = functor("pohrt-popov", "hertz", radius="curvature")
     for height in (0.0, 2 * R - 2e-5):
         omega.bodies.append(ellipsoid((2 * R, 2 * R, R), (0, 0, height)))
     engines(rough)

@@ -46,7 +46,7 @@ def test_two_spheres_every_law(omega, name, rule, more):
         pair = GRANITE.combined(GRANITE)
         contact = dl.Contact(0.005, MODULUS, pair.roughness, pair.fractal_dimension, pair.hardness)
         given, options = (example(name, contact, rule), None), {}
-    law = functor(*given, bridge="native", radii=(0.005, 0.005), moduli=(MODULUS, MODULUS), **options)
+    law = functor(*given, radii=(0.005, 0.005), moduli=(MODULUS, MODULUS), **options)
     two_spheres(law, sideways=0.02)
     recorder = Recorder()
     recorder.step(400)
@@ -56,7 +56,7 @@ def test_two_spheres_every_law(omega, name, rule, more):
 
 
 def test_periodic_packing(omega):
-    law = functor(bridge="native")
+    law = functor()
     cloud(law, rate=-60)
     advance(2500)
     recorder = Recorder()
@@ -71,7 +71,7 @@ def test_periodic_packing(omega):
 def test_table(omega, tmp_path):
     contact = dl.Contact(0.005, 32e9, 2.4e-6 * 2**0.5, 2.22)
     table = dl.law("pohrt-popov", contact, "hertz").tabulate(1e-6)
-    law = functor(str(table.save(tmp_path / "pp.table")), None, bridge="native")
+    law = functor(str(table.save(tmp_path / "pp.table")), None)
     assert "table" in law.binding.pairs.name and law.binding.pairs.unloading == "hertz"
     two_spheres(law)
     recorder = Recorder()
@@ -87,7 +87,7 @@ def test_a_curve_to_unload_along(omega, as_table):
 
     contact = dl.Contact(0.005, 32e9, 2.4e-6 * 2**0.5, 2.22, 6.266e9)
     curve = dl.law("hertz", contact).tabulate() if as_table else dl.law("hertz", contact)
-    law = functor("pohrt-popov", curve, bridge="native")
+    law = functor("pohrt-popov", curve)
     assert law.binding.pairs.unloading == "table"
     two_spheres(law)
     recorder = Recorder()
@@ -102,7 +102,7 @@ def test_a_curve_to_unload_along(omega, as_table):
 def test_pairs_of_materials(omega):
     """Granite on granite, granite on steel, steel on steel, unlisted on granite: each by its own surface."""
     steel = dl.Surface(roughness=0.5e-6, fractal_dimension=2.6)
-    law = functor(surfaces={"granite": GRANITE, "steel": steel}, bridge="native")
+    law = functor(surfaces={"granite": GRANITE, "steel": steel})
     smooth = dl.Surface()
     kinds = {"granite": GRANITE, "steel": steel, "rubber": smooth}
     made = {label: material(label) for label in kinds}
@@ -124,7 +124,7 @@ def test_pairs_of_materials(omega):
 
 def test_material_outside_the_scene_list(omega):
     """A material that was never appended to O.materials counts by its label all the same."""
-    law = functor(bridge="native")
+    law = functor()
     long_label = "granite"
     for height in (0, 0.019999):
         stone = yade.FrictMat(young=60.6e9, poisson=0.25, density=2650, label=long_label)
@@ -137,7 +137,7 @@ def test_material_outside_the_scene_list(omega):
 def test_rows_of_contacts_that_end_are_used_again(omega):
     """20,000 contacts, of which at most 20 at a time, need the memory of about a thousand."""
     stone = material()
-    law = functor(bridge="native")
+    law = functor()
     for n in range(20):
         omega.bodies.append(fixed_pair(stone, x=0.05 * n))
     set_engines(law, 1e-9)
@@ -150,10 +150,9 @@ def test_rows_of_contacts_that_end_are_used_again(omega):
     assert law.binding.attachment.context["rows_used"] < 1200
 
 
-@pytest.mark.parametrize("way", ["native", "public"])
-def test_coefficients_that_a_script_changes(omega, way):
-    """Each way stops, for each change; radius= is the factor of one contact (Chung & Ooi)."""
-    still(functor(bridge=way))
+def test_coefficients_that_a_script_changes(omega):
+    """Each change stops; radius= is the factor of one contact (Chung & Ooi)."""
+    still(functor())
     advance(5)
     for name in ("kno", "kso", "kno"):
         phys = yade.O.interactions[0, 1].phys
@@ -162,7 +161,7 @@ def test_coefficients_that_a_script_changes(omega, way):
         advance(1)
         assert force() == expected()
     omega.reset()
-    still(functor("hertz", "elastic", None, radius=lambda contact: 1.5**2 * 0.005, bridge=way))
+    still(functor("hertz", "elastic", None, radius=lambda contact: 1.5**2 * 0.005))
     advance(5)
     assert force() == pytest.approx(1.5 * dl.law("hertz", dl.Contact(0.005, MODULUS)).force(OVERLAP), rel=1e-9)
 
@@ -173,7 +172,7 @@ def test_bodies_come_and_go(omega, monkeypatch):
 
     monkeypatch.setattr(native, "FEW_ROWS", 4)
     monkeypatch.setattr("demlaws.yade.scene.PERIOD", 5)
-    law = functor("rough-plastic", "hertz", bridge="native", yield_pressure=1.66e9)
+    law = functor("rough-plastic", "hertz", yield_pressure=1.66e9)
     attachment = law.binding.attachment
     stone = material()
     omega.bodies.append([sphere((n, 0, 0), 0.01, fixed=True, material=stone) for n in range(12)])
@@ -193,11 +192,10 @@ def test_bodies_come_and_go(omega, monkeypatch):
     assert attachment.context["rows_used"] <= 40
 
 
-@pytest.mark.parametrize("way", ["native", "public"])
 @pytest.mark.parametrize("erase", ["body", "contact", "all contacts", "clump"])
-def test_totals_count_contacts_that_were_erased(omega, tmp_path, way, erase):
+def test_totals_count_contacts_that_were_erased(omega, tmp_path, erase):
     """Their dissipation is not known: `totals` states their number, also after saving; contacts that end do not count."""
-    law = functor("pohrt-popov", "hertz", bridge=way)
+    law = functor("pohrt-popov", "hertz")
     stone = material()
     omega.bodies.append(sphere((0, 0, 0), 0.01, fixed=True, material=stone))
     upper = sphere((0, 0, 0.02), 0.01, material=stone)
@@ -226,7 +224,7 @@ def test_totals_count_contacts_that_were_erased(omega, tmp_path, way, erase):
 
 def test_never_erase(omega):
     """A contact that Mindlin keeps while the bodies are apart is a new one when they meet again."""
-    law = functor(bridge="native", neverErase=True)
+    law = functor(neverErase=True)
     two_spheres(law)
     recorder = Recorder()
     recorder.step(1600)
@@ -243,21 +241,21 @@ def test_never_erase(omega):
 @pytest.mark.slow
 def test_solved_law_needs_the_contacts(omega):
     with pytest.raises(dl.DemlawsError, match="radii="):
-        functor("yip-venart", "hertz", bridge="native")
+        functor("yip-venart", "hertz")
 
     stone = material()
     for n, radius in enumerate((0.005, 0.01, 0.02)):
         omega.bodies.append(sphere((n, 0, 0), 0.01, fixed=True, material=stone))
         omega.bodies.append(sphere((n, 0, 0.01 + radius), radius, material=stone))
         omega.bodies[-1].state.vel = (0, 0, -0.05)
-    law = functor("yip-venart", "hertz", bridge="native")
+    law = functor("yip-venart", "hertz")
     set_engines(law)
     recorder = Recorder()
     recorder.step(300)
     wrong, _, _ = recorder.worst("yip-venart", "hertz")
     assert wrong <= 2e-4  # between solved curves
     omega.reset()
-    two_spheres(functor("yip-venart", "hertz", bridge="native", radii=(0.005, 0.005), moduli=(1e9, 2e9)))
+    two_spheres(functor("yip-venart", "hertz", radii=(0.005, 0.005), moduli=(1e9, 2e9)))
     stops("no finite force", 50)
 
 
@@ -265,7 +263,7 @@ def test_solved_law_needs_the_contacts(omega):
 def test_moments_are_those_of_native_mindlin(omega, damping):
     """A packing that is compressed and sheared with rolling and twisting resistance: Hertz's law beside YADE's own."""
     ends = []
-    for law in (yade.Law2_ScGeom_MindlinPhys_Mindlin(), functor("hertz", "elastic", {}, bridge="native", shear="native")):
+    for law in (yade.Law2_ScGeom_MindlinPhys_Mindlin(), functor("hertz", "elastic", {}, shear="native")):
         omega.reset()
         law.includeMoment = True
         physics = yade.Ip2_FrictMat_FrictMat_MindlinPhys(krot=1.0, ktwist=2.0, eta=2e-3, **damping)

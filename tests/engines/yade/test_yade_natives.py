@@ -13,7 +13,7 @@ PATH = np.concatenate(
 
 def test_yades_own_and_ours_on_the_same_path(omega):
     """Loading beyond first yield, unloading, reloading beyond, unloading past the plastic overlap: to 1e-12 of the largest."""
-    law = functor("conical-damage", None, bridge="native", strength=STRENGTH, angle=ANGLE)
+    law = functor("conical-damage", None, strength=STRENGTH, angle=ANGLE)
     plain = yade.FrictMat(young=YOUNG, poisson=POISSON, density=2650, frictionAngle=0.5, label="granite")
     crushed = yade.FrictMatCDM(
         young=YOUNG, poisson=POISSON, density=2650, frictionAngle=0.5, sigmaMax=STRENGTH, alpha=ANGLE, c1=0.0, c2=0.0

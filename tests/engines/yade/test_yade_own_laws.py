@@ -33,7 +33,7 @@ def recorded(law):
 
 def test_a_law_of_ones_own_is_exact(omega, page, registered_here):
     dl.load_laws(page / "my_law.py")
-    recorder = recorded(functor("power", "hertz", SMOOTH, bridge="native", factor=0.9))
+    recorder = recorded(functor("power", "hertz", SMOOTH, factor=0.9))
     wrong, tangent, steps = recorder.worst("power", "hertz", dl.Surface(), factor=0.9)
     assert steps > 300 and wrong <= 1e-14 and tangent <= 1e-13
 
@@ -65,7 +65,7 @@ def test_a_law_changed_under_its_name_is_another(omega, registered_here):
 
     def register(constant):
         dl.register(dl.define("spring", lambda p, x: constant * x**1.5, lambda p, x: 1.5 * constant * x**0.5))
-        return functor("spring", "hertz", SMOOTH, bridge="native")
+        return functor("spring", "hertz", SMOOTH)
 
     recorded(register(1e9))
     assert omega.interactions.countReal() == 1

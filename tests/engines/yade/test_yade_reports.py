@@ -41,13 +41,12 @@ def issued(run):
     return [str(one.message) for one in caught if issubclass(one.category, dl.ValidityWarning)]
 
 
-@pytest.mark.parametrize("way", ["native", "public"])
-def test_a_limit_of_the_law_is_reported_once_with_the_worst_contact(omega, way):
+def test_a_limit_of_the_law_is_reported_once_with_the_worst_contact(omega):
     soft = dl.Surface(2.4e-6, 2.22, 1e9)
     pair = soft.combined(soft)
     contact = dl.Contact(0.005, 60.6e9 / (2 * (1 - 0.25**2)), pair.roughness, pair.fractal_dimension, pair.hardness)
     limit = dl.law("pohrt-popov", contact).limits()[0].maximum_force
-    law = functor(surfaces={"granite": soft}, bridge=way)
+    law = functor(surfaces={"granite": soft})
     two_spheres(law, speed=-1.0)
     for x in (0.1, 0.2):
         omega.bodies.append(fixed_pair("granite", 3e-5 * x, x=x))
@@ -55,20 +54,20 @@ def test_a_limit_of_the_law_is_reported_once_with_the_worst_contact(omega, way):
     (text,) = (text for text in texts if "0.6 H_m" in text)
     assert "1 of 3 contacts are above" in text and "0+1" in text and f"above {limit:.3g} N" in text
     omega.reset()
-    two_spheres(functor(surfaces={"granite": soft}, bridge=way), speed=-0.05)
+    two_spheres(functor(surfaces={"granite": soft}), speed=-0.05)
     assert not issued(lambda: advance(300)) and force() < limit
 
 
 def test_roughness_beside_the_radius(omega):
     """Both the combined value and what was typed are shown."""
-    two_spheres(functor(surfaces={"granite": dl.Surface(5e-4, 2.22)}, bridge="native"), speed=-0.3)
+    two_spheres(functor(surfaces={"granite": dl.Surface(5e-4, 2.22)}), speed=-0.3)
     (text,) = issued(lambda: advance(200))
     assert "0.141 of the radius 0.005 m" in text and "Sq = 0.0005 m and 0.0005 m" in text
     omega.reset()
-    two_spheres(functor(surfaces={"granite": dl.Surface(2.4e-3, 2.22)}, bridge="native"), speed=-0.3)
+    two_spheres(functor(surfaces={"granite": dl.Surface(2.4e-3, 2.22)}), speed=-0.3)
     stops(r"0\.679 of the radius 0\.005 m", 200)
     omega.reset()  # rocks
-    two_spheres(functor(surfaces={"granite": dl.Surface(5e-3, 2.22)}, bridge="native"), speed=-10.0, radius=1.0)
+    two_spheres(functor(surfaces={"granite": dl.Surface(5e-3, 2.22)}), speed=-10.0, radius=1.0)
     assert not [text for text in issued(lambda: advance(200)) if "of the radius" in text] and force() > 0
 
 
@@ -96,7 +95,7 @@ def test_engines_within_an_integrator_are_refused(omega):
         return [yade.ForceResetter(), collider, interaction_loop(law)]
 
     two_spheres(yade.Law2_ScGeom_MindlinPhys_Mindlin(), gap=-1e-6)
-    law = functor(bridge="native")
+    law = functor()
     with pytest.raises(dl.DemlawsError, match="RungeKuttaCashKarp54Integrator computes contacts several times"):
         omega.engines = [yade.RungeKuttaCashKarp54Integrator(engines_of(law))]
     integrator = yade.RungeKuttaCashKarp54Integrator([])
@@ -109,9 +108,8 @@ def test_engines_within_an_integrator_are_refused(omega):
         law.totals()
 
 
-@pytest.mark.parametrize("way", ["native", "public"])
-def test_a_functor_that_is_assigned_to_the_dispatcher_acts(omega, way):
-    law = functor(bridge=way)
+def test_a_functor_that_is_assigned_to_the_dispatcher_acts(omega):
+    law = functor()
     two_spheres(yade.Law2_ScGeom_MindlinPhys_Mindlin())
     omega.engines[2].lawDispatcher.functors = [law]
     advance(300)
@@ -119,15 +117,14 @@ def test_a_functor_that_is_assigned_to_the_dispatcher_acts(omega, way):
     with pytest.raises(dl.DemlawsError, match="switched"):
         omega.engines[2].lawDispatcher.functors = [yade.Law2_ScGeom_MindlinPhys_Mindlin()]
     omega.interactions.clear()
-    if way == "native":
-        omega.engines[2].lawDispatcher.functors = [functor(bridge=way, surfaces={"granit": GRANITE}, label="other")]
-        stops(r"label 'granit', for which .* did you mean 'granite'")
+    omega.engines[2].lawDispatcher.functors = [functor(surfaces={"granit": GRANITE}, label="other")]
+    stops(r"label 'granit', for which .* did you mean 'granite'")
 
 
 @pytest.mark.parametrize("shear", ["elastic", "loading", "slip"])
 def test_energies_of_an_oblique_impact(omega, tmp_path, shear):
     """O.energy is constant, also over saving and loading, and the same numbers are in totals()."""
-    law = functor(bridge="native", shear=shear)
+    law = functor(shear=shear)
     two_spheres(law, sideways=0.2)
     omega.trackEnergy = True
     omega.dt = 2e-8
@@ -157,17 +154,15 @@ def test_physics_of_another_class_stops_the_run(omega):
     stone = yade.FrictMatCDM(young=60.6e9, poisson=0.25, frictionAngle=0.5, density=2650, label="granite", **strength)
     omega.materials.append(stone)
     omega.bodies.append(fixed_pair(stone, 1e-6))
-    set_engines(functor(bridge="native"), 1e-9, physics=yade.Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM())
+    set_engines(functor(), 1e-9, physics=yade.Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM())
     stops("contact 0\\+1 of Sphere and Sphere is described by ScGeom and MindlinPhysCDM")
 
 
-def test_native_shear_warns_and_slip_needs_the_bridge(omega):
+def test_native_shear_warns_and_slip_needs_springs(omega):
     with pytest.warns(dl.ValidityWarning, match="can create energy"):
-        functor("hertz", "elastic", {}, bridge="native", shear="native")
-    with pytest.raises(dl.DemlawsError, match="native bridge"):
-        functor(bridge="public", shear="slip")
+        functor("hertz", "elastic", {}, shear="native")
     with pytest.raises(dl.DemlawsError, match="needs an unloading rule with springs"):
-        functor("walton-braun", None, SURFACES, bridge="native", shear="slip", loading_stiffness=3e6, stiffness_ratio=2.0)
+        functor("walton-braun", None, SURFACES, shear="slip", loading_stiffness=3e6, stiffness_ratio=2.0)
 
 
 def test_numbers_that_are_none_stop_and_name_the_body(omega):
@@ -200,10 +195,9 @@ def large_overlaps(steps):
     return [text for text in issued(lambda: advance(steps)) if "law 'demlaws': overlap" in text]
 
 
-@pytest.mark.parametrize("way", ["native", "public"])
 @pytest.mark.parametrize("rule", ["elastic", "hertz"])
-def test_a_large_overlap_is_warned_of_once(omega, way, rule):
-    law = functor("pohrt-popov", rule, bridge=way)
+def test_a_large_overlap_is_warned_of_once(omega, rule):
+    law = functor("pohrt-popov", rule)
     pressed(law, 0.499e-3)
     assert not large_overlaps(5)
     pressed(law, 0.6e-3)
@@ -214,23 +208,21 @@ def test_a_large_overlap_is_warned_of_once(omega, way, rule):
     assert "2 of 2" in large_overlaps(2)[0]
 
 
-@pytest.mark.parametrize("way", ["native", "public"])
-def test_an_overlap_beyond_the_radius_stops(omega, way):
+def test_an_overlap_beyond_the_radius_stops(omega):
     """Sphere 1 is driven in at 200 m/s; no force is applied at that overlap."""
-    law = functor(bridge=way, neverErase=True)
+    law = functor(neverErase=True)
     pressed(law, 4.9e-3, speed=200.0)
     stops(r"contact 0\+1: overlap 0.005\d* m is 1.\d* times .* R = 0.005 m.*check units", 20)
     assert omega.iter < 5
 
 
-@pytest.mark.parametrize("way", ["native", "public"])
-def test_a_marker_has_no_force_anywhere(omega, way):
+def test_a_marker_has_no_force_anywhere(omega):
     """young=0, as YADE's examples mark water levels: no force, as native Mindlin."""
-    law = functor(bridge=way)
+    law = functor()
     pressed(law, 8e-3, young=0.0)
     assert not issued(lambda: advance(5))
     assert omega.interactions.countReal() == 2 and omega.forces.f(1).norm() == 0 and law.totals() == (0.0, 0.0)
-    functor("yip-venart", "elastic", bridge=way, moduli=None, label="later")  # made after the marker
+    functor("yip-venart", "elastic", moduli=None, label="later")  # made after the marker
 
 
 def test_a_density_in_other_units(omega):
@@ -247,29 +239,28 @@ def test_a_density_in_other_units(omega):
 
 
 def test_a_position_that_is_not_finite_is_named(omega):
-    acting(functor(bridge="native"))
+    acting(functor())
     yade.O.bodies[1].state.pos = (0, 0, float("nan"))
     stops("position is not finite", 20)
 
 
-@pytest.mark.parametrize("way", ["native", "public"])
 @pytest.mark.parametrize("shape", ["sphere", *FLATS])
 @pytest.mark.parametrize("radius", [0.0, -1e-3, float("nan")])
-def test_a_radius_that_is_not_positive_is_named(omega, way, shape, radius):
+def test_a_radius_that_is_not_positive_is_named(omega, shape, radius):
     """Such a sphere has no mass, moves to NaN, or meets nothing; the box was blamed, or a table's end."""
     stone = material()
     below = sphere((0, 0, -0.01), 0.01, fixed=True, material=stone) if shape == "sphere" else FLATS[shape](yade.utils, stone)
     omega.bodies.append([below, sphere((0, 0, 0.01 - 1e-6), 0.01, material=stone)])
-    set_engines(functor(bridge=way))
+    set_engines(functor())
     omega.bodies[1].shape.radius = radius
     with pytest.raises(dl.DemlawsError, match="body 1 is a sphere"):
-        functor(bridge=way)
+        functor()
     stops(f"body 1 is a sphere with radius = {radius:g} m", 20)
 
 
 def test_a_stepper_is_judged_once_there_are_spheres(omega):
     """Without a sphere YADE's P-wave step is 1 s: engines that come before the bodies were told of a bound of 3.2 s."""
-    stepper, law = yade.GlobalStiffnessTimeStepper(), functor("hertz", None, None, bridge="native")
+    stepper, law = yade.GlobalStiffnessTimeStepper(), functor("hertz", None, None)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         omega.engines = [*dy.engines(law), stepper]
@@ -288,7 +279,7 @@ def test_which_contacts_have_yielded(omega, tabulated):
     yields, stone = law.kinks()[-1], material()
     for n, overlap in enumerate([1.01 * yields, 0.99 * yields]):
         omega.bodies.append(fixed_pair(stone, overlap, x=0.1 * n))
-    acts = functor(law.tabulate() if tabulated else law, "thornton", bridge="native")
+    acts = functor(law.tabulate() if tabulated else law, "thornton")
     set_engines(acts, 1e-9)
     advance(2)
     for body in (1, 3):
@@ -300,11 +291,11 @@ def test_which_contacts_have_yielded(omega, tabulated):
 
 def test_asperities_yield_from_the_first_touch(omega):
     """A law without a yield point: whatever has dissipated has yielded. No contacts: arrays of no entries."""
-    rough = acting(functor(bridge="native"))
+    rough = acting(functor())
     assert rough.contacts().yielded.tolist() == [True]
     assert len(rough.contacts([])) == 0 == rough.contacts([]).yielded.size
     omega.reset()
-    assert acting(functor("pohrt-popov", "elastic", bridge="native")).contacts().yielded.tolist() == [False]
+    assert acting(functor("pohrt-popov", "elastic")).contacts().yielded.tolist() == [False]
 
 
 def test_columns_of_contacts(omega):
@@ -312,7 +303,7 @@ def test_columns_of_contacts(omega):
     pandas = pytest.importorskip("pandas")
     from demlaws.responses.contacts import COLUMNS
 
-    state = acting(functor(bridge="native")).contacts()
+    state = acting(functor()).contacts()
     frame = state.to_dataframe()
     assert isinstance(frame, pandas.DataFrame) and len(frame) == 1 and frame["force (N)"][0] == state.force[0] == force()
     assert "overlap (m)" in str(state) and "1 contacts" in repr(state)

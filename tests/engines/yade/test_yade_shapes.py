@@ -104,7 +104,7 @@ def test_hertz_is_native_mindlin(omega, name):
         pytest.skip("this YADE is built without capillarity")
     native, classes = _impact(name, yade.Law2_ScGeom_MindlinPhys_Mindlin())
     assert name.split()[0] in {part for pair in classes for part in pair}
-    mine, same = _impact(name, functor("hertz", "elastic", {}, bridge="native", shear="native"))
+    mine, same = _impact(name, functor("hertz", "elastic", {}, shear="native"))
     assert same == classes and np.abs(native[:, 2]).max() > 20.0
     assert np.abs(native[:, 3:6]).max() > 1e-3  # it is sheared
     for columns in (slice(0, 3), slice(3, 6), slice(6, 9)):
@@ -128,7 +128,7 @@ def _over_a_joint(name, law):
 def test_a_joint_doubles_the_force_as_natively(omega, name):
     native = _over_a_joint(name, yade.Law2_ScGeom_MindlinPhys_Mindlin())
     with pytest.warns(dy.ShapeWarning):
-        mine = _over_a_joint(name, functor("hertz", "elastic", {}, bridge="native", shear="native"))
+        mine = _over_a_joint(name, functor("hertz", "elastic", {}, shear="native"))
     assert native[450, 2] == pytest.approx(2.0 * native[50, 2])
     for columns in (slice(0, 3), slice(3, 6)):
         assert mine[:, columns] == pytest.approx(native[:, columns], rel=0, abs=1e-12 * np.abs(native[:, columns]).max())
@@ -136,10 +136,10 @@ def test_a_joint_doubles_the_force_as_natively(omega, name):
 
 @pytest.mark.parametrize("name", ["ScGridCoGeom", "CylScGeom6D"])
 def test_a_rough_law_is_softer_there(omega, name):
-    law = functor(bridge="native")
+    law = functor()
     rough, _ = _impact(name, law)
     totals = law.totals()
-    smooth, _ = _impact(name, functor("hertz", "elastic", {}, bridge="native"))
+    smooth, _ = _impact(name, functor("hertz", "elastic", {}))
     assert 0.2 * smooth[:, 2].max() < rough[:, 2].max() < 0.95 * smooth[:, 2].max() and totals.dissipated > 0
 
 
@@ -147,4 +147,4 @@ def test_a_rough_law_is_softer_there(omega, name):
 def test_an_inadmissible_material_is_refused(omega, monkeypatch, name):
     monkeypatch.setitem(globals(), "material", functools.partial(material, poisson=0.7))
     with pytest.raises(RuntimeError, match=r"'granite': poisson = 0\.7"):
-        _impact(name, functor("hertz", "elastic", {}, bridge="native"))
+        _impact(name, functor("hertz", "elastic", {}))

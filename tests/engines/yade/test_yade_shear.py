@@ -72,21 +72,20 @@ def test_tangential_stiffness_through_a_reversal(omega):
     deep = 2.2657e-6
     path = np.array([0.5, 1.0, 1.0 - 1e-10, 0.8, 1.0 - 1e-10, 1.0 + 1e-10, 1.2]) * deep
     for choice in CHOICES:
-        reached, stiffness, _, _ = taken_along(functor(surfaces=surfaces, bridge="native", shear=choice), path, 0.0 * path)
+        reached, stiffness, _, _ = taken_along(functor(surfaces=surfaces, shear=choice), path, 0.0 * path)
         expected = one.shear_stiffness(reached, GRANITE_RATIO, choice)
         assert stiffness == pytest.approx(expected, rel=1e-11)
         jumps = np.abs(stiffness[[2, 4]] / stiffness[[1, 5]] - 1.0)
         assert np.all(jumps < 1e-9)
 
 
-@pytest.mark.parametrize("way", ["native", "public"])
 @pytest.mark.parametrize(("name", "rule"), [("pohrt-popov", "elastic"), ("pohrt-popov", "hertz")])
-def test_shear_force_is_that_of_the_passive_contact(omega, name, rule, way):
+def test_shear_force_is_that_of_the_passive_contact(omega, name, rule):
     """Along closed paths of normal force and displacement, which then return no work."""
     one = example(name, CONTACT, rule)
-    for forces, displacements in PATHS.values() if way == "native" else [PATHS["wild"]]:
+    for forces, displacements in PATHS.values():
         for choice in CHOICES:
-            law = functor(name, rule, bridge=way, shear=choice)
+            law = functor(name, rule, shear=choice)
             reached, _, shear, normal = taken_along(law, overlaps_at(one, forces), displacements)
             assert normal == pytest.approx(forces, rel=1e-9)
             mine = sheared(one, reached, displacements, GRANITE_RATIO, choice)
@@ -109,15 +108,14 @@ def oblique(law, steps=400, seed=5):
     return overlaps, 0.2 * depth * (places - places[0])
 
 
-@pytest.mark.parametrize("way", ["native", "public"])
 @pytest.mark.parametrize("levels", [1, 2, 3, None])
-def test_levels_are_those_of_python(omega, levels, way):
+def test_levels_are_those_of_python(omega, levels):
     """Along oblique paths under vibration, with sliding; energies, too."""
     for name, rule in [("hertz", "elastic"), ("pohrt-popov", "hertz")]:
         one = example(name, CONTACT, rule)
         overlaps, places = oblique(one)
         surfaces = {} if name == "hertz" else {"granite": GRANITE}
-        law = functor(name, rule, surfaces, bridge=way, levels=levels)
+        law = functor(name, rule, surfaces, levels=levels)
         pair_of_spheres(law, friction=0.5)
         reached, _, *shear, normal = lead(overlaps, places)
         mine = sheared(one, reached, places, GRANITE_RATIO, friction=0.5, levels=3 if levels is None else levels)
@@ -126,9 +124,8 @@ def test_levels_are_those_of_python(omega, levels, way):
         share = np.hypot(*shear) / (0.5 * np.maximum(normal, 1e-300))
         assert np.any(share > 0.999) and np.any(share < 0.5)
         totals = law.totals()
-        if way == "native":
-            assert totals.shear_stored == pytest.approx(mine.stored[-1], rel=1e-9)
-            assert totals.shear_dissipated == pytest.approx(mine.dissipated[-1], rel=0.02)
+        assert totals.shear_stored == pytest.approx(mine.stored[-1], rel=1e-9)
+        assert totals.shear_dissipated == pytest.approx(mine.dissipated[-1], rel=0.02)
 
 
 def test_shear_force_is_kept_under_vibration(omega):
@@ -142,19 +139,18 @@ def test_shear_force_is_kept_under_vibration(omega):
     assert every[-1] > 0.9 * every[19]
     left = {}
     for levels in (1, 2, 3):
-        pair_of_spheres(functor(bridge="native", levels=levels), friction=0.5)
+        pair_of_spheres(functor(levels=levels), friction=0.5)
         left[levels] = -lead(overlaps, places)[2][-1] / every[-1]
     assert left[1] < 0.01 and min(left[2], left[3]) >= 0.98
 
 
-@pytest.mark.parametrize("way", ["native", "public"])
-def test_levels_continue_from_a_saved_scene(omega, tmp_path, way):
+def test_levels_continue_from_a_saved_scene(omega, tmp_path):
     one = example("pohrt-popov", CONTACT, "hertz")
     overlaps, places = oblique(one, 100)
-    whole = functor(bridge=way)
+    whole = functor()
     pair_of_spheres(whole, friction=0.5)
     _, _, *expected, _ = lead(overlaps, places)
-    pair_of_spheres(functor(bridge=way, levels=3), friction=0.5)
+    pair_of_spheres(functor(levels=3), friction=0.5)
     lead(overlaps[:50], places[:50])
     omega.save(str(tmp_path / "half.xml"))
     omega.reset()
@@ -168,7 +164,7 @@ def test_no_step_of_a_random_path_creates_energy(omega, levels):
     """What the totals count as dissipated never falls, and what is stored never exceeds the work."""
     one = example("pohrt-popov", CONTACT, "hertz")
     overlaps, places = oblique(one, 200, seed=levels)
-    law = functor(bridge="native", levels=levels)
+    law = functor(levels=levels)
     pair_of_spheres(law, friction=0.5)
     lost, work, former, start = 0.0, 0.0, np.zeros(2), places[0]
     for overlap, place in zip(overlaps, places, strict=True):
@@ -186,7 +182,7 @@ def test_no_step_of_a_random_path_creates_energy(omega, levels):
 @pytest.mark.parametrize("shear", CHOICES)
 def test_a_gas_gains_no_energy(omega, name, rule, shear):
     """27 spheres without damping in a periodic cell, which collide and rub at ν = 0."""
-    law = functor(name, rule, {} if name == "hertz" else {"granite": GRANITE}, bridge="native", shear=shear, radii=(5e-3, 5e-3))
+    law = functor(name, rule, {} if name == "hertz" else {"granite": GRANITE}, shear=shear, radii=(5e-3, 5e-3))
     stone, side, generator = material(friction=math.atan(1.0), poisson=0.0), 2.02 * RADIUS, np.random.default_rng(3)
     omega.periodic = True
     omega.cell.setBox(3 * side, 3 * side, 3 * side)
@@ -208,7 +204,7 @@ def test_levels_with_the_native_go(omega):
     differ, the self-test refuses it.)"""
     one = example("pohrt-popov", CONTACT, "hertz")
     overlaps, places = oblique(one)
-    pair_of_spheres(functor(bridge="native", calcEnergy=True), friction=0.5)
+    pair_of_spheres(functor(calcEnergy=True), friction=0.5)
     reached, _, *shear, _ = lead(overlaps, places)
     expected = sheared(one, reached, places, GRANITE_RATIO, friction=0.5).shear_force.T
     assert -np.array(shear) == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
@@ -219,7 +215,7 @@ def test_levels_turn_with_the_contact(omega):
     one = example("pohrt-popov", CONTACT, "hertz")
     depth = float(one.overlap(40.0))
     overlaps = depth * np.array([0.5, 1.0, 1.0, 0.9, 0.95, 1.0])
-    pair_of_spheres(functor(bridge="native"), friction=0.5)
+    pair_of_spheres(functor(), friction=0.5)
     _, _, *shear, _ = lead(overlaps, 0.05 * depth * np.array([0, 0, 1, 1, 2, 2]))
     first, second = omega.bodies
     turn = 1e-3
@@ -248,14 +244,13 @@ def test_wrong_levels_and_ratios_are_refused(omega, wrong):
         functor(**wrong)
 
 
-@pytest.mark.parametrize("way", ["native", "public"])
-def test_ratio_of_stiffnesses(omega, tmp_path, way):
+def test_ratio_of_stiffnesses(omega, tmp_path):
     """K_t is the given share of the stiffness of unloading, also in a saved scene, for the time stepper and in the estimate."""
     from demlaws.yade.snapshot import snapshot
 
     one = example("pohrt-popov", CONTACT, "hertz")
     depth = float(one.overlap(40.0)) * np.array([0.5, 1.0, 0.9])
-    pair_of_spheres(functor(bridge=way, shear_ratio=0.1))
+    pair_of_spheres(functor(shear_ratio=0.1))
     reached, stiffness, *_ = lead(depth, np.zeros(3))
     assert stiffness == pytest.approx(one.shear_stiffness(reached, 0.1), rel=1e-11)
     omega.save(str(tmp_path / "scene.xml"))
@@ -318,7 +313,7 @@ def test_partial_slip_is_that_of_python(omega, name, rule):
     overlaps = depth * np.concatenate([[1.0, 1.0, 1.0], generator.uniform(0.7, 1.0, 60)])
     sideways = 0.6 * depth * np.concatenate([[0.0, 0.2, 1.0], generator.uniform(-1.0, 1.0, 60)])
     surfaces = {} if name == "hertz" else {"granite": GRANITE}
-    law = functor(name, rule, surfaces, bridge="native", shear="slip", **one.options)
+    law = functor(name, rule, surfaces, shear="slip", **one.options)
     reached, _, shear, normal = taken_along(law, overlaps, sideways, friction=0.5)
     expected = slip_along(one, reached, sideways, 0.5, SPRINGS)
     assert -shear == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
@@ -335,7 +330,7 @@ def test_partial_slip_of_a_contact_that_grows(omega):
     one = example("pohrt-popov", CONTACT, "hertz")
     forces, displacements = PATHS["wild"]
     overlaps = overlaps_at(one, forces)
-    reached, _, shear, _ = taken_along(functor(bridge="native", shear="slip"), overlaps, displacements, friction=0.5)
+    reached, _, shear, _ = taken_along(functor(shear="slip"), overlaps, displacements, friction=0.5)
     limit = sheared(one, reached, displacements, GRANITE_RATIO, "slip", friction=0.5, springs=1000)
     assert -shear == pytest.approx(limit.shear_force, abs=0.02 * 0.5 * max(forces))
 
@@ -352,6 +347,6 @@ def test_a_rule_of_ones_own_with_springs_slips(omega, registered_here):
     overlaps, sideways = 1e-5 * np.array([1.0, 1.0, 0.9, 0.8, 0.95]), 1e-5 * np.array([0.0, 0.2, 0.1, 0.3, 0.0])
     found = []
     for name, unloading in (("twins", "twin"), ("pohrt-popov", "hertz")):
-        law = functor(name, unloading, {"granite": GRANITE}, bridge="native", shear="slip")
+        law = functor(name, unloading, {"granite": GRANITE}, shear="slip")
         found.append(taken_along(law, overlaps, sideways, friction=0.5)[2])
     assert np.any(found[0] != 0.0) and found[0] == pytest.approx(found[1], rel=1e-12)

@@ -94,7 +94,7 @@ class Counted:
 
 def hertz():
     """The functor of ours that must leave what stock Mindlin leaves."""
-    return functor("hertz", "elastic", {}, bridge="native", shear="native", flats="yade")
+    return functor("hertz", "elastic", {}, shear="native", flats="yade")
 
 
 def contact_steps(found):
@@ -147,7 +147,7 @@ def test_a_rough_law_with_and_without_the_native_go(omega, shear):
     """Attributes and totals of energy of a law with history."""
 
     def run(alone):
-        law = functor("pohrt-popov", "hertz", bridge="native", shear=shear)
+        law = functor("pohrt-popov", "hertz", shear=shear)
         law.binding.attachment.context["own_step"] &= alone
         found, totals = seen(box_of_stones(law)), law.totals()
         return found | {name: np.array([getattr(totals, name)]) for name in ("stored", "dissipated", "shear_stored")}, totals
@@ -165,14 +165,14 @@ def test_viscous_dissipation_is_that_of_yade(omega, periodic):
     seen(box_of_stones(stock, yade.Ip2_FrictMat_FrictMat_MindlinPhys(**damping), periodic))
     expected = stock.normDampDissip + stock.shearDampDissip
     for options in ({}, {"calcEnergy": True}):
-        law = functor("hertz", "elastic", {}, bridge="native", shear="native", flats="yade", **options)
+        law = functor("hertz", "elastic", {}, shear="native", flats="yade", **options)
         seen(box_of_stones(law, yade.Ip2_FrictMat_FrictMat_MindlinPhys(**damping), periodic))
         assert law.totals().viscous == pytest.approx(expected, rel=1e-9) and expected > 0.0
 
 
 def test_sums_of_calcenergy_are_those_of_the_law(omega):
     """YADE's own bookkeeping holds for Mindlin's shear of a Hertz contact."""
-    law = functor("pohrt-popov", "hertz", bridge="native", calcEnergy=True)
+    law = functor("pohrt-popov", "hertz", calcEnergy=True)
     seen(box_of_stones(law))
     totals = law.totals()
     assert (law.shearEnergy, law.frictionDissipation) == (totals.shear_stored, totals.shear_dissipated)

@@ -37,36 +37,34 @@ from demlaws import yade as dy
 # --- the engine list
 
 
-@pytest.mark.parametrize(("way", "hidden"), [("native", 1), ("public", 4)])
-def test_engines_are_what_the_user_wrote(omega, way, hidden):
-    """Reading, slicing, indexing and assigning O.engines do not show hidden engines, which are there all the same."""
-    law = functor(bridge=way)
+def test_engines_are_what_the_user_wrote(omega):
+    """Reading, slicing, indexing and assigning O.engines do not show the guard, which is there all the same."""
+    law = functor()
     wrote = dy.engines(law)
     omega.engines = wrote
     assert [type(e) for e in omega.engines] == [type(e) for e in wrote] and omega.engines[2] is wrote[2]
-    assert len(omega._currEngines) == len(wrote) + hidden
+    assert len(omega._currEngines) == len(wrote) + 1
     # YADE's triax tutorial, FEMxDEM's prepareRVE, apply-buoyancy-clumps
     recorder = yade.PyRunner(command="pass", iterPeriod=20)
     omega.engines = omega.engines[0:3] + [recorder] + omega.engines[3:4]  # noqa: RUF005
     assert [type(e).__name__ for e in omega.engines[2:]] == ["InteractionLoop", "PyRunner", "NewtonIntegrator"]
     omega.engines = omega.engines[:3] + omega.engines[4:]
     omega.engines = list(omega.engines)
-    assert [type(e) for e in omega.engines] == [type(e) for e in wrote] and len(omega._currEngines) == len(wrote) + hidden
+    assert [type(e) for e in omega.engines] == [type(e) for e in wrote] and len(omega._currEngines) == len(wrote) + 1
     for engine in omega.engines:
         engine.dead = isinstance(engine, yade.PyRunner)
     omega.bodies.append(fixed_pair(material()))
     omega.dt = 1e-9
     advance(3)
     assert force() == expected()
-    if way == "native":  # by the public way YADE's own assertion ends the process at a NaN
-        assert_guarded()
+    assert_guarded()
 
 
 def test_engines_assigned_and_saved_while_it_runs(omega, tmp_path):
     """As FEMxDEM's prepareRVE does when its controller is done."""
     import __main__
 
-    law = functor(bridge="native")
+    law = functor()
     still(law)
 
     def done():
@@ -87,14 +85,14 @@ def test_engines_assigned_and_saved_while_it_runs(omega, tmp_path):
 
 def test_the_guard_rests(omega):
     """It runs at the first two steps, then every hundred: the cost of a step of Python occurs in one of a hundred."""
-    law = functor(bridge="native")
+    law = functor()
     still(law)
     advance(1001)
     assert law.binding.guards <= 13
 
 
 def test_parallel_engine(omega, tmp_path):
-    law = functor(bridge="native")
+    law = functor()
     omega.bodies.append(fixed_pair(material()))
     omega.engines = engine_list(yade.ParallelEngine([[interaction_loop(law)]]))
     assert len(omega._currEngines) == 5 and len(omega.engines) == 4
@@ -110,7 +108,7 @@ def test_parallel_engine(omega, tmp_path):
 
 def test_a_saved_scene_never_acts_natively(omega, tmp_path):
     """Loaded where this package is not imported and its guard has been made dead: YADE ends, it does not go on with Mindlin."""
-    acting(functor(bridge="native"))
+    acting(functor())
     file = tmp_path / "x.yade"
     omega.save(str(file))
     text = f"""
@@ -132,10 +130,10 @@ print("WENT ON", yade.O.interactions[0, 1].phys.normalForce.norm())
 def test_scenes_keep_apart(omega, tmp_path):
     """Two scenes under one label: saved, loaded and switched, each keeps its own surfaces and its guard."""
     rough = dl.Surface(1e-5, 2.22, 6.266e9)
-    acting(functor(bridge="native"))
+    acting(functor())
     omega.switchScene()
     try:
-        second = functor(surfaces={"granite": rough}, bridge="native")
+        second = functor(surfaces={"granite": rough})
         acting(second)
         assert force() == expected(1e-5)
         omega.switchScene()
@@ -154,7 +152,7 @@ def test_scenes_keep_apart(omega, tmp_path):
 
 def test_a_law_in_two_scenes_stops_the_first(omega):
     """Its account of energy would mix: the scene that it left stops before its next contact."""
-    law = acting(functor(bridge="native"))
+    law = acting(functor())
     first, second = omega.thisScene, omega.addScene()
     omega.switchToScene(second)
     acting(law)
@@ -177,20 +175,18 @@ def test_a_law_in_two_scenes_stops_the_first(omega):
         ("table", None, "no surface was given.*'granite'"),
     ],
 )
-@pytest.mark.parametrize("way", ["native", "public"])
-def test_smooth_contacts_of_a_rough_law_are_an_error(omega, tmp_path, law, surfaces, why, way):
+def test_smooth_contacts_of_a_rough_law_are_an_error(omega, tmp_path, law, surfaces, why):
     if law == "table":
         contact = dl.Contact(0.005, 32e9, 2.4e-6, 2.22)
         law = str(dl.law("pohrt-popov", contact, "hertz").tabulate(1e-4).save(tmp_path / "rough.tbl"))
-    still(functor(law, None if "." in law else "hertz", surfaces, bridge=way, label="unsaid"))
+    still(functor(law, None if "." in law else "hertz", surfaces, label="unsaid"))
     stops(why)
 
 
-@pytest.mark.parametrize("way", ["native", "public"])
-def test_a_surface_for_bodies_that_come_later(omega, way):
+def test_a_surface_for_bodies_that_come_later(omega):
     """A label of a material in the scene is not a typing error, though no body has it yet."""
     floor, later = material("floor"), material("later")
-    law = functor(surfaces={"granite": GRANITE, "later": dl.Surface(1e-6, 2.3)}, bridge=way)
+    law = functor(surfaces={"granite": GRANITE, "later": dl.Surface(1e-6, 2.3)})
     still(law)
     omega.bodies.append(sphere((0, 0, -0.02 + OVERLAP), 0.01, fixed=True, material=floor))
     advance(4)
@@ -201,13 +197,13 @@ def test_a_surface_for_bodies_that_come_later(omega, way):
 
 
 def test_smooth_is_allowed_by_the_user(omega):
-    acting(functor(surfaces=None, smooth=True, bridge="native"))
+    acting(functor(surfaces=None, smooth=True))
     assert force() == pytest.approx(dl.law("hertz", dl.Contact(0.005, MODULUS)).force(OVERLAP), rel=1e-13)
 
 
 def test_one_surface_for_all_materials(omega):
     """YADE's examples have materials without labels."""
-    acting(functor(surfaces=GRANITE, bridge="native"), label="")
+    acting(functor(surfaces=GRANITE), label="")
     assert force() == expected()
     omega.saveTmp()
     omega.loadTmp()
@@ -216,14 +212,13 @@ def test_one_surface_for_all_materials(omega):
 
 
 @pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda law: pickle.loads(pickle.dumps(law))])
-@pytest.mark.parametrize("way", ["native", "public"])
-def test_a_copy_is_the_same_law(omega, way, copied):
+def test_a_copy_is_the_same_law(omega, copied):
     """A copy by YADE's own functions would be smooth Hertz: 34.1 N for 6.67."""
     from demlaws.yade.saving import are_same
 
-    law = acting(functor(bridge=way, label="first", neverErase=True))
+    law = acting(functor(label="first", neverErase=True))
     other = copied(law)
-    assert other.label == "first" and other.neverErase and other.way == way
+    assert other.label == "first" and other.neverErase
     assert other.binding is not law.binding and are_same(other.binding, law.binding)
     omega.reset()
     acting(other)
@@ -236,19 +231,18 @@ def test_a_copy_is_the_same_law(omega, way, copied):
 
 def test_scaled_stiffness_is_no_alarm(omega):
     """TriaxialStressController with internalCompaction scales kn; what derives from MindlinPhys is another law's."""
-    law = acting(functor(bridge="native"))
+    law = acting(functor())
     omega.interactions[0, 1].phys.kn *= 1.5
     law.binding.verify()
     advance(3)
     assert force() == expected()
 
 
-@pytest.mark.parametrize("way", ["native", "public"])
-def test_one_functor_for_a_kind_of_contact(omega, way):
+def test_one_functor_for_a_kind_of_contact(omega):
     """Of functors for the same contacts YADE lists one and asks another: the native law would act, or a functor without a
     scene, which ends the process. Two loops compute every contact twice."""
-    law = functor(bridge=way)
-    second = functor("hertz", "elastic", bridge=way, label="second")
+    law = functor()
+    second = functor("hertz", "elastic", label="second")
     mindlin, linear = yade.Law2_ScGeom_MindlinPhys_Mindlin(), yade.Law2_ScGeom_MindlinPhys_HertzWithLinearShear()
     cundall = yade.Law2_ScGeom_FrictPhys_CundallStrack()
     for functors in ((law, mindlin), (mindlin, law), (law, second), (law, linear), (linear, law)):
@@ -268,25 +262,16 @@ def test_one_functor_for_a_kind_of_contact(omega, way):
     assert omega.forces.f(1)[2] == expected()
 
 
-@pytest.mark.parametrize(
-    ("way", "wrong"),
-    [
-        ("native", {"young": -1e9}),
-        ("native", {"poisson": 1.0}),
-        ("native", {"poisson": 0.7}),
-        ("native", {"young": float("inf")}),  # by the public way YADE's own assertion ends the process
-        ("public", {"young": -1e9}),
-    ],
-)
-def test_an_invalid_modulus_stops(omega, way, wrong):
+@pytest.mark.parametrize("wrong", [{"young": -1e9}, {"poisson": 1.0}, {"poisson": 0.7}, {"young": float("inf")}])
+def test_an_invalid_modulus_stops(omega, wrong):
     """By YADE's own law these contacts attract, without a message."""
-    still(functor(bridge=way), **wrong)
+    still(functor(), **wrong)
     stops("granite")
-    functor(bridge=way, label="later")  # can be made while such bodies are in the scene
+    functor(label="later")  # can be made while such bodies are in the scene
 
 
 def test_a_modulus_typed_in_gpa_stops(omega):
-    still(functor(bridge="native"), young=60.6)
+    still(functor(), young=60.6)
     stops("granite")
 
 
@@ -296,7 +281,7 @@ def test_a_modulus_typed_in_gpa_stops(omega):
 def test_right_at_once_after_loading(omega, tmp_path):
     import builtins
 
-    law = acting(functor(bridge="native"))
+    law = acting(functor())
     omega.bodies[1].state.pos = (0, 0, 0.02 - 0.5 * OVERLAP)
     advance(3)
     totals, state = law.totals(), law.contacts()
@@ -307,13 +292,13 @@ def test_right_at_once_after_loading(omega, tmp_path):
     assert law.totals() == totals
     assert law.contacts().force == pytest.approx(state.force, rel=1e-14)
     assert builtins.demlaws is law and type(omega.engines[2].lawDispatcher.functors[0]) is type(law)
-    again = functor(bridge="native")
+    again = functor()
     set_engines(again, 1e-9)  # load, then define the engines: YADE's standard way
     advance(3)
     assert again.totals() == pytest.approx(totals, rel=1e-12) and law.totals() == again.totals()
     assert again.contacts().maximum_overlap[0] == pytest.approx(OVERLAP, rel=1e-9)
     with pytest.raises(dl.DemlawsError):
-        set_engines(functor(surfaces={"granite": dl.Surface(1e-6, 2.22)}, bridge="native"), 1e-9)
+        set_engines(functor(surfaces={"granite": dl.Surface(1e-6, 2.22)}), 1e-9)
 
 
 # --- sizes, flats
@@ -329,12 +314,11 @@ def on_flat(flat):
 
 
 @pytest.mark.parametrize("flat", FLATS)
-@pytest.mark.parametrize("way", ["native", "public"])
-def test_a_sphere_on_a_flat_has_its_own_radius(omega, flat, way):
+def test_a_sphere_on_a_flat_has_its_own_radius(omega, flat):
     for flats, share in (("plane", 1.0), ("yade", OF_YADE[flat])):
         omega.reset()
         on_flat(flat)
-        set_engines(functor(bridge=way, flats=flats), 1e-9)
+        set_engines(functor(flats=flats), 1e-9)
         advance(3)
         assert force() == expected(radius=0.01 * share)
 
@@ -345,7 +329,7 @@ def test_hertzian_flats_are_understood(omega, flat):
     on_flat(flat)
     geometries = [yade.Ig2_Facet_Sphere_ScGeom(hertzian=True), yade.Ig2_Wall_Sphere_ScGeom(hertzian=True)]
     for flats in ("plane", "yade"):
-        law = functor("yip-venart", "elastic", bridge="native", flats=flats)
+        law = functor("yip-venart", "elastic", flats=flats)
         set_engines(law, 1e-9, geometries=geometries)
         advance(3)
         assert law.contacts().radius[0] == pytest.approx(0.01, rel=1e-7) and law.contacts().force[0] > 0
@@ -361,7 +345,7 @@ def test_the_stepper_is_bounded(omega, share):
     from yade import geom, utils
 
     stone = material()
-    law = functor(bridge="native")
+    law = functor()
     law_engines = dy.engines(law, timestep=share, newton=yade.NewtonIntegrator(damping=0))
     side = 0.03
     omega.bodies.append(geom.facetBox((side / 2,) * 3, (side / 2,) * 3, material=stone))
@@ -380,7 +364,7 @@ def test_the_stepper_is_bounded(omega, share):
 
 
 def test_a_stepper_without_a_bound_is_warned_of(omega):
-    law = functor(bridge="native")
+    law = functor()
     stepper = yade.GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.5)
     still(law)
     with pytest.warns(dy.TimeStepWarning, match=r"maxDt was .* and is now 4\.18e-06 s"):
@@ -403,10 +387,10 @@ def test_true_restitution(omega):
     stone = material()
     omega.bodies.append([sphere((0, 0, z), 0.01, material=stone) for z in (0, 0.05)])
     first, second = omega.bodies
-    hertz = functor("hertz", "elastic", None, bridge="native")
+    hertz = functor("hertz", "elastic", None)
     assert hertz.restitution(first, second, 0.1) == pytest.approx(1.0, abs=1e-3)
     assert hertz.restitution(first, second, 0.1, en=0.9) == pytest.approx(0.9, abs=5e-3)
-    law = functor(bridge="native", label="rough")
+    law = functor(label="rough")
     alone, damped = law.restitution(first, second, 0.1), law.restitution(first, second, 0.1, en=0.9)
     assert 0.5 < damped < 0.9 * alone + 0.02 < alone < 0.99
     reserved = Path("/proc/self/statm").read_text().split()[0]
@@ -424,7 +408,7 @@ def test_restitution_goes_by_the_masses_of_the_bodies(omega):
     stone = material()
     omega.bodies.append([sphere((0, 0, z), 0.01, material=stone, fixed=z > 0.1) for z in (0, 0.05, 0.2, 0.3)])
     first, second, fixed, other = omega.bodies
-    law = functor(bridge="native")
+    law = functor()
     faster = law.restitution(first, second, 0.1 * 2**0.5)
     assert faster == pytest.approx(0.7715, abs=1e-3)  # 0.771462 when the two meet in the user's scene; 0.7285 at 0.1 m/s
     assert law.restitution(first, fixed, 0.1) == pytest.approx(faster, abs=2e-4)
@@ -444,7 +428,7 @@ def test_restitution_on_a_facet_by_yades_own_radius(omega):
     stone, steel = material(), material("steel", 2e11, 0.3)
     omega.bodies.append(sphere((0, 0, 0), 0.01, material=stone))
     omega.bodies.append([facet([(0, 0, 1), (1, 0, 1), (0, 1, 1)], material=steel), wall(2, 2, material=steel)])
-    law = functor(surfaces={"granite": GRANITE, "steel": dl.Surface()}, flats="yade", bridge="native")
+    law = functor(surfaces={"granite": GRANITE, "steel": dl.Surface()}, flats="yade")
     found = [law.restitution(omega.bodies[0], omega.bodies[flat], 0.1) for flat in (1, 2)]
     assert found == pytest.approx([0.7900, 0.7995], abs=2e-4)
 
@@ -453,7 +437,7 @@ def test_restitution_on_a_facet_by_yades_own_radius(omega):
 
 
 def test_totals_while_it_runs(omega):
-    law = acting(functor(bridge="native"))
+    law = acting(functor())
     goal = law.totals()
     omega.run(10**7, False)
     try:
@@ -468,7 +452,7 @@ def test_totals_while_it_runs(omega):
 
 def test_contacts_of_a_list_with_potential_ones(omega):
     """`O.interactions.all()` holds those that do not touch yet; one contact needs no list."""
-    law = functor(bridge="native")
+    law = functor()
     still(law)
     omega.bodies.append(sphere((0, 0, 0.0401), 0.01, fixed=True, material=omega.bodies[0].material))
     advance(3)
@@ -496,7 +480,8 @@ def test_another_build_or_version_passes(bridge, monkeypatch, name, value):
     monkeypatch.setattr(yade.config, name, value)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        assert functor(bridge="native").way == "native" and bridge.find_layout().slot
+        functor()
+        assert bridge.find_layout().slot
     assert (dy.BridgeWarning in [one.category for one in caught]) == (name == "version")
 
 
@@ -536,7 +521,7 @@ def test_a_doctored_layout_fails_closed(bridge, monkeypatch, doctored):
 
 def test_contacts_are_a_table(omega):
     """len, columns and energies of contacts; lines end at the bodies' centres, or on the wall."""
-    law = functor(bridge="native", surfaces={"granite": dl.materials.granite})
+    law = functor(surfaces={"granite": dl.materials.granite})
     ids = omega.bodies.append(fixed_pair(material()))
     omega.bodies.append(yade.utils.wall((0, 0, -0.01 + 0.5 * OVERLAP), 2, material=material()))
     set_engines(law, 1e-9)
@@ -559,7 +544,7 @@ def test_contacts_are_a_table(omega):
 
 
 def test_sliding_contacts_are_marked(omega):
-    law = acting(functor(bridge="native"))
+    law = acting(functor())
     omega.bodies[1].state.vel = (1.0, 0, 0)
     omega.dt = 1e-8
     advance(300)
@@ -576,7 +561,7 @@ def test_lines_across_a_periodic_face(omega):
     omega.bodies.append([sphere((0.025, 0.025, z), 0.01, material=stone) for z in (0.005, 0.035 + 0.5 * OVERLAP)])
     for body in omega.bodies:
         body.dynamic = False
-    set_engines(law := functor(bridge="native"), 1e-9)
+    set_engines(law := functor(), 1e-9)
     omega.engines[1].allowBiggerThanPeriod = True
     advance(3)
     contacts = law.contacts()
