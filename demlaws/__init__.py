@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from demlaws.law import Law as Law
     from demlaws.law import Table as Table
     from demlaws.laws.definition import Definition as Definition
+    from demlaws.laws.definition import Numbers as Numbers
     from demlaws.laws.definition import Option as Option
     from demlaws.laws.definition import Parameter as Parameter
     from demlaws.laws.registry import laws as laws
@@ -39,6 +40,7 @@ _HOMES = {
     "DemlawsError": "demlaws.errors",
     "Law": "demlaws.law",
     "Material": "demlaws.contact",
+    "Numbers": "demlaws.laws.definition",
     "Option": "demlaws.laws.definition",
     "Parameter": "demlaws.laws.definition",
     "Scene": "demlaws.advice.scene",

@@ -63,6 +63,10 @@ UNITS = {
     "kg/m³": {"kg/m³": 1.0, "kg/m3": 1.0, "g/cm³": 1e3, "g/cm3": 1e3},
     "m/N": {"m/N": 1.0, "mm/N": 1e-3, "um/N": 1e-6, "nm/N": 1e-9, "mm/kN": 1e-6, "um/kN": 1e-9},
     "rad": {"rad": 1.0, "deg": math.pi / 180.0, "°": math.pi / 180.0},
+    "N/m": {"N/m": 1.0, "N/mm": 1e3, "N/um": 1e6, "kN/m": 1e3, "kN/mm": 1e6, "MN/m": 1e6},
+    "1/m": {"1/m": 1.0, "1/mm": 1e3, "1/um": 1e6},
+    "1/m²": {"1/m²": 1.0, "1/m2": 1.0, "1/mm²": 1e6, "1/mm2": 1e6, "1/um²": 1e12, "1/um2": 1e12},
+    "1/s": {"1/s": 1.0, "/s": 1.0},
 }
 """SI unit → spellings that are read in text beside a plain number, and what each is in that unit."""
 _QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:inf|nan))\s*(\S*)\s*")
@@ -75,7 +79,7 @@ HANDY = {"m": ("µm", 1e6), "Pa": ("GPa", 1e-9), "m/N": ("µm/N", 1e6), "N/m": (
 def quantity(text, name, unit=""):
     """A number in the SI unit `unit` from text such as "3mm", "2.4 µm", "60GPa" or "6e10". Raises DemlawsError."""
     match = _QUANTITY.fullmatch(text)
-    factors = UNITS.get(unit, {})
+    factors = UNITS.get(unit, {unit: 1.0} if unit else {})
     symbol = match[2].replace("µ", "u").replace("μ", "u") if match else ""
     if match and (not symbol or symbol in factors):
         return float(match[1]) * factors.get(symbol, 1.0)

@@ -116,7 +116,7 @@ GOOD_OF = {
     "soften": {"thing": PAIR, "factor": 10.0},
     "sheared": {"displacement": [0.0, 1e-7], "ratio": 0.8},
 }
-RECORDS = {"Definition", "Option", "Parameter"}  # hold what they are given; `register` and `define` look at it
+RECORDS = {"Definition", "Numbers", "Option", "Parameter"}  # hold what they are given; `register` and `define` look at it
 LEFT_OUT = {
     "from_portable",
     "portable",

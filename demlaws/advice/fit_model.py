@@ -61,7 +61,8 @@ class Model:
                 fill[field] = float(OF_CONTACT[field].starts(contact)[0])
         self.contact = contact.with_values(**fill)
         unseen = {n: one for n, one in self.definition.fitting.parameters.items() if one.unloading and n not in free}
-        self.options = {n: float(np.ravel(one.starts(self.contact))[0]) for n, one in unseen.items()} | dict(options)
+        self.options = {n: float(np.ravel(one.starts(self.contact))[0]) for n, one in unseen.items()}
+        self.options |= self.definition.read(options)
         self.measured, self.force = displacement, force
         self.scale = float(np.ptp(displacement)) or float(np.max(np.abs(displacement))) or 1.0
         self.sigma = np.full(force.size, noise or self.scale)

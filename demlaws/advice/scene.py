@@ -29,7 +29,7 @@ from demlaws.laws.registry import find
 from demlaws.make import known_unloading
 from demlaws.make import law as bind_law
 from demlaws.timestep import shear_ratio, timestep
-from demlaws.units import as_float, number
+from demlaws.units import as_float, number, unmasked
 
 ENGINES = ("python", "yade", "liggghts", "lammps")
 PROCESSES = ("oedometer", "shear", "pour")
@@ -122,9 +122,9 @@ class Scene:
     name: str = ""
 
     def __post_init__(self):
-        classes = tuple(sorted({number(r, "classes", "m") for r in np.ravel(self.classes)}))
+        classes = tuple(sorted({number(r, "classes", "m") for r in _several(self.classes)}))
         object.__setattr__(self, "classes", classes)
-        radii = classes or tuple(number(r, "radii", "m") for r in np.ravel(self.radii))
+        radii = classes or tuple(number(r, "radii", "m") for r in _several(self.radii))
         if not radii:
             raise DemlawsError("radii is empty: give one radius in m, or the smallest and the largest")
         if len(radii) > 2 and not classes:
@@ -151,23 +151,27 @@ class Scene:
             if getattr(self, label) is not None:
                 object.__setattr__(self, label, _range(getattr(self, label), label, unit))
         if self.forces is not None:
-            forces = np.ravel(as_float(np.ravel(self.forces), "forces", "N", array=True))
+            forces = as_float(_several(self.forces), "forces", "N", array=True)
             if not np.all(np.isfinite(forces)) or not np.any(forces > 0.0):
                 raise DemlawsError(f"forces must be finite forces in N, none masked, some above 0, got {self.forces!r:.60}")
             object.__setattr__(self, "forces", forces[forces > 0.0])
         object.__setattr__(self, "speed", number(self.speed, "speed", "m/s", allow_low=True))
         if self.force is None and self.pressure is None and self.forces is None and not self.speed:
             raise DemlawsError("the scene has no load: give force=(low, high) in N, pressure in Pa, forces, or speed in m/s")
-        number(self.tolerance, "tolerance", "", 0.0, 1.0)
-        number(self.porosity, "porosity", "", 0.0, 0.95)
-        number(self.coordination, "coordination", "", 0.0, 20.0)
-        if self.rate is not None:
-            object.__setattr__(self, "rate", number(self.rate, "rate", "1/s"))
-        if self.yield_pressure is not None:
-            object.__setattr__(self, "yield_pressure", number(self.yield_pressure, "yield_pressure", "Pa"))
+        for label, unit, high in (
+            ("tolerance", "", 1.0),
+            ("porosity", "", 0.95),
+            ("coordination", "", 20.0),
+            ("rate", "1/s", math.inf),
+            ("yield_pressure", "Pa", math.inf),
+        ):
+            if getattr(self, label) is not None or high < math.inf:
+                object.__setattr__(self, label, number(getattr(self, label), label, unit, 0.0, high))
         for label, words in (("quantity", QUANTITIES), ("engine", ENGINES), ("process", ("", *PROCESSES))):
             if not isinstance(getattr(self, label), str) or getattr(self, label) not in words:
                 raise DemlawsError(f"{label} = {getattr(self, label)!r}: choose one of {', '.join(filter(None, words))}")
+        if self.reference is not None:
+            object.__setattr__(self, "reference_options", find(self.reference).read(self.reference_options))
         if self.unloading is not None:
             self._check_unloading()
 
@@ -256,8 +260,13 @@ def _all_of(value, kind, label):
     return tuple(several)
 
 
+def _several(value):
+    """One value, or the entries of a list or array: numbers, or text with a unit."""
+    return list(value) if isinstance(value, list | tuple) else list(np.ravel(unmasked(value)))
+
+
 def _range(value, label, unit):
-    pair = [number(v, label, unit) for v in np.ravel(value)]
+    pair = [number(v, label, unit) for v in _several(value)]
     if len(pair) == 1:
         pair = [0.01 * pair[0], pair[0]]
     if len(pair) != 2 or pair[0] > pair[1]:

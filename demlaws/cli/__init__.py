@@ -141,19 +141,14 @@ def build_parser(commands=tuple(COMMANDS)):
 
 
 def option(text):
-    """`name=value` with the value as a number (also with a unit: 1.66GPa), true, false or null, else text."""
+    """`name=value` with the value as a number, true, false or null, else text, which the law's record reads (1.66GPa)."""
     import json
-
-    from demlaws.units import UNITS, quantity
 
     name, separator, value = text.partition("=")
     if not separator or not name:
         raise argparse.ArgumentTypeError(
             f"{text!r}: write an option of a law as name=value, for instance yield_pressure=1.66GPa"
         )
-    for unit in UNITS:  # the unit itself says what is meant: the kind of an option is not known here
-        with contextlib.suppress(DemlawsError):
-            return name.replace("-", "_"), quantity(value, name, unit)
     with contextlib.suppress(json.JSONDecodeError):
         value = json.loads(value)
     if isinstance(value, (list, dict)):

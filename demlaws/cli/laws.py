@@ -46,7 +46,7 @@ def run(arguments):
     definition = find(arguments.name)
     fields = ("name", "description", "equation", "source", "needs", "default_unloading")
     record(**{name: getattr(definition, name) for name in fields}, unloading=list(definition.offered()))
-    record(options={name: option._asdict() for name, option in definition.options.items()})
+    record(options={name: option._replace(values=str(option.values)) for name, option in definition.options.items()})
     say(f"{definition.name}: {definition.description}\n  {definition.equation}\n  {definition.source}")
     print(f"  needs of the contact: {', '.join(('radius', 'modulus', *definition.needs))}")
     lines = list(definition.option_lines())

@@ -3,8 +3,6 @@
 import math
 from typing import Any
 
-import numpy as np
-
 from demlaws.contact import Contact
 from demlaws.core.table_types import NO_YIELD, BulkYield, TableShape
 from demlaws.laws.definition import Definition
@@ -20,8 +18,8 @@ class ClosedForm:
 
     def __init__(self, definition: Definition, contact: Contact, options: dict, shape: Any = None):
         self.definition = definition
-        self.options = {n: v.item() if isinstance(v, np.generic) else v for n, v in options.items()}  # plain for repr and files
         self.shape = definition.shape(contact, **options) if shape is None else shape
+        self.options = definition.read(options)
 
     @property
     def collapses(self) -> bool:

@@ -90,7 +90,8 @@ def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
         lengths = values["length_over_roughness"], values["length_over_radius"]
         shape = shape_from_nodes(rows.nodes, rows.bits, *lengths, bulk=bulk, straight=rows.straight, floor=floor)
         certificate = Certificate(values[f"{prefix}force_error"], values[f"{prefix}stiffness_error"])
-        definition, options = _definition(file, rule, prefix, collapses), values[f"{prefix}options"]
+        definition = _definition(file, rule, prefix, collapses)
+        options = definition.read(values[f"{prefix}options"])
         knots = _knots(file.header.get(f"{prefix}points"), path)
         made_for = values[f"{prefix}contact"]
         collapses = collapses or (prefix == "" and file.unloading is not None and definition.collapses)

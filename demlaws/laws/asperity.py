@@ -15,13 +15,22 @@ from demlaws.core.fastmath import hertz_coefficient, kernel
 from demlaws.core.grid import Nodes, grid, shape_from_nodes
 from demlaws.core.table_types import Grid
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Advice, Definition, Drawing, Limit, Option, bulk_yield, plastic_asperities
+from demlaws.laws.definition import (
+    POSITIVE,
+    Advice,
+    Definition,
+    Drawing,
+    Limit,
+    Numbers,
+    Option,
+    bulk_yield,
+    plastic_asperities,
+)
 from demlaws.laws.family import CurveNumber, FamilyShape, family_params, shared_grid
 from demlaws.laws.hertz import HertzShape
 from demlaws.solvers.criterion import transition_force
 from demlaws.surface import HeightMap, read, self_affine
 from demlaws.surfaces.plausibility import advise
-from demlaws.units import number
 
 _BITS = 6  # cells per octave
 _SAMPLES = 12  # cuts of the map per octave
@@ -210,10 +219,10 @@ def _prepare(
         raise DemlawsError(f"curve = {curve!r}: the curves are 'loading' and 'reloading'")
     surface = _map(surface)
     if curve == "reloading":
-        force = number(force, "force (first loading, for curve='reloading')", "N")
+        if force is None:
+            raise DemlawsError("curve = 'reloading' needs force, the first loading in N: give force=...")
     elif force is not None:
         raise DemlawsError(f"force = {force!r:.60}: the first loading [N] of curve='reloading'; give that, or leave force out")
-    max_force = None if max_force is None else number(max_force, "max_force", "N")
     if surface.sq == 0.0:
         return HertzShape()
     pairs, alike = _pairs(contact)
@@ -279,7 +288,7 @@ def _pairs(contact):
 def _limits(contact, max_force=None, **options):
     limits = bulk_yield(contact)
     if max_force is not None:
-        limits.append(Limit(0.0, float(max_force), "the curve is extrapolated above max_force"))
+        limits.append(Limit(0.0, max_force, "the curve is extrapolated above max_force"))
     return limits
 
 
@@ -305,11 +314,11 @@ LAW = Definition(
             "", "a HeightMap or a file", "height map of the rough body, or of the gap between two; needed", _softened
         ),
         "curve": Option("", "loading or reloading", "first loading, or the elastic reloading after `force`"),
-        "force": Option("N", "above 0", "largest force of first loading before the reloading curve; required for it"),
-        "max_force": Option("N", "above 0", "end of the computed curve; default: the edge of the map or bulk yield"),
-        "poisson": Option("", "-1 to 0.5", "Poisson's ratio of the rough body"),
-        "plastic_factor": Option("", "above 0", "c_h: fully plastic pressure over hardness; default: 0.71 of aluminium"),
-        "plastic_ratio": Option("", "above 0", "c_A: 2 ω2/ω1 of a sphere; default: 160 of aluminium"),
+        "force": Option("N", POSITIVE, "largest force of first loading before the reloading curve; required for it"),
+        "max_force": Option("N", POSITIVE, "end of the computed curve; default: the edge of the map or bulk yield"),
+        "poisson": Option("", Numbers(-1.0, 0.5), "Poisson's ratio of the rough body"),
+        "plastic_factor": Option("", POSITIVE, "c_h: fully plastic pressure over hardness; default: 0.71 of aluminium"),
+        "plastic_ratio": Option("", POSITIVE, "c_A: 2 ω2/ω1 of a sphere; default: 160 of aluminium"),
     },
     advice=Advice(advise=plastic_asperities),
     drawing=Drawing(label="asperities", colour="#e377c2"),

@@ -15,11 +15,11 @@ from demlaws.laws.definition import (
     Drawing,
     Fitting,
     Limit,
+    Numbers,
     Option,
     bulk_yield,
     plastic_asperities,
 )
-from demlaws.units import number
 
 _JOINT = 0.47
 CONTINUOUS = 1.5975731915314553
@@ -167,7 +167,7 @@ bind(BahramiParams, virgin=_virgin, inverse=_inverse, energy=_energy)
 
 
 def _prepare(contact, constant=CONTINUOUS):
-    return BahramiShape(contact.hardness, number(constant, "constant", "", 1.5, 1.7))
+    return BahramiShape(contact.hardness, constant)
 
 
 def _limits(contact, **_):
@@ -191,7 +191,9 @@ LAW = Definition(
     implicit=True,
     needs=("hardness",),
     options={
-        "constant": Option("", "1.5 to 1.7", "of the published correlation; the default makes it continuous (printed: 1.605)"),
+        "constant": Option(
+            "", Numbers(1.5, 1.7, True), "of the published correlation; the default makes it continuous (printed: 1.605)"
+        ),
     },
     fitting=Fitting(parameters={"roughness": ROUGHNESS, "hardness": HARDNESS}, free=("roughness",)),
     advice=Advice(advise=plastic_asperities),

@@ -17,19 +17,20 @@ from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, sqrt
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import (
     LENGTH,
+    POSITIVE,
     PRESSURE,
     Advice,
     Definition,
     Drawing,
     Fitting,
     Limit,
+    Numbers,
     Option,
     Parameter,
     elastic_bulk,
     power_of,
     pressure_option,
 )
-from demlaws.units import number
 
 
 class ConicalDamageShape(NamedTuple):
@@ -106,10 +107,9 @@ def _prepare(contact, strength=None, angle=None):
         raise DemlawsError(
             "law 'conical-damage' needs strength σ_max in Pa and angle α in rad (give strength=... and angle=...)"
         )
-    strength, angle = pressure_of(contact, strength, "strength"), number(angle, "angle", "rad", 0.0, 0.5 * math.pi)
     if angle >= 0.5 * math.pi:
         raise DemlawsError(f"angle = {angle:g} rad: give an angle below π/2, where the cone is a plane")
-    return ConicalDamageShape(strength, _blunting(angle))
+    return ConicalDamageShape(pressure_of(contact, strength, "strength"), _blunting(angle))
 
 
 def _limits(contact, strength, angle):
@@ -130,8 +130,7 @@ def _limits(contact, strength, angle):
 
 def _angle_softens(angle, factor):
     """A = (1 - sin α)/sin α is a depth over a radius."""
-    sine = math.sin(number(angle, "angle", "rad", 0.0, 0.5 * math.pi))
-    return math.asin(1.0 / (1.0 + (1.0 - sine) / sine * power_of(factor, LENGTH)))
+    return math.asin(1.0 / (1.0 + _blunting(angle) * power_of(factor, LENGTH)))
 
 
 def _advise(conditions):
@@ -157,8 +156,10 @@ LAW = Definition(
     },
     default_unloading="thornton",
     options={
-        "strength": Option("Pa", "above 0", "σ_max, peak pressure at which the tip crushes; needed", PRESSURE),
-        "angle": Option("rad", "0 to π/2", "α of the cone that it becomes: blunt near π/2; needed", _angle_softens),
+        "strength": Option("Pa", POSITIVE, "σ_max, peak pressure at which the tip crushes; needed", PRESSURE),
+        "angle": Option(
+            "rad", Numbers(0.0, 0.5 * math.pi), "α of the cone that it becomes: blunt near π/2; needed", _angle_softens
+        ),
     },
     fitting=Fitting(
         identifiable=False,

@@ -4,7 +4,7 @@ import functools
 import inspect
 import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -135,17 +135,51 @@ OF_CONTACT = {"modulus": MODULUS, "roughness": ROUGHNESS, "fractal_dimension": D
 """The contact's own quantities; a law names those that it depends on, and adds its options, in `Fitting.parameters`."""
 
 
-class Option(NamedTuple):
-    """Documentation of a law's option; its default is in the signature of `prepare`.
+class Numbers(NamedTuple):
+    """The numbers that an option can be: above `low` (or from it, where `included`) and up to `high`.
 
-    >>> dl.Option("Pa", "above 0", "pressure at which the bulk yields; needed").values
-    'above 0'
+    >>> print(dl.Numbers(0.0), dl.Numbers(0.0, 1.0, True), dl.Numbers(), sep="; ")
+    above 0; 0 to 1; a finite number
+    """
+
+    low: float = -math.inf
+    high: float = math.inf
+    included: bool = False
+
+    def __str__(self) -> str:
+        low, high = (f"{end:.4g}".replace("e+0", "e").replace("e-0", "e-") for end in (self.low, self.high))
+        if self.high < math.inf:
+            return f"{low} to {high}" if self.included else f"above {low} to {high}"
+        return "a finite number" if self.low == -math.inf else f"{'from' if self.included else 'above'} {low}"
+
+
+POSITIVE = Numbers(0.0)
+"""Of an option that is a length, a pressure, a stiffness."""
+
+
+class Option(NamedTuple):
+    """A law's option: `Definition.read` reads values by this record. Its default is in the signature of `prepare`.
+
+    An option with a range (`Numbers`), or with a unit, is a number, or text with a unit. Any other one is what its `prepare`
+    makes of it: a word, a file.
+
+    >>> strength = dl.Option("Pa", dl.Numbers(0.0), "pressure at which the bulk yields; needed")
+    >>> strength.read("strength", "1.66GPa"), str(strength.values)
+    (1660000000.0, 'above 0')
     """
 
     unit: str
-    values: str  # the range, or the words that it can be
+    values: "Numbers | str"  # the range, or the words that it can be
     meaning: str
     softens: float | Callable | None = None  # see `advice.soften.softened_option`
+
+    def read(self, name: str, value: Any) -> Any:
+        """A value as `prepare` takes it; DemlawsError that names the option where it is inadmissible."""
+        if isinstance(self.values, Numbers):
+            return number(value, name, self.unit, self.values.low, self.values.high, self.values.included)
+        if self.unit:
+            return number(value, name, self.unit, -math.inf)
+        return value.item() if isinstance(value, np.generic) else value
 
 
 PRESSURE = -2 / 3
@@ -158,7 +192,7 @@ LENGTH = 2 / 3
 
 def slope_softens(value: Any, factor: float) -> float:
     """`Option.softens` of an angle [rad] whose tangent is a slope: normal lengths grow by s^(2/3), lateral ones by s^(1/3)."""
-    return math.atan(float(np.cbrt(factor)) * math.tan(number(value, "slope", "rad", 0.0, 1.0, allow_low=True)))
+    return math.atan(float(np.cbrt(factor)) * math.tan(value))
 
 
 def power_of(factor: float, exponent: float) -> float:
@@ -169,8 +203,8 @@ def power_of(factor: float, exponent: float) -> float:
     return root**thirds if abs(thirds) < 3 else factor**exponent
 
 
-SEATING = Option("", "1e-7 to 1", "load over E* √R σ^1.5 below which the curve is continued as P ∝ δ^1.5")
-SOLUTION = Option("", "1e-12 to 0.1", "relative tolerance of the solved curves, where contacts differ")
+SEATING = Option("", Numbers(1e-7, 1.0, True), "load over E* √R σ^1.5 below which the curve is continued as P ∝ δ^1.5")
+SOLUTION = Option("", Numbers(1e-12, 0.1, True), "relative tolerance of the solved curves, where contacts differ")
 
 
 def check_name(name: Any) -> None:
@@ -250,8 +284,26 @@ class Definition(NamedTuple):
     advice: Advice = Advice()
     drawing: Drawing = Drawing()
 
+    def read(self, options: Mapping[str, Any]) -> dict[str, Any]:
+        """Options as numbers in SI units, each read by its record (`Option`), those of the law before yield by its records.
+
+        The one place that reads options, of Python, commands, scenes, engines and files. None is an option that is not given,
+        where that is its default. An unknown option stays as it is: `shape` refuses it.
+        """
+        inner = {}
+        if self.before_yield is not None:
+            before, rest = self.before_yield(**options)
+            inner = before.read(rest)
+        signature, values = _signature(self.prepare).parameters, {}
+        for name, value in options.items():
+            if value is None and name in signature and signature[name].default is None:
+                continue
+            record = self.options.get(name)
+            values[name] = inner.get(name, value) if record is None else record.read(name, value)
+        return values
+
     def shape(self, contact: Contact, **options: Any) -> Any:
-        """Shape of the law for a contact, its options checked: an unknown one is a DemlawsError."""
+        """Shape of the law for a contact, its options read: an unknown one is a DemlawsError."""
         try:
             _signature(self.prepare).bind(contact, **options)
         except TypeError as error:
@@ -266,8 +318,8 @@ class Definition(NamedTuple):
             hint = f"its options are {', '.join(self.options)} (demlaws laws {self.name})"
             raise DemlawsError(f"law {self.name!r}: {error}; {hint}") from None
         try:
-            return self.prepare(contact, **options)
-        except TypeError as error:  # a list or None where a number or a word belongs
+            return self.prepare(contact, **self.read(options))
+        except TypeError as error:  # a list where a word belongs
             text = ", ".join(f"{name}={value!r:.60}" for name, value in options.items())
             raise DemlawsError(f"law {self.name!r} cannot use {text}: {error}") from error
 

@@ -10,8 +10,17 @@ from demlaws.core.fastmath import cbrt, hertz_coefficient, hertz_overlap, kernel
 from demlaws.core.shear import of_first_loading
 from demlaws.core.unloading import Rule, own_rule
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, Option, Parameter, no_limits, plastic_from_the_start
-from demlaws.units import number
+from demlaws.laws.definition import (
+    Advice,
+    Definition,
+    Drawing,
+    Fitting,
+    Numbers,
+    Option,
+    Parameter,
+    no_limits,
+    plastic_from_the_start,
+)
 
 
 class EepaShape(NamedTuple):
@@ -166,8 +175,7 @@ EEPA = own_rule(
 def _prepare(contact, stiffness_ratio=None, softness=1.0):
     if stiffness_ratio is None:
         raise DemlawsError("law 'eepa' needs stiffness_ratio, k2/k1 from 1: give stiffness_ratio=...")
-    ratio = number(stiffness_ratio, "stiffness_ratio", "", 1.0, 1e6, allow_low=True)
-    return EepaShape(number(softness, "softness", "", 0.0, 1e3), ratio)
+    return EepaShape(softness, stiffness_ratio)
 
 
 def _numbers(p, length, error):
@@ -196,8 +204,8 @@ LAW = Definition(
     default_unloading="eepa",
     refused=_ONLY_OWN,
     options={
-        "stiffness_ratio": Option("", "from 1", "k2/k1; needed"),
-        "softness": Option("", "0 to 1000", "k1 over Hertz's (4/3) E* √R"),
+        "stiffness_ratio": Option("", Numbers(1.0, 1e6, True), "k2/k1; needed"),
+        "softness": Option("", Numbers(0.0, 1e3), "k1 over Hertz's (4/3) E* √R"),
     },
     fitting=Fitting(
         identifiable=False,

@@ -20,7 +20,6 @@ from demlaws.core.table_types import Grid, TableShape
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Limit
 from demlaws.laws.hertz import HertzShape
-from demlaws.units import number
 
 SEATING_SHARE = 0.0025
 """Default seating load over E* √R σ^1.5: 0.02 N, the resolution of the load cell, in the granite tests."""
@@ -210,8 +209,7 @@ def prepare(model, law, contact, seating_share, rtol):
 
     Contacts smoother than SMOOTH get the Hertz law, to which the model tends.
     """
-    share = number(seating_share, "seating_share", "", 10.0 * _LOWEST_FORCE, 1.0, allow_low=True)
-    rtol = number(rtol, "rtol", "", 1e-12, 0.1, allow_low=True)
+    share = seating_share
     radius, modulus, roughness = (np.asarray(v, float) for v in (contact.radius, contact.modulus, contact.roughness))
     smooth = roughness < SMOOTH * radius
     if np.all(smooth):

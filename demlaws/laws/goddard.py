@@ -6,9 +6,8 @@ from typing import NamedTuple
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import cbrt, hertz_coefficient, hertz_overlap, kernel, sqrt
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Definition, Drawing, Fitting, Option, Parameter, slope_softens
+from demlaws.laws.definition import Definition, Drawing, Fitting, Numbers, Option, Parameter, slope_softens
 from demlaws.laws.pohrt_popov import transition_energy
-from demlaws.units import number
 
 _RATIO = 4.0 / 3.0  # δ*/δ_H(P*): a cone's overlap over Hertz's at the load where they have one stiffness
 
@@ -68,8 +67,7 @@ bind(GoddardParams, virgin=_virgin, inverse=_inverse, energy=_energy)
 def _prepare(contact, slope=None):
     if slope is None:
         raise DemlawsError("law 'goddard' needs slope in rad, the flank of the tip (granite cones: 0.035); give slope=...")
-    tangent = math.tan(number(slope, "slope", "rad", 0.0, 1.0, allow_low=True))
-    return GoddardShape(3.0 * math.pi**2 / 16.0 * max(tangent**2, 1e-40))
+    return GoddardShape(3.0 * math.pi**2 / 16.0 * max(math.tan(slope) ** 2, 1e-40))
 
 
 LAW = Definition(
@@ -83,7 +81,7 @@ LAW = Definition(
     example={"slope": 0.035},
     example_curve={"slope": 0.03},
     options={
-        "slope": Option("rad", "0 to 1", "slope β of the tip's or the surface's flank; needed", slope_softens),
+        "slope": Option("rad", Numbers(0.0, 1.0, True), "slope β of the tip's or the surface's flank; needed", slope_softens),
     },
     fitting=Fitting(
         parameters={"slope": Parameter("rad", True, lambda c: (1e-4, 0.9), lambda c: [0.003, 0.01, 0.03, 0.1], option=True)},

@@ -5,7 +5,19 @@ import math
 import numpy as np
 
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import ROUGHNESS, SEATING, SOLUTION, Definition, Drawing, Fitting, Option, Parameter, bulk_yield
+from demlaws.laws.definition import (
+    POSITIVE,
+    ROUGHNESS,
+    SEATING,
+    SOLUTION,
+    Definition,
+    Drawing,
+    Fitting,
+    Numbers,
+    Option,
+    Parameter,
+    bulk_yield,
+)
 from demlaws.laws.family import SEATING_SHARE, CurveNumber, prepare, seating_limit
 from demlaws.units import number
 
@@ -19,12 +31,11 @@ def _number(contact, mu, asperity_density, asperity_radius):
     if (asperity_density is None) != (asperity_radius is None):
         raise DemlawsError("give asperity_density in 1/m² and asperity_radius in m together, or mu alone")
     if asperity_density is None:
-        return CurveNumber(number(MU if mu is None else mu, "mu", "", 0.05, 1e5), 0.0, 0.0, 0.0)
+        return CurveNumber(MU if mu is None else mu, 0.0, 0.0, 0.0)
     if mu is not None:
         raise DemlawsError(f"mu = {mu!r} and asperity_density are both given: give one of them")
-    density = number(asperity_density, "asperity_density", "1/m²")
     asperity = number(asperity_radius, "asperity_radius", "m", 0.0, float(np.min(contact.radius)))
-    return CurveNumber(8.0 / 3.0 * density * math.sqrt(2.0 * asperity), 0.0, 0.5, 1.0)
+    return CurveNumber(8.0 / 3.0 * asperity_density * math.sqrt(2.0 * asperity), 0.0, 0.5, 1.0)
 
 
 def _prepare(contact, mu=None, asperity_density=None, asperity_radius=None, seating_share=SEATING_SHARE, rtol=1e-4):
@@ -47,9 +58,11 @@ LAW = Definition(
     solved=True,
     example={"mu": MU},
     options={
-        "mu": Option("", "0.05 to 1e5", f"μ = (8/3) η σ √(2Rβ), or give both asperity quantities; without either {MU:g}"),
-        "asperity_density": Option("1/m²", "above 0", "η, with asperity_radius in place of mu", -2 / 3),
-        "asperity_radius": Option("m", "above 0", "β, with asperity_density in place of mu", 0.0),
+        "mu": Option(
+            "", Numbers(0.05, 1e5, True), f"μ = (8/3) η σ √(2Rβ), or give both asperity quantities; without either {MU:g}"
+        ),
+        "asperity_density": Option("1/m²", POSITIVE, "η, with asperity_radius in place of mu", -2 / 3),
+        "asperity_radius": Option("m", POSITIVE, "β, with asperity_density in place of mu", 0.0),
         "seating_share": SEATING,
         "rtol": SOLUTION,
     },

@@ -21,7 +21,6 @@ from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, no_limits, yielding_bulk
 from demlaws.laws.etsion import ETSION, JACKSON, NOT_THORNTON
 from demlaws.laws.kogut_etsion import POISSON_OPTION, STRENGTH, STRENGTH_OPTION
-from demlaws.units import number
 
 _LOG2_E = 1.4426950408889634
 _YIELD = 1.9  # ω/ω_c from which the contact radius is no longer Hertz's
@@ -145,8 +144,7 @@ bind(JacksonGreenParams, virgin=_virgin, inverse=_inverse, energy=_energy)
 def _prepare(contact, yield_strength=None, poisson=0.3):
     if yield_strength is None:
         raise DemlawsError("law 'jackson-green' needs yield_strength S_y in Pa: give yield_strength=...")
-    ratio = number(poisson, "poisson", "", 0.0, 0.5, allow_low=True)
-    return JacksonGreenShape(pressure_of(contact, yield_strength, "yield_strength"), 1.295 * math.exp(0.736 * ratio))
+    return JacksonGreenShape(pressure_of(contact, yield_strength, "yield_strength"), 1.295 * math.exp(0.736 * poisson))
 
 
 def _numbers(p, length, error):

@@ -22,18 +22,19 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import exp2, hertz_coefficient, hertz_overlap, kernel, log2, sqrt
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import (
+    POSITIVE,
     PRESSURE,
     Advice,
     Definition,
     Drawing,
     Fitting,
     Limit,
+    Numbers,
     Option,
     pressure_option,
     yielding_bulk,
 )
 from demlaws.laws.etsion import ETSION, JACKSON, NOT_THORNTON
-from demlaws.units import number
 
 _FACTOR1, _POWER1, _FACTOR2, _POWER2 = 1.03, 1.425, 1.40, 1.263
 _AREA, _AREA_POWER = 0.94, 1.146
@@ -118,8 +119,7 @@ bind(KogutEtsionParams, virgin=_virgin, inverse=_inverse, energy=_energy)
 def _prepare(contact, yield_strength=None, poisson=0.3):
     if yield_strength is None:
         raise DemlawsError("law 'kogut-etsion' needs yield_strength Y in Pa (H = 2.8 Y): give yield_strength=...")
-    ratio = number(poisson, "poisson", "", 0.0, 0.5, allow_low=True)
-    return KogutEtsionShape(_pressure(pressure_of(contact, yield_strength, "yield_strength"), ratio))
+    return KogutEtsionShape(_pressure(pressure_of(contact, yield_strength, "yield_strength"), poisson))
 
 
 def _pressure(strength, poisson):
@@ -143,8 +143,8 @@ def _numbers(p, length, error):
 
 
 STRENGTH = pressure_option(1e-5, 0.3, *np.geomspace(0.005, 0.1, 3))
-STRENGTH_OPTION = Option("Pa", "above 0", "yield strength of the softer body; needed", PRESSURE)
-POISSON_OPTION = Option("", "0 to 0.5", "its Poisson's ratio")
+STRENGTH_OPTION = Option("Pa", POSITIVE, "yield strength of the softer body; needed", PRESSURE)
+POISSON_OPTION = Option("", Numbers(0.0, 0.5, True), "its Poisson's ratio")
 
 LAW = Definition(
     name="kogut-etsion",

@@ -8,7 +8,7 @@ from demlaws.core.dispatch import bind, energy, parts, virgin
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, sqrt
 from demlaws.core.shear import of_first_loading
 from demlaws.core.unloading import Rule, own_rule
-from demlaws.laws.definition import STIFFNESS, Option, Parameter
+from demlaws.laws.definition import POSITIVE, STIFFNESS, Option, Parameter
 
 
 class LinearParams(NamedTuple):
@@ -163,7 +163,7 @@ ONLY_STRAIGHT = dict.fromkeys(
     ("hertz", "thornton"),
     "at small load a straight branch is stiffer than Hertz's, along which it would return more than it took",
 )
-K1 = Option("N/m", "above 0", "k1; needed", STIFFNESS)
+K1 = Option("N/m", POSITIVE, "k1; needed", STIFFNESS)
 """Option `loading_stiffness`."""
 STRAIGHT = {
     "loading_stiffness": Parameter(

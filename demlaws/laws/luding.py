@@ -15,13 +15,13 @@ from demlaws.laws.definition import (
     Definition,
     Drawing,
     Fitting,
+    Numbers,
     Option,
     Parameter,
     no_limits,
     plastic_from_the_start,
 )
 from demlaws.laws.linear_unloading import K1, LINEAR, ONLY_STRAIGHT, STRAIGHT, LinearParams, numbers
-from demlaws.units import number
 
 
 class LudingShape(NamedTuple):
@@ -49,9 +49,7 @@ def _prepare(contact, loading_stiffness=None, stiffness_ratio=None, plasticity_d
         raise DemlawsError(
             "law 'luding' needs loading_stiffness k1 in N/m, stiffness_ratio k̂2/k1 above 1 and plasticity_depth φ_f"
         )
-    ratio = number(stiffness_ratio, "stiffness_ratio", "", 1.0, 1e6)
-    depth = number(plasticity_depth, "plasticity_depth", "", 0.0, 1.0)
-    return LudingShape(number(loading_stiffness, "loading_stiffness", "N/m"), ratio, depth)
+    return LudingShape(loading_stiffness, stiffness_ratio, plasticity_depth)
 
 
 LAW = Definition(
@@ -73,8 +71,8 @@ LAW = Definition(
     refused=ONLY_STRAIGHT,
     options={
         "loading_stiffness": K1,
-        "stiffness_ratio": Option("", "above 1", "k̂2/k1, of the stiffest unloading; needed"),
-        "plasticity_depth": Option("", "0 to 1", "φ_f, largest plastic overlap over 2R; needed", LENGTH),
+        "stiffness_ratio": Option("", Numbers(1.0, 1e6), "k̂2/k1, of the stiffest unloading; needed"),
+        "plasticity_depth": Option("", Numbers(0.0, 1.0), "φ_f, largest plastic overlap over 2R; needed", LENGTH),
     },
     fitting=Fitting(
         identifiable=False,

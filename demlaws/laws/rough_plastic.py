@@ -17,6 +17,7 @@ from demlaws.core.fastmath import bits, from_bits, hertz_overlap, kernel
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import (
     DIMENSION,
+    POSITIVE,
     PRESSURE,
     ROUGHNESS,
     Advice,
@@ -186,10 +187,10 @@ LAW = Definition(
     example={"yield_pressure": GRANITE_YIELD_PRESSURE},
     unloading=("elastic", "hertz", "thornton"),
     options={
-        "yield_pressure": Option("Pa", "above 0", "p_y = K_y/(π R), K_y: stiffness at yield and after; needed", PRESSURE),
+        "yield_pressure": Option("Pa", POSITIVE, "p_y = K_y/(π R), K_y: stiffness at yield and after; needed", PRESSURE),
         "loading": Option("", "name of a law", "law that holds before the bulk yields; that law's options can be given, too"),
         "yield_at": Option("", "stiffness, load", "yield where K_rough = π R p_y, or at the load π³R²p_y³/(6E*²)"),
-        "post_yield_pressure": Option("Pa", "above 0", "p_K of the stiffness after yield, K_y = π R p_K, if not p_y", PRESSURE),
+        "post_yield_pressure": Option("Pa", POSITIVE, "p_K of the stiffness after yield, K_y = π R p_K, if not p_y", PRESSURE),
     },
     fitting=Fitting(
         parameters={

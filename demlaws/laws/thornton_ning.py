@@ -10,6 +10,7 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, kernel
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import (
+    POSITIVE,
     PRESSURE,
     Advice,
     Definition,
@@ -70,7 +71,7 @@ LAW = Definition(
     options={
         "yield_pressure": Option(
             "Pa",
-            "above 0",
+            POSITIVE,
             "limit contact pressure p_y, a fit parameter: 1.6 (first yield) to 4.2 times the yield strength; needed",
             PRESSURE,
         ),

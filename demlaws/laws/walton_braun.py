@@ -15,12 +15,12 @@ from demlaws.laws.definition import (
     Definition,
     Drawing,
     Fitting,
+    Numbers,
     Option,
     no_limits,
     plastic_from_the_start,
 )
 from demlaws.laws.linear_unloading import K1, LINEAR, ONLY_STRAIGHT, STRAIGHT, LinearParams, numbers
-from demlaws.units import number
 
 
 class WaltonBraunShape(NamedTuple):
@@ -49,10 +49,9 @@ def _prepare(contact, loading_stiffness=None, stiffness_ratio=None, growth=None)
         raise DemlawsError(
             "law 'walton-braun' needs either stiffness_ratio, k2/k1 from 1, or growth, S in 1/m of k2 = k1 + S Pmax: give one"
         )
-    k1 = number(loading_stiffness, "loading_stiffness", "N/m")
     if growth is None:
-        return WaltonBraunShape(k1, number(stiffness_ratio, "stiffness_ratio", "", 1.0, 1e6, allow_low=True), 0.0)
-    return WaltonBraunShape(k1, 1.0, number(growth, "growth", "1/m", allow_low=True))
+        return WaltonBraunShape(loading_stiffness, stiffness_ratio, 0.0)
+    return WaltonBraunShape(loading_stiffness, 1.0, growth)
 
 
 LAW = Definition(
@@ -73,8 +72,8 @@ LAW = Definition(
     refused=ONLY_STRAIGHT,
     options={
         "loading_stiffness": K1,
-        "stiffness_ratio": Option("", "from 1", "k2/k1; this or growth is needed"),
-        "growth": Option("1/m", "from 0", "S of k2 = k1 + S Pmax, in place of stiffness_ratio", STIFFNESS),
+        "stiffness_ratio": Option("", Numbers(1.0, 1e6, True), "k2/k1; this or growth is needed"),
+        "growth": Option("1/m", Numbers(0.0, included=True), "S of k2 = k1 + S Pmax, in place of stiffness_ratio", STIFFNESS),
     },
     fitting=Fitting(
         identifiable=False,

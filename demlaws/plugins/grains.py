@@ -15,6 +15,7 @@ from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
 from demlaws.laws import USUAL
+from demlaws.laws.registry import find
 from demlaws.make import known_unloading, rebound, unloading_of_case
 from demlaws.make import law as make_law
 from demlaws.timestep import timestep
@@ -98,6 +99,7 @@ class Case:
             raise DemlawsError("grains is empty: give at least one Grain(radius, material, surface)")
         unloading = unloading_of_case(self.law) if self.unloading is None else self.unloading
         object.__setattr__(self, "unloading", known_unloading(unloading))
+        object.__setattr__(self, "options", find(self.law).read(self.options))
         number(self.max_force, "max_force", "N")
         whole(self.count, "count")
         if self.shear_ratio is not None:

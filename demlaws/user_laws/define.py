@@ -15,7 +15,7 @@ from demlaws.core.content import digest_of
 from demlaws.core.dispatch import bind, function_of_text, scalar
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, Option, check_name
+from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, Numbers, Option, check_name
 from demlaws.units import number
 
 _CONTACT = ("hertz_coefficient", "radius", "modulus", "roughness")
@@ -107,7 +107,7 @@ def define(
             value = keywords.get(n, default)
             if value is None:
                 raise DemlawsError(f"law {name!r} needs {n}: {entries[n][1].meaning or 'an option'}; give {n}=...")
-            values[n] = number(value, n, entries[n][1].unit, -math.inf)
+            values[n] = value
         return shape_type(*(math.nan if values[n] is None else float(values[n]) for n in extra))
 
     parameters = [inspect.Parameter(n, inspect.Parameter.KEYWORD_ONLY, default=d) for n, d in defaults.items()]
@@ -135,7 +135,7 @@ def _described(law, name, value):
     default, unit, meaning = (*value, "", "")[:3] if isinstance(value, tuple) else (value, "", "")
     if default is not None:
         default = number(default, f"law {law!r}: the default of {name}", unit, -math.inf)
-    return default, Option(unit, "a finite number", meaning)
+    return default, Option(unit, Numbers(), meaning)
 
 
 def _types(name, functions, extra):

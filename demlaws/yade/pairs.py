@@ -92,9 +92,9 @@ class LawSource:
             if law.contact.size is not None:
                 raise DemlawsError("this table is bound to an array of contacts: bind it to one, table.bound_to(contact)")
         elif isinstance(law, Law):
-            self.name, self.options = law.name, {**law.options, **options}
+            self.name, self.options = law.name, law.definition.read({**law.options, **options})
         elif isinstance(law, str):
-            self.name, self.options = find(law).name, dict(options)
+            self.name, self.options = find(law).name, find(law).read(options)
         else:
             raise DemlawsError(f"law must be a law's name, a Law, a Table or the path of a table, got {law!r}")
         self.definition = law.definition if isinstance(law, Law) else find(self.name)
