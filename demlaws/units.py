@@ -55,9 +55,30 @@ def check_overlaps(overlap, radius):
 
 
 UNITS = {
-    "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "inch": 0.0254, "um": 1e-6, "nm": 1e-9, "pm": 1e-12},
+    "m": {
+        "m": 1.0,
+        "cm": 1e-2,
+        "mm": 1e-3,
+        "inch": 0.0254,
+        "in": 0.0254,
+        "um": 1e-6,
+        "micron": 1e-6,
+        "nm": 1e-9,
+        "Å": 1e-10,
+        "pm": 1e-12,
+    },
     "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "N/mm²": 1e6, "N/mm2": 1e6},
-    "N": {"N": 1.0, "mN": 1e-3, "uN": 1e-6, "nN": 1e-9, "kN": 1e3, "MN": 1e6},
+    "N": {
+        "N": 1.0,
+        "mN": 1e-3,
+        "uN": 1e-6,
+        "nN": 1e-9,
+        "kN": 1e3,
+        "MN": 1e6,
+        "gf": 9.80665e-3,
+        "kgf": 9.80665,
+        "lbf": 4.4482216152605,
+    },
     "m/s": {"m/s": 1.0, "mm/s": 1e-3, "um/s": 1e-6},
     "kg": {"kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3},
     "kg/m³": {"kg/m³": 1.0, "kg/m3": 1.0, "g/cm³": 1e3, "g/cm3": 1e3},
@@ -76,11 +97,16 @@ HANDY = {"m": ("µm", 1e6), "Pa": ("GPa", 1e-9), "m/N": ("µm/N", 1e6), "N/m": (
 """SI unit → the unit in which people read such a quantity of a contact, and its number per SI unit."""
 
 
+def plain_unit(text):
+    """A unit as it stands in `UNITS`: u for both of Unicode's µ, one Å."""
+    return text.replace("µ", "u").replace("μ", "u").replace("\u212b", "Å")
+
+
 def quantity(text, name, unit=""):
     """A number in the SI unit `unit` from text such as "3mm", "2.4 µm", "60GPa" or "6e10". Raises DemlawsError."""
     match = _QUANTITY.fullmatch(text)
     factors = UNITS.get(unit, {unit: 1.0} if unit else {})
-    symbol = match[2].replace("µ", "u").replace("μ", "u") if match else ""
+    symbol = plain_unit(match[2]) if match else ""
     if match and (not symbol or symbol in factors):
         return float(match[1]) * factors.get(symbol, 1.0)
     units = f" in {unit}, or with one of the units {', '.join(factors)}" if factors else f" in {unit}" if unit else ""

@@ -107,6 +107,8 @@ OTHERS = {"inch": 0.0254, "N/mm²": 1e6, "N/mm2": 1e6, "kg": 1.0, "g": 1e-3, "mg
 OTHERS |= {"g/cm³": 1e3, "g/cm3": 1e3, "°": math.pi / 180, "rad": 1.0, "kg/m³": 1.0, "kg/m3": 1.0, "m/N": 1.0}
 OTHERS |= {"mm/N": 1e-3, "um/N": 1e-6, "nm/N": 1e-9, "mm/kN": 1e-6, "um/kN": 1e-9, "m/s": 1.0, "mm/s": 1e-3, "um/s": 1e-6}
 
+OTHERS |= {"in": 0.0254, "micron": 1e-6, "Å": 1e-10, "gf": 9.80665e-3, "kgf": 9.80665, "lbf": 0.45359237 * 9.80665}
+
 
 @pytest.mark.parametrize("unit", UNITS)
 def test_every_spelling_of_a_unit(unit):

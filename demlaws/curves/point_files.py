@@ -1,8 +1,6 @@
 """Measured points of a contact test: displacement and force, read from text files of test machines and spreadsheets."""
 
 import contextlib
-import csv
-import math
 import os
 import re
 from collections.abc import Mapping
@@ -11,12 +9,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.errors import DemlawsError
+from demlaws.cells import Decimals, is_missing, is_number, separator, split
+from demlaws.errors import DemlawsError, warn
 from demlaws.files import read_text
-from demlaws.units import LARGEST_OVERLAP, UNITS, unmasked
+from demlaws.units import LARGEST_OVERLAP, UNITS, plain_unit, unmasked
 
 UNLOADED = 0.02
 """Part of the largest force so far by which the force must fall to count as unloading, rather than as noise."""
+MOST_NEGATIVE = 0.9
+"""Part of the forces in tension, from the first to the last of them, from which on they are a pull, not noise about 0."""
+FEWEST_POINTS = 3  # rows of a file that are a test
 NOISE_WIDTHS = 3.0  # standard deviations of the load cell below which a force may be no contact
 
 
@@ -46,30 +48,44 @@ class Points(NamedTuple):
 
 
 _COLUMNS = {
-    "displacement": (("displacement", "disp.", "overlap", "depth", "penetration", "extension"), UNITS["m"]),
+    "displacement": (("displacement", "disp", "overlap", "depth", "penetration", "extension"), UNITS["m"]),
     "force": (("force", "load"), UNITS["N"]),
 }
-_UNIT = re.compile(r"(?:[(\[]\s*([A-Za-zµμ]+)\s*[)\]]?|[_ /]\s*([A-Za-zµμ]+))\s*$")
-"""The unit at the end of a title."""
-_THOUSANDS = re.compile(r"[-+]?\d{1,3},\d{3}$")
+_OTHER_UNITS = {"s", "ms", "min", "h", "%", "1", "V", "mV"}
+_ENDS = " \t_./,:;-\"'"
+"""What stands between the words of a title."""
+_POWER = re.compile(r"10\s*(?:\^|\*\*|[⁰¹²³⁴-⁹⁻])|\de[-+]?\d", re.IGNORECASE)
 _COMMENTS = ("#", "%", "//")
 
 
-def _plain(unit):
-    return unit.replace("µ", "u").replace("μ", "u")
+def _is_unit(word):
+    return plain_unit(word) in _OTHER_UNITS.union(*UNITS.values())
+
+
+def _name_and_unit(title):
+    """Words of a title without its unit, in lower case, and the unit as written: that in the last brackets, or the last word.
+
+    Read as "displacement" and "um" are "Displacement (µm)", "Displacement/µm", "Displacement (um) - 1", "displacement_um_"
+    and "Displacement..um."; "strain mm/mm" has the unit "mm/mm".
+    """
+    text = re.sub(r"(?<=[\s_.)\]-])\d+$", "", title.strip(_ENDS)).strip(_ENDS)
+    brackets = re.search(r"[(\[]\s*([^()\[\]]*?)\s*[)\]]?$", text)
+    before, unit = (text[: brackets.start()], brackets[1]) if brackets else re.search(r"(.*?)([^\s_.,:/]*)$", text).groups()
+    left = re.search(r"([^\s_.,:/()\[\]]+)[)\]]?\s*/\s*$", before)
+    if left and _is_unit(left[1]):
+        before, unit = before[: left.start()], f"{left[1]}/{unit}"
+    elif not brackets and not _is_unit(unit):
+        before, unit = text, ""
+    return before.strip(_ENDS).lower(), unit
 
 
 def _unit(title, column, where):
     """Factor to SI of a title's unit, as written; another spelling only where it can mean nothing else."""
-    units = _COLUMNS[column][1]
-    match = _UNIT.search(title.strip())
-    unit = _plain((match[1] or match[2]) if match else "")
-    if unit in units:
-        return units[unit]
-    similar = [name for name in units if name.lower() == unit.lower()]
-    if len(similar) == 1:
+    units, unit = _COLUMNS[column][1], plain_unit(_name_and_unit(title)[1])
+    similar = [unit] if unit in units else [name for name in units if name.lower() == unit.lower()]
+    if len(similar) == 1 and not _POWER.search(title):
         return units[similar[0]]
-    if similar:
+    if len(similar) > 1:
         raise DemlawsError(f"{where}: the unit {unit!r} in {title.strip()!r} may be {' or '.join(similar)}: write which")
     raise DemlawsError(
         f"{where}: no unit of {column} in the column title {title.strip()!r}: write 'displacement (um)' or 'force (N)'; "
@@ -77,17 +93,11 @@ def _unit(title, column, where):
     )
 
 
-def _split(line, mark):
-    if mark is None:
-        return re.split(r"\s+(?![(\[])", line.strip())
-    return next(csv.reader([line], delimiter=mark))
-
-
 def _find(titles, column):
     """Places of the titles that name the column; a title without further words ("force (N)") stands for all."""
     words = _COLUMNS[column][0]
     matches = [i for i, title in enumerate(titles) if any(word in title.lower() for word in words)]
-    alone = [i for i in matches if _UNIT.sub("", titles[i].strip()).strip(' /"').lower() in words]
+    alone = [i for i in matches if _name_and_unit(titles[i])[0] in words]
     return alone or matches
 
 
@@ -107,89 +117,140 @@ def _place(titles, column, where):
 
 def _is_row(cells):
     """Whether a line is one of numbers, two at least: measured values, not the words or the date of an instrument."""
-    numbers = 0
-    for cell in cells:
-        with contextlib.suppress(ValueError):
-            float(cell.strip().replace(",", "."))
-            numbers += 1
-    return numbers > max(1, len(cells) // 2)
+    return sum(map(is_number, cells)) > max(1, len(cells) // 2)
+
+
+class _Table(NamedTuple):
+    """A table in a file: its titles, and the lines below them up to the next titles."""
+
+    line: int  # of the titles, from 1
+    titles: list
+    mark: str | None
+    first: int  # index of the first line below the titles and their units
+    end: int
+
+
+def _uncommented(line):
+    """A line without the mark of a comment, and whether it is one: numpy.savetxt writes its titles into one."""
+    text = line.strip()
+    mark = next((mark for mark in _COMMENTS if text.startswith(mark)), None)
+    if mark is None or is_missing(split(text, separator(text))[0]):  # "#N/A" of a spreadsheet
+        return text, False
+    return text.removeprefix(mark).strip(), True
+
+
+def _tables(lines):
+    """The tables of a file, each from a line that names both columns; words of an instrument may precede the titles."""
+    found, rows = [], 0
+    for number, line in enumerate(lines):
+        text, comment = _uncommented(line)
+        mark = separator(text)
+        titles = split(text, mark)
+        named = len(titles) > 1 and all(_find(titles, column) for column in _COLUMNS)
+        if not named or (comment and rows):  # a comment between rows has words, not titles
+            rows += not comment and bool(found) and _is_row(titles)
+            continue
+        rows, first = 0, number + 1
+        below = [cell.strip(" ()[]") for cell in split(lines[first], mark)] if len(lines) > first else []
+        if any(plain_unit(cell) in units for cell in below for _, units in _COLUMNS.values()):  # a line of units
+            titles = [f"{title} ({cell})" for title, cell in zip(titles, below, strict=False)]
+            first += 1
+        found = [
+            *(one._replace(end=min(one.end, number)) for one in found),
+            _Table(number + 1, titles, mark, first, len(lines)),
+        ]
+    return found
 
 
 def _header(lines, path):
-    """Number of the title line, the titles, and the mark between columns. Lines of an instrument may precede it: a date, the
-    number of points, a sample's name."""
-    first = None
-    for number, line in enumerate(lines):
-        text = line.strip()
-        comment = next((mark for mark in _COMMENTS if text.startswith(mark)), None)
-        if comment is not None:  # numpy.savetxt writes its titles into one
-            text = text.removeprefix(comment).strip()
-        if not text:
+    """The table of the points: the only one with rows of numbers, or the only one with three."""
+    tables = _tables(lines)
+    counts = [sum(_is_row(split(line, one.mark)) for line in lines[one.first : one.end]) for one in tables]
+    if sum(count >= FEWEST_POINTS for count in counts) > 1:
+        several = " and ".join(str(one.line) for one, count in zip(tables, counts, strict=True) if count >= FEWEST_POINTS)
+        raise DemlawsError(f"{path} has several tables of points, with titles in lines {several}: keep one")
+    if tables:
+        return tables[int(np.argmax(counts))]
+    need = "two columns named displacement and force are needed, with units, separated by commas, semicolons or tabs"
+    for number, line in enumerate(lines, 1):
+        if _is_row(split(line, separator(line))):
+            above = next((text.strip() for text in reversed(lines[: number - 1]) if text.strip()), "no line")
+            raise DemlawsError(f"{path}, line {number}: {need}; above the first numbers: {above[:60]!r}")
+    text = next((line.strip() for line in lines if line.strip()), "")
+    raise DemlawsError(f"{path}: {need}; the file has no row of numbers and begins with {text[:60]!r}")
+
+
+def _rows(lines, table, places, path):
+    """(line, all cells, those of displacement and force) of a table. Words may follow its last row; empty rows are left out."""
+    rows, end = [], None
+    for number, line in enumerate(lines[table.first : table.end], table.first + 1):
+        text, comment = _uncommented(line)
+        cells = split(text, table.mark) if text and not comment else []
+        filled = [cell for cell in cells if not is_missing(cell)]
+        if not filled:
             continue
-        mark = next((m for m in (";", "\t", ",") if m in text), None)
-        titles = _split(text, mark)
-        if all(_find(titles, column) for column in _COLUMNS) and len(titles) > 1:
-            below = [cell.strip(" ()[]") for cell in _split(lines[number + 1], mark)] if len(lines) > number + 1 else []
-            if any(_plain(cell) in units for cell in below for _, units in _COLUMNS.values()):  # a line of units
-                titles = [f"{title} ({cell})" for title, cell in zip(titles, below, strict=False)]
-                number += 1
-            return number, titles, mark
-        if comment is None:
-            first = first or (number + 1, text)
-            if _is_row(titles):
-                break
-    if first is not None:
-        need = "two columns named displacement and force are needed, with units, separated by commas, semicolons or tabs"
-        raise DemlawsError(f"{path}, line {first[0]}: {need}; got {first[1][:60]!r}")
-    raise DemlawsError(f"{path}, line 1: two columns are needed, displacement and force with units; the file has no header")
-
-
-def _number(cell, mark):
-    text = cell.strip()
-    return float(text.replace(",", ".") if mark != "," and "." not in text else text)
+        where = f"{path}, line {number}"
+        pair = [cells[place] if place < len(cells) else "absent" for place in places]
+        if not all(is_number(cell) or is_missing(cell) for cell in pair):
+            is_text = bool(rows) and re.search(r"[^\W\d_]{2}", filled[0]) is not None
+            end = end or (where, text, is_text)
+            continue
+        if any(cell.strip() for cell in cells[len(table.titles) :]):
+            remedy = "split columns by ; if commas are decimal"
+            raise DemlawsError(f"{where}: {len(cells)} columns, but the header has {len(table.titles)}; {remedy}")
+        if end is not None:
+            break
+        rows.append((where, cells, pair))
+    else:
+        if end is None or end[2]:
+            return rows
+    raise DemlawsError(f"{end[0]}: two numbers are needed, got {end[1][:60]!r}")
 
 
 def read_points(path):
     """Measured points from a text file: a line of titles with units, then numbers.
 
-    Columns are split by commas, semicolons, tabs or blanks; unless by commas, decimal commas are read. Lines that begin
-    with #, % or // are comments (the titles may be in one). Lines of words before the titles and further columns are left
-    aside. Of several that may be the
-    force or the displacement the one named so alone is taken. A line below the titles may contain the units. "-" is
-    standard input. Raises DemlawsError that names the file and the line.
+    Columns are split by commas, semicolons, tabs or blanks; decimal commas and thousands separators are read where the file
+    decides which is which. Lines that begin with #, % or // are comments (the titles may be in one). Words before the titles
+    and after the last row, results of one or two rows, empty rows and further columns are left aside; rows at the end that
+    lack one of the two values are left out with a warning. Of several columns that may be the force or the displacement the
+    one named so alone is taken. A line below the titles may contain the units. "-" is standard input. Raises DemlawsError
+    that names the file and the line.
     """
     path = Path(path)
     text = read_text(path, "points ")
     if "\0" in text:
         raise DemlawsError(f"{path} is not a text file: export the table as text, with tabs or as CSV")
     lines = text.splitlines()
-    first, titles, mark = _header(lines, path)
-    columns = {column: _place(titles, column, f"{path}, line {first + 1}") for column in _COLUMNS}
-    values, marks = [], set()
-    for number, line in enumerate(lines[first + 1 :], start=first + 2):
-        if not line.strip() or line.strip().startswith(_COMMENTS):
-            continue
-        where = f"{path}, line {number}"
+    table = _header(lines, path)
+    columns = {column: _place(table.titles, column, f"{path}, line {table.line}") for column in _COLUMNS}
+    rows = _rows(lines, table, [place for place, _ in columns.values()], path)
+    decimals, values = Decimals(), []
+    for where, cells, _ in rows:
+        decimals.see(cells, where)
+    decimals.decide()
+    for where, _, pair in rows:
         try:
-            row = _split(line, mark)
-            pair = [_number(row[place], mark) * unit for place, unit in columns.values()]
-        except (ValueError, IndexError, csv.Error):
-            raise DemlawsError(f"{where}: two numbers are needed, got {line.strip()[:60]!r}") from None
-        if any(cell.strip() for cell in row[len(titles) :]):
-            remedy = "split columns by ; if commas are decimal"
-            raise DemlawsError(f"{where}: {len(row)} columns, but the header has {len(titles)}; {remedy}")
-        marks.update(
-            "." if "." in row[k] else "," for k, _ in columns.values() if "." in row[k] or _THOUSANDS.match(row[k].strip())
-        )
-        if len(marks) > 1:
-            raise DemlawsError(f"{where}: {line.strip()[:60]!r}: is , before thousands and . before decimals? Leave the , out")
-        if not all(map(math.isfinite, pair)):
-            raise DemlawsError(f"{where}: {line.strip()[:60]!r} is not finite")
-        values.append(pair)
-    if len(values) < 3:
-        raise DemlawsError(f"{path}: {len(values)} points; at least 3 points are needed")
-    displacement, force = np.array(values).T
+            values.append([decimals.number(cell) * unit for cell, (_, unit) in zip(pair, columns.values(), strict=True)])
+        except ValueError:
+            raise DemlawsError(f"{where}: two numbers are needed, got {' and '.join(pair)[:60]!r}") from None
+    displacement, force = _without_tail(np.array(values).reshape(-1, 2), rows, path).T
     return Points(displacement, force, "standard input" if str(path) == "-" else path.name)
+
+
+def _without_tail(values, rows, path):
+    """Values without the rows at the end that lack one of the two: a sensor that was off, or columns of unequal length."""
+    whole = ~np.isnan(values).any(axis=1)
+    end = int(np.max(np.flatnonzero(whole), initial=-1)) + 1
+    bad = np.flatnonzero(~np.isfinite(values[:end]).all(axis=1))
+    if bad.size:
+        where, _, pair = rows[bad[0]]
+        raise DemlawsError(f"{where}: {' and '.join(pair)[:60]!r} is not finite")
+    if end < FEWEST_POINTS:
+        raise DemlawsError(f"{path}: {end} points; at least {FEWEST_POINTS} points are needed")
+    if end < len(values):
+        warn(f"{path}: the last {len(values) - end} rows lack the displacement or the force and are left out")
+    return values[:end]
 
 
 # --- points of a contact that a law is to follow
@@ -249,20 +310,32 @@ def refuse_other_units(displacement, force, contact, compliance):
 
 
 def in_contact(force, noise):
-    """Mask of the points in contact, and name and reason for `Ranking.skipped` if points were left out.
+    """Mask of the points in contact, and names and reasons for `Ranking.skipped` if points were left out.
 
-    Negative forces give the noise of the load cell [N], unless it is known. A single point from before contact, positive by
-    chance, tilts the whole fit: below three standard deviations, and on first loading before the last such point, all go.
+    Negative forces before contact give the noise of the load cell [N], unless it is known; those after the largest force do
+    so only where positive ones lie between them, else they are a pull. A single point from before contact, positive by chance,
+    tilts the whole fit: below three standard deviations, and on first loading before the last such point, all go.
     """
-    negative = force[force < 0.0]
-    source = "given" if noise > 0.0 else f"from {negative.size} negative forces"
-    if noise == 0.0 and negative.size >= 3:
-        noise = float(np.sqrt(np.mean(negative**2)))
-    keep = force > NOISE_WIDTHS * noise
+    peak, negative = int(np.argmax(force)) if force.size else 0, force < 0.0
+    later = np.flatnonzero(negative[peak:]) + peak
+    source, pull = "given", np.zeros(force.size, bool)
+    if later.size and np.mean(negative[later[0] : later[-1] + 1]) > MOST_NEGATIVE:
+        pull[later] = True
+    if noise == 0.0 and np.sum(negative & ~pull) >= 3:
+        noise = float(np.sqrt(np.mean(force[negative & ~pull] ** 2)))
+        source = f"from {np.sum(negative & ~pull)} negative forces"
+    pull &= force < -NOISE_WIDTHS * noise
+    keep = (force > NOISE_WIDTHS * noise) & ~pull
     if noise > 0.0 and np.any(keep):
         first = int(np.argmax(force > 0.1 * np.max(force)))
         keep[: np.max(np.flatnonzero(~keep[:first]), initial=-1) + 1] = False
     reason = "they carry no force: any displacement before contact fits them"
     if noise > 0.0:
         reason = f"they may be no contact: before it or below {NOISE_WIDTHS:g} times the load cell's {noise:.2g} N ({source})"
-    return keep, {} if np.all(keep) else {f"{int(np.sum(~keep))} points": reason}
+    skipped = {f"{int(np.sum(~keep & ~pull))} points": reason} if np.any(~keep & ~pull) else {}
+    if np.any(pull):
+        lowest = float(np.min(force))
+        skipped[f"{int(np.sum(pull))} points in tension"] = (
+            f"the bodies adhere (to {lowest:.2g} N in unloading): no law of demlaws has adhesion"
+        )
+    return keep, skipped

@@ -9,8 +9,8 @@ import pytest
 
 import demlaws as dl
 from demlaws import granite
-from demlaws.curves.point_files import Points, columns_of, read_points
-from demlaws.errors import DemlawsError
+from demlaws.curves.point_files import Points, columns_of, in_contact, read_points
+from demlaws.errors import DemlawsError, ValidityWarning
 
 TEST = granite.find_test("SS(18-18)")
 
@@ -68,6 +68,56 @@ def test_bad_files(path):
         read_points(path)
     with pytest.raises(DemlawsError, match="cannot read points"):
         read_points(path.parent)
+
+
+TITLES = {
+    "displacement (um)": 1e-6,
+    "Disp. / µm": 1e-6,
+    "Depth (nm) - 1": 1e-9,
+    "Displacement_um_": 1e-6,
+    "Displacement..um.": 1e-6,
+    "Extension in": 0.0254,
+    "penetration [\u212b]": 1e-10,
+    "overlap (micron) 2": 1e-6,
+    "Displacement (in)": 0.0254,
+}
+
+
+@pytest.mark.parametrize("title", TITLES)
+def test_titles_of_exports(title, tmp_path):
+    """Before: an error for half of them."""
+    for force, unit in (("Load (gf)", 9.80665e-3), ("Force_kgf", 9.80665), ("load lbf", 4.4482216152605)):
+        (tmp_path / "a.txt").write_text(f"{title};{force}\n1;1\n2;2.5\n3;4\n", encoding="utf-8")
+        points = read_points(tmp_path / "a.txt")
+        np.testing.assert_allclose(points.displacement, TITLES[title] * np.array([1.0, 2.0, 3.0]), rtol=1e-12)
+        np.testing.assert_allclose(points.force, unit * np.array([1.0, 2.5, 4.0]), rtol=1e-12)
+
+
+def test_an_error_names_the_line_of_the_first_number(tmp_path):
+    """Before: line 1, a sentence that precedes the numbers by any number of lines."""
+    (tmp_path / "a.csv").write_text("Report, page 1\nby nobody\n\nWeg (mm);Kraft (N)\n1;2\n2;3\n3;4\n")
+    with pytest.raises(DemlawsError, match=r"line 5.*Weg"):
+        read_points(tmp_path / "a.csv")
+
+
+def test_rows_at_the_end_without_a_force_are_named(tmp_path):
+    (tmp_path / "a.csv").write_text("displacement (um),force (N)\n1,2\n2,3\n3,4\n4,\n5,\n")
+    with pytest.warns(ValidityWarning, match="last 2 rows"):
+        assert read_points(tmp_path / "a.csv").force.size == 3
+
+
+def test_a_pull_is_no_noise_of_the_load_cell():
+    """Before: forces to -2 N in unloading were a noise of 1.2 N, and points of loading below 3.6 N went."""
+    loading, unloading = np.linspace(0.1, 20.0, 40), np.linspace(19.0, 0.2, 30)
+    pull = -2.0 * np.sin(np.linspace(0.1, 3.0, 12))
+    keep, skipped = in_contact(np.concatenate([loading, unloading, pull]), 0.0)
+    assert keep[:70].all() and not keep[70:].any()
+    assert any("adhere" in reason for reason in skipped.values())
+    noise = 0.05 * np.random.default_rng(1).standard_normal((2, 20))
+    keep, skipped = in_contact(np.concatenate([noise[0], loading + 0.5, unloading, noise[1]]), 0.0)
+    assert not keep[:20].any() and keep[20:88].all() and not any("adhere" in reason for reason in skipped.values())
+    keep, skipped = in_contact(np.concatenate([noise[0], loading + 0.5, unloading, pull]), 0.0)
+    assert keep[20:88].all() and len(skipped) == 2
 
 
 def test_standard_input(monkeypatch):
