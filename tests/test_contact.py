@@ -109,6 +109,9 @@ OTHERS |= {"mm/N": 1e-3, "um/N": 1e-6, "nm/N": 1e-9, "mm/kN": 1e-6, "um/kN": 1e-
 
 OTHERS |= {"in": 0.0254, "micron": 1e-6, "Å": 1e-10, "gf": 9.80665e-3, "kgf": 9.80665, "lbf": 0.45359237 * 9.80665}
 
+OTHERS |= {"N/m": 1.0, "N/mm": 1e3, "N/um": 1e6, "kN/m": 1e3, "kN/mm": 1e6, "MN/m": 1e6, "1/m": 1.0, "1/mm": 1e3, "1/um": 1e6}
+OTHERS |= {"1/m²": 1.0, "1/m2": 1.0, "1/mm²": 1e6, "1/mm2": 1e6, "1/um²": 1e12, "1/um2": 1e12, "1/s": 1.0, "/s": 1.0}
+
 
 @pytest.mark.parametrize("unit", UNITS)
 def test_every_spelling_of_a_unit(unit):
