@@ -45,34 +45,17 @@ def write_atomically(path, content):
 
     A failure leaves an older file of that name as it was. The folder is made if it is missing.
     """
-    return write_together((path, content))
-
-
-def write_together(*files):
-    """As `write_atomically`, of several (path, content) that belong together: all are written or none; the last one's path.
-
-    They are renamed in the order given, so that the one that names the others comes last.
-    """
-    contents = [(_target(path), content.encode() if isinstance(content, str) else content) for path, content in files]
-    temporary_files, backups = [], []
-    path = contents[0][0]
+    target = _target(path)
     try:
-        for path, data in contents:
-            temporary_files.append(_waiting(path, data))
-        for (path, _), temporary in zip(contents, temporary_files, strict=True):
-            before = path.read_bytes() if len(contents) > 1 and path.is_file() else None
-            os.replace(temporary, path)
-            backups.append((path, before))
-    except OSError as error:
-        for temporary in temporary_files[len(backups) :]:
+        temporary = _waiting(target, content.encode() if isinstance(content, str) else content)
+        try:
+            os.replace(temporary, target)
+        except OSError:
             os.unlink(temporary)
-        for name, before in backups:
-            if before is None:
-                name.unlink()
-            else:
-                os.replace(_waiting(name, before), name)
-        raise DemlawsError(f"cannot write {path}: {error.strerror or error}; name a folder you may write to") from error
-    return as_path(files[-1][0])
+            raise
+    except OSError as error:
+        raise DemlawsError(f"cannot write {target}: {error.strerror or error}; name a folder you may write to") from error
+    return as_path(path)
 
 
 def csv_text(titles, rows):

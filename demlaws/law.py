@@ -16,7 +16,7 @@ from demlaws.core.unloading import GIVEN
 from demlaws.curves.closed import ClosedForm
 from demlaws.curves.unloading import ELASTIC, Unloading, refuse_unless_passive
 from demlaws.errors import DemlawsError
-from demlaws.files import as_path, names_a_file, write_atomically, write_together
+from demlaws.files import as_path, names_a_file, write_atomically
 from demlaws.laws.definition import Definition
 from demlaws.responses.response import Response, as_given
 from demlaws.units import number
@@ -326,8 +326,7 @@ class Table(Law):
     def save(self, path: str | os.PathLike) -> File:
         """Write the table as text with its certificate, its unloading curve below it; see `Table.load`.
 
-        The code of a user-defined rule is written, too, beside the file: PATH.so (takes g++); both files or none. A warning
-        names the content of a file that is replaced, unless it is a table of the same law and contact.
+        A warning names the content of a file that is replaced, unless it is a table of the same law and contact.
 
         Parameters
         ----------
@@ -342,19 +341,7 @@ class Table(Law):
         from demlaws.curves.saved import name_what_is_lost
 
         name_what_is_lost(as_path(path), self)
-        data = self._compose()[0]
-        if self._native_rule is None:
-            return write_atomically(path, data)
-        return write_together((f"{os.fspath(as_path(path))}.so", self._native_rule), (path, data))
-
-    @functools.cached_property
-    def _native_rule(self):
-        """Object with the code of a user-defined rule, or None where the file contains all that a reader needs."""
-        if self.unloading_parts.rule.number is not None:
-            return None
-        from demlaws.curves.rule_object import rule_object
-
-        return rule_object(self.unloading_parts.rule, self.unloading_parts.rule_parameters)
+        return write_atomically(path, self._compose()[0])
 
     @property
     def fingerprint(self) -> int:
@@ -364,7 +351,7 @@ class Table(Law):
     def _compose(self):
         from demlaws.curves.saved import compose
 
-        return compose(self.contact, self.curve, self.unloading_parts, self.collapses, self._native_rule)
+        return compose(self.contact, self.curve, self.unloading_parts, self.collapses)
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> "Table":

@@ -38,13 +38,10 @@ def rng():
 
 
 @pytest.fixture
-def registered_here(monkeypatch):
+def registered_here():
     """A law that a test registers goes with it."""
     from own_spring import restored
 
-    from demlaws.laws import registry
-
-    monkeypatch.setenv(registry.VARIABLE, "")
     with restored():
         yield
 

@@ -144,18 +144,6 @@ def registered(folder, text=SPRING, name="my_spring.py"):
             unloading._OWN.update(rules)
 
 
-FAULTS = ("missing", "another", "missing on one rank")
-
-
-def spoil(code, fault):
-    """Spoil the object beside a table; the number of ranks that it takes."""
-    if fault == "another":
-        code.write_bytes(code.read_bytes() + b"\n")
-    elif fault == "missing":
-        code.unlink()
-    return 2 if fault == "missing on one rank" else 1
-
-
 def expected(path, lost=0.4, stiffness=2e6):
     """Force [N] of the law along overlaps [m]."""
     forces, maximum = [], 0.0

@@ -8,7 +8,7 @@ Start: demlaws yade run -x yade_scripts/cost.py [--quick] [--sizes 4000 15000 60
     [--every] [--damped] [--periodic] [--out FOLDER]
 Takes: about 2 min per size (quick: 20 s, fewer contacts; --bridge: half of it; --every law and rule: 15 min per size, quick: 8,
 with 6 GB at 60000, besides some eight minutes for compiling them once). Saves cost.png.
-A user-defined law: DEMLAWS_LAWS=my_law.py demlaws yade run -x yade_scripts/cost.py --bridge --laws "NAME, RULE" hertz
+A user-defined law: call dl.load_laws("my_law.py") in a copy of this script; --bridge --laws "NAME, RULE" hertz
 """
 
 import argparse

@@ -57,6 +57,7 @@ class _LawFile(argparse.Action):
         from demlaws.laws.registry import load_laws
 
         load_laws(values)
+        namespace.law_files = [*getattr(namespace, "law_files", []), values]
 
 
 class Parser(argparse.ArgumentParser):

@@ -70,7 +70,8 @@ def _check(arguments):
     from demlaws.yade.run import run
 
     captured = {"stdout": subprocess.PIPE, "text": True} if arguments.json else {}
-    ended = run(_file("check.py"), arguments.extent or [], **captured)
+    words = [*(arguments.extent or []), *(f"--law-file={file}" for file in getattr(arguments, "law_files", []))]
+    ended = run(_file("check.py"), words, **captured)
     print(ended.stdout or "", end="")
     return ended.returncode
 
@@ -80,6 +81,8 @@ def _run(arguments):
 
     if arguments.script is None:
         raise DemlawsError("no script was given: demlaws yade run [options] SCRIPT [its arguments]")
+    if files := getattr(arguments, "law_files", []):
+        raise DemlawsError(f"--law-file {files[0]}: YADE is another process; write dl.load_laws({files[0]!r}) in the script")
     if arguments.threads < 1:
         raise DemlawsError(f"--threads {arguments.threads}: at least 1")
     if arguments.json:

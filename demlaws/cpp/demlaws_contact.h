@@ -17,18 +17,14 @@ struct Pair {
   double inverse_length = 0.; // [1/m]; where length is 0, of length_per_radius
   double length_per_radius = 0.;
   double only_radius = 0.; // > 0: the only R that the table is valid for (see checked)
-  double sigma = 0.;       // roughness [m], for rule OWN; of the table's contact by default
-  double metre = 1.,
-         pascal = 1.; // in the units of the lengths and moduli given here, for rule OWN, which knows SI only
+  double sigma = 0.;       // roughness [m]; of the table's contact by default
+  double metre = 1., pascal = 1.; // in the units of the lengths and moduli given here, for messages in SI
 
   Pair() {}
   // roughness: combined rms roughness sigma [m]; without it the length of the file is taken.
   Pair(const Table &t, double effective_modulus, double roughness = 0.)
       : table(&t), rule(t.unloading()), modulus(effective_modulus),
         sigma(roughness > 0. ? roughness : t.of_contact("roughness", 0.)) {
-    if (rule == OWN && !t.own_rule())
-      throw std::runtime_error(t.path() + ": its unloading rule '" + t.text("rule") +
-                               "' is user-defined code in an object beside the file, which this engine does not load");
     const double over_roughness = t.number("length_over_roughness", 0.);
     if (t.number("length_over_radius", 0.) > 0.) length_per_radius = t.number("length_over_radius", 0.);
     else if (roughness > 0. && over_roughness > 0.) length = over_roughness * roughness;
@@ -76,58 +72,8 @@ struct State {
 
 struct Force {
   double force, stiffness;
-  bool outside;     // the overlap lies beyond the table: force is an uncertified extrapolation
-  double unloading; // of a rule OWN: the stiffness with which it would unload from here; else 0
+  bool outside; // the overlap lies beyond the table: force is an uncertified extrapolation
 };
-
-// First loading of one contact, for a rule OWN; SI. The pointers come first: the rule finds them by their place.
-struct FirstLoading {
-  void (*at)(const FirstLoading *, double overlap, double *found); // force, stiffness, Hertz-equivalent overlap, a^2/R
-  double (*inverse)(const FirstLoading *, double force);
-  double (*energy)(const FirstLoading *, double overlap);
-  const Table &table;
-  double radius, modulus, roughness, length, newton;
-  mutable bool outside; // whether an overlap beyond the table was asked for
-
-  FirstLoading(const Pair &pair, double engine_radius)
-      : at(&read), inverse(&reverse), energy(&work), table(*pair.table), radius(engine_radius / pair.metre),
-        modulus(pair.modulus / pair.pascal), roughness(std::max(pair.sigma, 1e-40 * radius)),
-        length(pair.length_of(engine_radius) / pair.metre), newton(pair.pascal * pair.metre * pair.metre),
-        outside(false) {}
-  int64_t address() const { return (int64_t)(intptr_t)this; }
-
-private:
-  static void read(const FirstLoading *p, double overlap, double *found) {
-    double s, slope;
-    const double u = overlap / p->length;
-    if (!p->table.look_up(u, s, slope) && !p->table.outside(u, s, slope)) p->outside = true;
-    const double root = p->modulus * sqrt(p->radius * s * p->length);
-    found[0] = (4. / 3.) * root * s * p->length;
-    found[1] = 2. * root * slope;
-    found[2] = s * p->length;
-    found[3] = p->table.area(s) * p->length;
-  }
-  static double reverse(const FirstLoading *p, double force) {
-    const double root = cbrt(0.75 * force / (p->modulus * sqrt(p->radius)));
-    return p->table.overlap_where(root * root / p->length) * p->length;
-  }
-  static double work(const FirstLoading *p, double overlap) {
-    return p->modulus * sqrt(p->radius * p->length) * p->length * p->length * p->table.energy(overlap / p->length);
-  }
-};
-
-inline Force own_step(const Pair &pair, double radius, double overlap, double *state, bool update) {
-  const FirstLoading loading(pair, radius);
-  double now[3] = {state[0], state[1], state[2]}, found[3] = {0., 0., 0.};
-  pair.table->own_rule()->step(loading.address(), loading.radius, loading.modulus, loading.roughness,
-                               overlap / pair.metre, now, found);
-  if (update && found[0] == found[0])
-    for (int i = 0; i < 3; i++) state[i] = now[i];
-  const double stiffness = loading.newton / pair.metre;
-  const Force force = {found[0] * loading.newton, found[1] * stiffness, loading.outside,
-                       std::max(0., found[2] * stiffness)};
-  return force;
-}
 
 // One step of one contact. `state` points to state_size(rule) doubles: maximum overlap [m], plastic overlap [m],
 // radius ratio R_p / R; it is written only when `update` is true. overlap <= 0 clears it. RULE is known when compiled.
@@ -135,13 +81,12 @@ inline Force own_step(const Pair &pair, double radius, double overlap, double *s
 template <Unloading RULE>
 inline Force step_rule(const Pair &pair, double radius, double overlap, double *state, bool update,
                        double inverse_radius = 0.) {
-  Force now = {0., 0., false, 0.};
+  Force now = {0., 0., false};
   if (overlap <= 0.) {
     if (update)
       for (int i = 0; i < state_size(RULE); i++) state[i] = 0.;
     return now;
   }
-  if (RULE == OWN) return own_step(pair, radius, overlap, state, update);
   double hertz_overlap, slope = 1., effective_radius = radius;
   const bool loads = RULE == ELASTIC || !(overlap < state[0]); // NaN, too
   double length = 0., inverse_length = 0.;
@@ -167,8 +112,10 @@ inline Force step_rule(const Pair &pair, double radius, double overlap, double *
       else if (RULE == EEPA) state[1] = pair.table->eepa_plastic() * overlap;
       else {
         // R_p/R = (area/s)^1.5, recoverable overlap s (R/R_p)^(1/3)
-        const double area =
-            RULE == ETSION ? pair.table->area_of_overlap(overlap * inverse_length) : pair.table->area(s);
+        const double u = overlap * inverse_length;
+        const double area = RULE == ETSION    ? pair.table->area_of_overlap(u)
+                            : RULE == JACKSON ? pair.table->fitted_area(u, s)
+                                              : pair.table->area(s);
         const double ratio = s / area;
         state[1] = overlap - hertz_overlap * sqrt(ratio);
         state[2] = 1. / (ratio * sqrt(ratio));
@@ -193,7 +140,7 @@ inline Force step_rule(const Pair &pair, double radius, double overlap, double *
       pair.table->unloading_curve().evaluate(hertz_overlap * inverse_length, s, slope);
       hertz_overlap = s * length;
     }
-    if (RULE == THORNTON || RULE == ETSION) effective_radius *= state[2];
+    if (keeps_radius(RULE)) effective_radius *= state[2];
   }
   const double root = pair.modulus * sqrt(effective_radius * hertz_overlap);
   now.force = (4. / 3.) * root * hertz_overlap;
@@ -217,8 +164,8 @@ inline auto with_rule(Unloading rule, Arguments &&...arguments) -> decltype(Of<E
     return Of<EEPA>::call(arguments...);
   case ETSION:
     return Of<ETSION>::call(arguments...);
-  case OWN:
-    return Of<OWN>::call(arguments...);
+  case JACKSON:
+    return Of<JACKSON>::call(arguments...);
   default:
     return Of<GIVEN>::call(arguments...);
   }
@@ -260,12 +207,11 @@ inline double shear_stiffness(Shear shear, const Pair &pair, double radius, doub
                               const double *state) {
   if (RULE == ELASTIC || !(now.force > 0.)) return now.stiffness;
   if (shear == SLIP_SHEAR) shear = ELASTIC_SHEAR;
-  if (RULE == OWN && shear == ELASTIC_SHEAR) return now.unloading;
-  const bool loads = RULE != OWN && !(overlap < state[0]); // what a rule OWN remembers is its own
+  const bool loads = !(overlap < state[0]);
   if (shear == ELASTIC_SHEAR) {
     if (!loads) return now.stiffness;
     const bool known = overlap == state[0];
-    if ((RULE <= THORNTON || RULE == ETSION) && known) {
+    if ((RULE == HERTZ || keeps_radius(RULE)) && known) {
       const double recoverable =
           overlap - state[1]; // K = 1.5 P / recoverable overlap, where rounding leaves some of it
       if (recoverable > 1e-9 * overlap) return 1.5 * now.force / recoverable;
@@ -307,7 +253,7 @@ inline double given_back(const Pair &pair, double radius, double overlap, const 
     return pair.modulus * sqrt(radius) * length * length * sqrt(length) *
            (curve.energy(left / length) - curve.energy(below / length));
   }
-  const double r = pair.rule == THORNTON || pair.rule == ETSION ? radius * state[2] : radius;
+  const double r = keeps_radius(pair.rule) ? radius * state[2] : radius;
   return (8. / 15.) * pair.modulus * sqrt(r) * (left * left * sqrt(left) - below * below * sqrt(below));
 }
 
@@ -319,16 +265,6 @@ inline void stored_and_dissipated(const Pair &pair, double radius, double overla
   const double scale = pair.modulus * sqrt(radius) * length * length * sqrt(length);
   if (pair.rule == ELASTIC) {
     if (overlap > 0.) stored = scale * pair.table->energy(overlap / length);
-    return;
-  }
-  if (pair.rule == OWN) {
-    if (state[0] == 0. && state[1] == 0. && state[2] == 0.) return;
-    const FirstLoading loading(pair, radius);
-    double own[3] = {state[0], state[1], state[2]}, found[2] = {0., 0.};
-    pair.table->own_rule()->energies(loading.address(), loading.radius, loading.modulus, loading.roughness,
-                                     overlap / pair.metre, own, found);
-    stored = found[0] * loading.newton * pair.metre;
-    dissipated = found[1] * loading.newton * pair.metre;
     return;
   }
   if (!(state[0] > 0.)) return;

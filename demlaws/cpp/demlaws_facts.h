@@ -7,16 +7,16 @@
 #define DEMLAWS_FACTS_H
 namespace demlaws {
 
-// Rules that any law may have, then those of single laws; OWN: code in an object beside the file (demlaws_rule.h).
-enum Unloading { ELASTIC, HERTZ, THORNTON, GIVEN, LINEAR, EEPA, ETSION, OWN };
-constexpr int RULES = 7; // without OWN
-constexpr const char *const RULE_NAMES[] = {"elastic", "hertz", "thornton", "table", "linear", "eepa", "etsion", "own"};
+// Rules that any law may have, then those of single laws.
+enum Unloading { ELASTIC, HERTZ, THORNTON, GIVEN, LINEAR, EEPA, ETSION, JACKSON };
+constexpr int RULES = 8;
+constexpr const char *const RULE_NAMES[] = {"elastic", "hertz", "thornton", "table", "linear", "eepa", "etsion", "jackson"};
 constexpr int STATE_SIZES[] = {0, 2, 3, 2, 2, 2, 3, 3}; // of STATE_NAMES, so many from the first
 constexpr const char *const STATE_NAMES[] = {"maximum_overlap", "plastic_overlap", "radius_ratio"};
 constexpr int MOST_STATE = 3;
-constexpr bool HAS_SPRINGS[] = {true, true, true, true, false, false, true, false}; // of partial slip
+constexpr bool HAS_SPRINGS[] = {true, true, true, true, false, false, true, true}; // of partial slip
 // Numbers that a rule of a single law has in a file.
-constexpr const char *const RULE_KEYS[][4] = {{}, {}, {}, {}, {"linear_first", "linear_growth", "linear_largest"}, {"eepa_stiffness", "eepa_plastic"}, {"etsion_overlap", "etsion_power"}, {}};
+constexpr const char *const RULE_KEYS[][4] = {{}, {}, {}, {}, {"linear_first", "linear_growth", "linear_largest"}, {"eepa_stiffness", "eepa_plastic"}, {"etsion_overlap", "etsion_power"}, {"jackson_overlap"}};
 
 // Normal stiffness that the tangential stiffness is a multiple of; restart files have the numbers.
 enum Shear { ELASTIC_SHEAR = 1, LOADING_SHEAR = 2, SLIP_SHEAR = 3 };
@@ -27,13 +27,12 @@ constexpr double LARGEST_SHEAR_RATIO = 1.3333333333333333; // K_t/K
 
 // First line of a table file, its keys and kinds of their values.
 constexpr const char *const FORMAT = "# demlaws-table 3";
-enum class Kind { NAME, BITS, ROWS, POSITIVE, NOT_NEGATIVE, BELOW, RULE, YES_OR_NO, MARK };
-constexpr const char *const KIND_NAMES[] = {"a name", "a whole number from 1 to 12", "a whole number from 2 to 2000000", "a positive number", "a number from 0", "power or straight", "an unloading rule that is known here", "yes or no", "8 hexadecimal digits and a size"};
+enum class Kind { NAME, BITS, ROWS, POSITIVE, NOT_NEGATIVE, BELOW, RULE, YES_OR_NO };
+constexpr const char *const KIND_NAMES[] = {"a name", "a whole number from 1 to 12", "a whole number from 2 to 2000000", "a positive number", "a number from 0", "power or straight", "an unloading rule that is known here", "yes or no"};
 struct Key { const char *name; Kind kind; };
 constexpr Key CURVE_KEYS[] = {{"law", Kind::NAME}, {"effective_radius", Kind::POSITIVE}, {"effective_modulus", Kind::POSITIVE}, {"roughness", Kind::NOT_NEGATIVE}, {"bits", Kind::BITS}, {"rows", Kind::ROWS}, {"force_error", Kind::NOT_NEGATIVE}, {"stiffness_error", Kind::NOT_NEGATIVE}, {"below_first_row", Kind::BELOW}};
 constexpr Key SHARED_KEYS[] = {{"unloading", Kind::RULE}, {"collapses", Kind::YES_OR_NO}, {"length", Kind::POSITIVE}, {"length_over_roughness", Kind::NOT_NEGATIVE}, {"length_over_radius", Kind::NOT_NEGATIVE}, {"rtol", Kind::NOT_NEGATIVE}};
 constexpr Key YIELD_KEYS[] = {{"yield_overlap", Kind::POSITIVE}, {"yield_force", Kind::POSITIVE}, {"yield_area", Kind::POSITIVE}, {"yield_area_slope", Kind::POSITIVE}};
-constexpr Key OWN_KEYS[] = {{"rule", Kind::NAME}, {"rule_object", Kind::MARK}};
 
 constexpr int MOST_BITS = 12, MOST_KINKS = 32; // of a curve
 constexpr long MOST_ROWS = 2000000;

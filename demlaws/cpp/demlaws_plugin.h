@@ -4,9 +4,9 @@
 #define DEMLAWS_PLUGIN_H
 
 #include "demlaws_range.h"
-#include "demlaws_rule.h"
 #include "demlaws_slip.h"
 #include <memory>
+#include <unistd.h>
 
 namespace demlaws {
 
@@ -52,7 +52,7 @@ private:
   virtual void collect(const void *mine, int size, void *all) const = 0;
 };
 
-// A table with the code of its rule, kept as long as its file stays what it was. Rank 0 reads the file and all ranks
+// A table, kept as long as its file stays what it was. Rank 0 reads the file and all ranks
 // get it: one that cannot see it, or sees another, neither hangs nor differs. Throws on all ranks.
 inline const Table &load_table(const Ranks &ranks, const std::string &path) {
   static std::map<std::pair<std::string, uint32_t>, std::unique_ptr<Table>> tables;
@@ -74,13 +74,6 @@ inline const Table &load_table(const Ranks &ranks, const std::string &path) {
     fresh->parse(data, path);
     table = std::move(fresh);
   }
-  struct Problem {
-    char text[1000];
-  } mine = {};
-  snprintf(mine.text, sizeof mine.text, "%s", attach_rule(*table).c_str()); // each rank's own
-  const std::vector<Problem> all = ranks.gather(mine);
-  for (int rank = 0; rank < ranks.count; rank++)
-    if (all[rank].text[0]) throw std::runtime_error("rank " + std::to_string(rank) + ": " + all[rank].text);
   return *table;
 }
 
@@ -113,7 +106,7 @@ struct Law {
     springs.reset();
     if (shear != SLIP_SHEAR) return doubt;
     if (!HAS_SPRINGS[pair.rule])
-      throw std::runtime_error("'shear slip' needs unloading elastic, hertz, thornton, table or etsion, " +
+      throw std::runtime_error("'shear slip' needs unloading elastic, hertz, thornton, table, etsion or jackson, " +
                                table.path() + " has " + table.text("unloading"));
     springs = spring_curve(pair.rule == GIVEN ? table.unloading_curve() : table.loading_curve());
     return doubt;

@@ -18,6 +18,7 @@ namespace demlaws {
 
 // Number of doubles a contact must keep: the first so many of STATE_NAMES.
 constexpr int state_size(Unloading rule) { return STATE_SIZES[rule]; }
+constexpr bool keeps_radius(Unloading rule) { return state_size(rule) == 3; } // R_p/R, along whose Hertz curve it unloads
 
 // CRC-32 of zlib (polynomial 0xEDB88320), continued from an earlier value.
 inline uint32_t crc32(uint32_t crc, const char *data, size_t size) {
@@ -41,15 +42,6 @@ inline bool plain_number(const std::string &text, double &x) {
   x = strtod(local.c_str(), &end);
   return !*end && x - x == 0.;
 }
-
-// Code of a rule OWN, in SI; `first_loading` is the address of a FirstLoading.
-struct OwnRule {
-  // Writes force, stiffness, and the stiffness with which the contact would unload now.
-  void (*step)(int64_t first_loading, double radius, double modulus, double roughness, double overlap, double *state,
-               double *answer);
-  void (*energies)(int64_t first_loading, double radius, double modulus, double roughness, double overlap,
-                   double *state, double *stored_and_dissipated);
-};
 
 // A range of force outside which the law's source does not support it, and why. FORCE_ABOVE, FORCE_BELOW: force over
 // E* sqrt(R) length^1.5; BULK_YIELD: central pressure over hardness (demlaws/criterion.py).
@@ -105,11 +97,6 @@ public:
   // u where first loading reaches s, likewise.
   double overlap_where(double s) const { return loading_.where(s); }
 
-  // Code of rule OWN: check value and size of the object that holds it, and what was loaded of it (`attach`).
-  std::string object() const { return text("rule_object"); }
-  void attach(const OwnRule *rule) { own_ = rule; }
-  const OwnRule *own_rule() const { return own_; }
-
   // The curve to unload along; empty unless unloading() is GIVEN.
   const Curve &unloading_curve() const { return unloading_; }
   const Curve &loading_curve() const { return loading_; }
@@ -134,6 +121,13 @@ public:
   // The same of a law that has a contact radius of its own (rule ETSION): by the overlap, not by the force.
   inline double area_of_overlap(double u) const { return u <= numbers_[0] ? u : u * pow(u / numbers_[0], numbers_[1]); }
 
+  // That from which a contact unloads to the residual overlap of finite elements (rule JACKSON; laws/etsion.py).
+  inline double fitted_area(double u, double s) const {
+    const double w = std::min(std::max(u / numbers_[0], 1.), 145.);
+    const double growth = s / (u * (1. - 1.02 * (1. - pow((w + 5.9) / 6.9, -0.54))));
+    return s * growth * growth;
+  }
+
   // Stiffness of rule LINEAR over E* sqrt(R length), by the largest overlap; of EEPA over E* sqrt(R).
   inline double linear_stiffness(double largest) const {
     const double stiffness = numbers_[0] + numbers_[1] * largest;
@@ -151,7 +145,6 @@ private:
   std::map<std::string, std::string> header_;
   std::map<std::string, int> lines_; // where a key stands
   Unloading unloads_ = ELASTIC;
-  const OwnRule *own_ = NULL;
   double numbers_[3]; // numbers of a single law's rule
   Curve loading_, unloading_, reverse_;
   double yield_s_, yield_area_slope_;
@@ -298,7 +291,7 @@ inline void Table::read_key(int line, const std::string &body) {
 inline void Table::check_keys(const Lines &lines) {
   for (const Key &key : CURVE_KEYS) check_key(key.name, key.kind, lines);
   for (const Key &key : SHARED_KEYS) check_key(key.name, key.kind, lines);
-  unloads_ = (Unloading)(std::find(RULE_NAMES, RULE_NAMES + OWN, text("unloading")) - RULE_NAMES);
+  unloads_ = (Unloading)(std::find(RULE_NAMES, RULE_NAMES + RULES, text("unloading")) - RULE_NAMES);
   const bool yields = std::any_of(YIELD_KEYS, YIELD_KEYS + 4, [this](const Key &key) { return has(key.name); });
   for (const Key &key : YIELD_KEYS)
     if (yields) check_key(key.name, key.kind, lines);
@@ -308,8 +301,6 @@ inline void Table::check_keys(const Lines &lines) {
     check_key(RULE_KEYS[unloads_][i], i == 1 ? Kind::NOT_NEGATIVE : Kind::POSITIVE, lines);
     numbers_[i] = number(RULE_KEYS[unloads_][i], 0.);
   }
-  for (const Key &key : OWN_KEYS)
-    if (unloads_ == OWN) check_key(key.name, key.kind, lines);
   for (const Key &key : CURVE_KEYS)
     if (unloads_ == GIVEN) check_key(std::string("unloading_") + key.name, key.kind, lines);
   check_limits();
@@ -325,10 +316,8 @@ inline void Table::check_key(const std::string &name, Kind kind, const Lines &li
                     : kind == Kind::POSITIVE     ? number(name, -1.) > 0.
                     : kind == Kind::NOT_NEGATIVE ? number(name, -1.) >= 0.
                     : kind == Kind::BELOW        ? value == "power" || value == "straight"
-                    : kind == Kind::RULE         ? std::count(RULE_NAMES, RULE_NAMES + OWN + 1, value) > 0
-                    : kind == Kind::YES_OR_NO    ? value == "yes" || value == "no"
-                                              : value.find_first_not_of("0123456789abcdef") == 8 && value[8] == ' ' &&
-                                                    whole(value.substr(9)) > 0;
+                    : kind == Kind::RULE         ? std::count(RULE_NAMES, RULE_NAMES + RULES, value) > 0
+                                                 : value == "yes" || value == "no";
   if (!good) fail(lines_[name], name + ": '" + value + "' is not " + KIND_NAMES[(int)kind]);
 }
 

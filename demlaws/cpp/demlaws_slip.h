@@ -81,7 +81,7 @@ public:
       scale_ = stiffness_ * length;
     } else {
       const double root =
-          2. * pair.modulus * sqrt(pair.rule == THORNTON || pair.rule == ETSION ? radius * state[2] : radius);
+          2. * pair.modulus * sqrt(keeps_radius(pair.rule) ? radius * state[2] : radius);
       stiffness_ = 1.;
       scale_ = 1. / (3. * root * root); // K = root sqrt(z)
     }

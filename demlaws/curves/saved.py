@@ -4,7 +4,6 @@ import json
 import math
 import os
 import warnings
-import zlib
 from typing import Any
 
 import numpy as np
@@ -20,21 +19,26 @@ from demlaws.curves.unloading import Unloading
 from demlaws.errors import DemlawsError, warn
 from demlaws.files import as_path
 from demlaws.laws.definition import Definition, no_limits
-from demlaws.laws.registry import find, registry, source_checksum
+from demlaws.laws.registry import find
 from demlaws.solvers.criterion import YIELD_RATIO
 
 
-def compose(contact: Contact, curve: TableCurve, unloading: Unloading, collapses: bool, native_rule: bytes | None) -> tuple:
-    """(bytes of the file, fingerprint) of a law of tables; native_rule: the code of a user-defined rule."""
+def compose(contact: Contact, curve: TableCurve, unloading: Unloading, collapses: bool) -> tuple:
+    """(bytes of the file, fingerprint) of a law of tables."""
     from demlaws import __version__
 
     shape, rule = curve.shape, unloading.rule
+    if rule.number is None:
+        raise DemlawsError(
+            f"a table file of law {curve.definition.name!r} with its user-defined unloading rule {rule.name!r}: files contain "
+            "tables and rules of demlaws only; take elastic or hertz, or an unloading curve (unloading=...)"
+        )
     length = shape.length_over_roughness * np.asarray(contact.roughness) + shape.length_over_radius * np.asarray(contact.radius)
     header = {
         "law": curve.definition.name,
         "description": _about(curve.definition),
         "source": curve.definition.source,
-        "unloading": rule.name if rule.number is not None else text.OWN,
+        "unloading": rule.name,
         "options": json.dumps(curve.options, default=lambda value: value.record()),
         **text.describe_contact(contact),
         "collapses": "yes" if collapses else "no",
@@ -54,10 +58,7 @@ def compose(contact: Contact, curve: TableCurve, unloading: Unloading, collapses
         header["yield_force"] = repr(4.0 / 3.0 * shape.bulk.area**1.5)
         header["yield_area"] = repr(shape.bulk.area)
         header["yield_area_slope"] = repr(0.75 * shape.bulk.slope)  # by f, not by s^1.5
-    if native_rule is not None:
-        header |= dict(zip(text.OF_OWN_RULE, (rule.name, f"{zlib.crc32(native_rule):08x} {len(native_rule)}"), strict=True))
-        header["rule_source"] = source_checksum(curve.definition) or "-"
-    elif rule.keys:
+    if rule.keys:
         header |= {key: repr(value) for key, value in zip(rule.keys, unloading.rule_parameters, strict=False)}
     along = unloading.curve
     if along is not None:
@@ -82,7 +83,8 @@ def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
     except OSError as error:
         raise DemlawsError(f"cannot read table {path}: {error.strerror or error}") from error
     file = text.parse(data, path)
-    values, rule = file.values, _rule(file, path)
+    values = file.values
+    rule = text.rule_named(values["unloading"])
     collapses = values["collapses"] == "yes"
 
     def curve(prefix, rows, collapses, bulk=NO_YIELD, floor=None):
@@ -104,8 +106,8 @@ def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
     unloading = Unloading(rule)
     if file.unloading is not None:
         unloading = Unloading(rule, curve(UNLOADING, file.unloading, collapses, floor=loading.floor), contact)
-    elif rule.curve == "law" and rule.name != values.get("rule"):
-        unloading = Unloading(rule, rule_parameters=loading.numbers_beside(rule, [values[key] for key in rule.keys]))
+    elif rule.curve == "law":
+        unloading = Unloading(rule, rule_parameters=loading.numbers_beside(rule, values))
     return contact, loading, loading.with_unloading(contact, unloading) if unloading.curve is None else unloading
 
 
@@ -131,8 +133,6 @@ def _about(definition):
 def _definition(file, rule, prefix, collapses):
     """`Definition` of a file's law, or of a law that is not installed, as the file describes it."""
     name, header = file.values[f"{prefix}law"], file.header
-    if "rule" in file.values:
-        return find(name)
     rules = (rule,) if rule.curve == "law" else ()
     try:
         definition = find(name)
@@ -165,26 +165,6 @@ def definition_of_table(name: str, source: str, description: str, length: str, c
 
 def _not_here(contact, **options):
     raise DemlawsError("this law comes from a table without its definition: it cannot be made for another contact")
-
-
-def _rule(file, path):
-    """`Rule` of a file; a user-defined rule is that of the law, which must be registered here as when it was written."""
-    values = file.values
-    if "rule" not in values:
-        return text.rule_named(values["unloading"])
-    definition = registry().get(values["law"])
-    rule = None if definition is None else definition.offered().get(values["rule"])
-    if rule is None:
-        raise DemlawsError(
-            f"{path}: its rule {values['rule']!r} belongs to law {values['law']!r}, which is not registered here: name its "
-            "file (--law-file FILE.py, dl.load_laws)"
-        )
-    if file.header.get("rule_source", "-") not in ("-", source_checksum(definition)):
-        raise DemlawsError(
-            f"{path}: law {values['law']!r} has changed since the table was written: use the former law file, "
-            "or write the table again"
-        )
-    return rule
 
 
 def _knots(line, path):

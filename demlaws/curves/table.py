@@ -133,7 +133,8 @@ class TableCurve:
 
     def numbers_beside(self, rule: Rule, numbers: Any) -> Any:
         """The Shape that a rule of the law's own reads beside the table."""
-        return rule.shape(*map(float, numbers), self.shape.length_over_roughness, self.shape.length_over_radius)  # type: ignore[misc]
+        values = (float(numbers[key]) for key in rule.keys)
+        return rule.shape(*values, self.shape.length_over_roughness, self.shape.length_over_radius)  # type: ignore[misc]
 
     def _beside(self, contact, rule):
         shape = self.definition.shape(contact, **self.options)

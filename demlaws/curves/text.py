@@ -25,9 +25,6 @@ FORMAT = "# demlaws-table 3"
 """The first line. A change of meaning gets a new number."""
 TITLES = "overlap force stiffness"
 UNLOADING_TITLES = "unloading overlap force stiffness"
-OWN = "own"
-"""For `unloading`: a user-defined rule of the law; its code is in an object beside the file (`rule_object`)."""
-OF_OWN_RULE = ("rule", "rule_object")
 UNLOADING = "unloading_"
 """Before the keys that describe an unloading curve and its rows."""
 BELOW = "below_first_row"
@@ -93,14 +90,7 @@ def rule_named(name):
 
 
 def _rule(text):
-    return text if text in RULES else _one_of(*rules(), OWN)(text)
-
-
-def _mark(text):
-    """Check value and size of a file."""
-    if not re.fullmatch("[0-9a-f]{8} [1-9][0-9]{0,8}", text):
-        raise ValueError(f"{text!r} is not 8 hexadecimal digits and a size")
-    return text
+    return text if text in RULES else _one_of(*rules())(text)
 
 
 def _limit(text):
@@ -299,8 +289,6 @@ class Reader:
             keys += YIELD
         # the second number of each rule is a growth, which may be 0
         keys += [Key(name, _not_negative if n == 1 else _positive) for n, name in enumerate(rule.keys if rule else ())]
-        if unloading == OWN:
-            keys += [Key(name, read) for name, read in zip(OF_OWN_RULE, (_name, _mark), strict=True)]
         if given:
             keys += [key._replace(name=UNLOADING + key.name) for key in CURVE]
         optional = [

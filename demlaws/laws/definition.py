@@ -276,7 +276,7 @@ class Definition(NamedTuple):
     example_curve: dict = {}  # noqa: RUF012  what of these changes where the law is an example of an unloading curve
     unloading: tuple = ("elastic", "hertz")  # rules that it is fitted, chosen and measured with, the plainest first
     rules: tuple = ()  # rules of its own (`own_rule`), which no other law is offered
-    rule_numbers: Callable | None = None  # params, length [m], a table's relative error → values of its rule's `keys`, no units
+    rule_numbers: Callable | None = None  # params, length [m], a table's relative error → values of its rules' `keys`, no units
     default_unloading: str = "elastic"  # the rule where a user names none
     refused: dict = {}  # noqa: RUF012  general rule that the law does not take → what to do instead
     hertzian: bool = False  # the curve is Hertz's: a power law without a length of its own

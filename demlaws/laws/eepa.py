@@ -180,7 +180,7 @@ def _prepare(contact, stiffness_ratio=None, softness=1.0):
 
 def _numbers(p, length, error):
     """k2/(E* √R), δp/δmax."""
-    return p.unloading / (0.75 * p.hertz_coefficient), p.plastic_ratio
+    return {"eepa_stiffness": p.unloading / (0.75 * p.hertz_coefficient), "eepa_plastic": p.plastic_ratio}
 
 
 _ONLY_OWN = dict.fromkeys(

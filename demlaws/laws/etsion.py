@@ -94,6 +94,37 @@ def _table_area(p, overlap):
 bind(EtsionNumbers, scale=_table_scale)
 bind(EtsionTableParams, virgin=_table_area)
 
+
+class JacksonNumbers(NamedTuple):
+    """Critical overlap in a table, without units."""
+
+    overlap: float
+    length_over_roughness: float
+    length_over_radius: float
+
+
+class JacksonTableParams(NamedTuple):
+    """One contact."""
+
+    hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
+    critical_overlap: float  # ω_c [m]
+
+
+@kernel
+def _jackson_scale(shape, radius, modulus, roughness):
+    length = shape.length_over_roughness * roughness + shape.length_over_radius * radius
+    return JacksonTableParams(hertz_coefficient(radius, modulus), shape.overlap * length)
+
+
+bind(JacksonNumbers, scale=_jackson_scale)
+
+
+def rule_numbers(p, length, joint, power):
+    """Values of the keys of both rules; a²/(R δ) = max(1, ω/joint)^power."""
+    overlap = p.critical_overlap / length
+    return {"etsion_overlap": overlap * joint, "etsion_power": power, "jackson_overlap": overlap}
+
+
 _STATE = ("maximum_overlap", "plastic_overlap", "radius_ratio")
 ETSION = own_rule(
     Rule(
@@ -114,8 +145,10 @@ JACKSON = own_rule(
         Jackson(),
         _STATE,
         "law",
-        None,
+        7,
         "back along Hertz's curve from the residual overlap of finite elements",
+        ("jackson_overlap",),
+        JacksonNumbers,
         springs="thornton",
     )
 )

@@ -19,7 +19,7 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import exp2, hertz_coefficient, hertz_overlap, kernel, log2, sqrt
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, no_limits, yielding_bulk
-from demlaws.laws.etsion import ETSION, JACKSON, NOT_THORNTON
+from demlaws.laws.etsion import ETSION, JACKSON, NOT_THORNTON, rule_numbers
 from demlaws.laws.kogut_etsion import POISSON_OPTION, STRENGTH, STRENGTH_OPTION
 
 _LOG2_E = 1.4426950408889634
@@ -148,7 +148,7 @@ def _prepare(contact, yield_strength=None, poisson=0.3):
 
 
 def _numbers(p, length, error):
-    return _YIELD * p.critical_overlap / length, p.spread
+    return rule_numbers(p, length, _YIELD, p.spread)
 
 
 LAW = Definition(

@@ -34,7 +34,7 @@ from demlaws.laws.definition import (
     pressure_option,
     yielding_bulk,
 )
-from demlaws.laws.etsion import ETSION, JACKSON, NOT_THORNTON
+from demlaws.laws.etsion import ETSION, JACKSON, NOT_THORNTON, rule_numbers
 
 _FACTOR1, _POWER1, _FACTOR2, _POWER2 = 1.03, 1.425, 1.40, 1.263
 _AREA, _AREA_POWER = 0.94, 1.146
@@ -139,7 +139,7 @@ def _limits(contact, yield_strength, poisson=0.3):
 
 
 def _numbers(p, length, error):
-    return p.critical_overlap * _AREA ** (-1.0 / (_AREA_POWER - 1.0)) / length, _AREA_POWER - 1.0
+    return rule_numbers(p, length, _AREA ** (-1.0 / (_AREA_POWER - 1.0)), _AREA_POWER - 1.0)
 
 
 STRENGTH = pressure_option(1e-5, 0.3, *np.geomspace(0.005, 0.1, 3))

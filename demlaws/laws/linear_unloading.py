@@ -156,7 +156,8 @@ def numbers(p, length, error):
     Where k2 is the stiffness of loading, a table whose force or stiffness errs upwards would else return work.
     """
     scale = 0.75 * p.hertz_coefficient * length**0.5 / (1.0 + error)
-    return p.first_stiffness / scale, p.stiffening * length / scale, p.largest_stiffness / scale
+    stiffness = p.first_stiffness / scale, p.stiffening * length / scale, p.largest_stiffness / scale
+    return dict(zip(LINEAR.keys, stiffness, strict=True))
 
 
 ONLY_STRAIGHT = dict.fromkeys(

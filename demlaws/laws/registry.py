@@ -3,7 +3,6 @@
 import contextlib
 import copyreg
 import importlib
-import importlib.metadata
 import importlib.util
 import os
 import re
@@ -15,19 +14,14 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from demlaws.errors import DemlawsError, did_you_mean, warn
+from demlaws.errors import DemlawsError, did_you_mean
 from demlaws.laws import MODULES
 from demlaws.laws.definition import Definition, check_name
 
-GROUP = "demlaws.laws"
-"""Entry points of this group, of any installed package, bring laws."""
-VARIABLE = "DEMLAWS_LAWS"
-"""Environment variable with files of laws, as PATH has folders: every process that has it finds them."""
 _user_laws: dict[str, Definition] = {}
 _homes: dict[str, str] = {}  # law → file or module that registered it
 _marks: dict[str, str] = defaultdict(str)  # law → check value of that file when it registered
 _loaded: dict[str, None] = {}  # files, in their order
-_search_done = [False]  # whether entry points and VARIABLE have been followed
 
 
 _BUILT_IN = {module.replace("_", "-"): module for module in MODULES}
@@ -40,21 +34,7 @@ def _built_in(name: str) -> Definition:
 
 def registry() -> dict[str, Definition]:
     """Name → Definition of every law, in the order in which figures and tables show them; registered ones last."""
-    return {**{name: _built_in(name) for name in _BUILT_IN}, **_registered()}
-
-
-def _registered() -> dict[str, Definition]:
-    """Laws that users registered, those of files and of installed packages included."""
-    if not _search_done[0]:
-        _search_done[0] = True  # a file of laws that makes one of them comes by here, too
-        try:
-            for file in _files():
-                load_laws(file)
-            _load_entry_points()
-        except BaseException:
-            _search_done[0] = False
-            raise
-    return _user_laws
+    return {**{name: _built_in(name) for name in _BUILT_IN}, **_user_laws}
 
 
 def laws() -> list[str]:
@@ -63,7 +43,7 @@ def laws() -> list[str]:
     >>> dl.laws()[:3]
     ['hertz', 'rms', 'pohrt-popov']
     """
-    return [*_BUILT_IN, *_registered()]
+    return [*_BUILT_IN, *_user_laws]
 
 
 def find(name: str) -> Definition:
@@ -74,10 +54,9 @@ def find(name: str) -> Definition:
         raise DemlawsError(
             f"a law's name must be text, got {name!r:.60}: dl.law(NAME, contact); the laws are {', '.join(laws())}"
         )
-    user_laws = _registered()
-    if name not in user_laws:
+    if name not in _user_laws:
         raise DemlawsError(f"unknown law {name!r:.60}{did_you_mean(name, laws())} The laws are {', '.join(laws())}")
-    return user_laws[name]
+    return _user_laws[name]
 
 
 def is_user_defined(definition: Definition) -> bool:
@@ -197,7 +176,7 @@ def source_checksum(definition: Definition) -> str:
 
 def _reduced(definition: Definition) -> tuple:
     """Pickled by name and file: it holds functions that have no name, and a law that comes back is to be the same law."""
-    if definition.name in _BUILT_IN or definition.name in _registered():
+    if definition.name in _BUILT_IN or definition.name in _user_laws:
         home = home_of(definition.name)
         return _of_name, (definition.name, source_checksum(definition), home if home in _loaded else "")
     return Definition, tuple(definition)  # of a table whose law is not here
@@ -215,7 +194,7 @@ def _of_name(name: str, checksum: str = "", file: str = "") -> Definition:
 copyreg.pickle(Definition, _reduced)
 
 
-# --- files and packages
+# --- files
 
 
 def load_laws(file: str | os.PathLike) -> list[str]:
@@ -239,7 +218,7 @@ def load_laws(file: str | os.PathLike) -> list[str]:
     Notes
     -----
     A file that is loaded or imported already, also by another path to it, is not run again; a copy of it is refused. Processes
-    that unpickle its laws load it, too, and so do those of YADE that demlaws starts.
+    that unpickle its laws load it, too. A script of YADE calls this function itself.
 
     Examples
     --------
@@ -269,16 +248,6 @@ def load_laws(file: str | os.PathLike) -> list[str]:
 
 def _check_value(content: bytes) -> str:
     return f"{zlib.crc32(content):08x}"
-
-
-def _files() -> list[str]:
-    return [file for file in os.environ.get(VARIABLE, "").split(os.pathsep) if file]
-
-
-def environment() -> dict[str, str]:
-    """What a process that starts from here needs in its environment to find the files of laws, also in another folder."""
-    files = dict.fromkeys([*map(os.path.realpath, _files()), *_loaded])
-    return {VARIABLE: os.pathsep.join(files)} if files else {}
 
 
 def _imported(path: str) -> ModuleType | None:
@@ -337,18 +306,3 @@ def _format_load_error(path: str, error: BaseException) -> str:
     where = f"{path}, line {lines[-1]}" if lines else path
     text = str(error) if isinstance(error, DemlawsError) else f"{type(error).__name__}: {error}"
     return f"{where}: {' '.join(text.split())}"
-
-
-def _load_entry_points() -> None:
-    """Laws of installed packages: an entry point is a Definition, a list of them, or a module that registers its own.
-
-    One that fails is left out with a warning: it must not take the other laws along.
-    """
-    for point in importlib.metadata.entry_points(group=GROUP):
-        try:
-            entry = point.load()
-            entry = _laws_of(entry) if isinstance(entry, ModuleType) else entry
-            for definition in [entry] if isinstance(entry, Definition) or not isinstance(entry, list | tuple) else entry:
-                _register(definition, _home(vars(sys.modules[point.module])))
-        except Exception as error:
-            warn(f"laws of the entry point {point.name} = {point.value} were not loaded: {error}", UserWarning)

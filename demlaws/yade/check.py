@@ -97,6 +97,12 @@ if __name__ == "__main__":
     import os
     import sys
 
-    status = main({"--quick": lambda: QUICK, "--all": every_pair}.get(sys.argv[-1], each_once))
+    from demlaws.laws.registry import load_laws
+
+    for word in sys.argv[1:]:
+        if word.startswith("--law-file="):
+            load_laws(word.partition("=")[2])
+    chosen = [select for word, select in {"--quick": lambda: QUICK, "--all": every_pair}.items() if word in sys.argv]
+    status = main(*chosen)
     sys.stdout.flush()
     os._exit(status)  # YADE's own exit would lose the status

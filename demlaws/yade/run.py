@@ -51,7 +51,6 @@ def environment():
     import numpy
 
     import demlaws
-    from demlaws.laws import registry
 
     version = python_of(executable())
     if version is not None and version != sys.version_info[:2]:
@@ -71,7 +70,7 @@ def environment():
         if folder not in folders and not folder.startswith("/usr/lib/python3"):
             folders.append(folder)
     old = os.environ.get("PYTHONPATH")
-    return {**os.environ, **registry.environment(), "PYTHONPATH": os.pathsep.join([*folders, *([old] if old else [])])}
+    return {**os.environ, "PYTHONPATH": os.pathsep.join([*folders, *([old] if old else [])])}
 
 
 def command(script, arguments=(), threads=1, *, gui=False, batch=None, stay=False, options=()):

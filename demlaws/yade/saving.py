@@ -157,7 +157,7 @@ def _source_from(content):
         if content["law"] not in laws():
             raise DemlawsError(
                 f"the scene was saved with law {content['law']!r}, which is not registered in this process: register it "
-                "as it was (dl.register, or DEMLAWS_LAWS=FILE.py) before O.load"
+                "as it was (dl.register, dl.load_laws) before O.load"
             )
         source = LawSource(content["law"], content["options"])
         if "curve" in content:

@@ -256,6 +256,12 @@ def test_the_check_of_one_law(file):
     assert done.returncode == 0 and "power: all checks passed" in done.stdout, done.stderr
 
 
+def test_a_script_of_yade_loads_its_laws_itself(file, tmp_path):
+    (tmp_path / "scene.py").write_text("")
+    done = demlaws("yade", "run", "--law-file", file, "-x", str(tmp_path / "scene.py"))
+    assert done.returncode == 2 and f"dl.load_laws({file!r})" in done.stderr and done.stderr.count("\n") == 1, done.stderr
+
+
 def test_a_file_that_raises_is_one_line(tmp_path):
     file = tmp_path / "my_laws.py"
     file.write_text("raise ValueError('on purpose')")

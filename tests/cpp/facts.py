@@ -19,7 +19,6 @@ KINDS = {
     text.power_or_straight: ("BELOW", "power or straight"),
     text._rule: ("RULE", "an unloading rule that is known here"),
     text.yes_or_no: ("YES_OR_NO", "yes or no"),
-    text._mark: ("MARK", "8 hexadecimal digits and a size"),
 }
 """Of the value of a key: name and meaning in C++; what Python alone reads has none."""
 TEXT = """\
@@ -32,9 +31,9 @@ TEXT = """\
 #define DEMLAWS_FACTS_H
 namespace demlaws {{
 
-// Rules that any law may have, then those of single laws; OWN: code in an object beside the file (demlaws_rule.h).
-enum Unloading {{ {rules}, OWN }};
-constexpr int RULES = {count}; // without OWN
+// Rules that any law may have, then those of single laws.
+enum Unloading {{ {rules} }};
+constexpr int RULES = {count};
 constexpr const char *const RULE_NAMES[] = {{{names}}};
 constexpr int STATE_SIZES[] = {{{sizes}}}; // of STATE_NAMES, so many from the first
 constexpr const char *const STATE_NAMES[] = {{{state}}};
@@ -58,7 +57,6 @@ struct Key {{ const char *name; Kind kind; }};
 constexpr Key CURVE_KEYS[] = {{{curve}}};
 constexpr Key SHARED_KEYS[] = {{{shared}}};
 constexpr Key YIELD_KEYS[] = {{{bulk}}};
-constexpr Key OWN_KEYS[] = {{{own}}};
 
 constexpr int MOST_BITS = {grid.MOST_BITS}, MOST_KINKS = {grid.MOST_KINKS}; // of a curve
 constexpr long MOST_ROWS = {file.MOST_ROWS};
@@ -96,12 +94,12 @@ def header():
     return TEXT.format(
         rules=", ".join(names.get(rule.name, rule.name.upper()) for rule in rules),
         count=len(rules),
-        names=words([*(rule.name for rule in rules), text.OWN]),
-        sizes=", ".join(str(size) for size in [*(len(rule.state) for rule in rules), LARGEST_STATE]),
+        names=words(rule.name for rule in rules),
+        sizes=", ".join(str(len(rule.state)) for rule in rules),
         state=words(states),
         most=LARGEST_STATE,
-        springs=", ".join(str(rule.springs is not None).lower() for rule in rules) + ", false",
-        rule_keys=", ".join(f"{{{words(rule.keys)}}}" for rule in rules) + ", {}",
+        springs=", ".join(str(rule.springs is not None).lower() for rule in rules),
+        rule_keys=", ".join(f"{{{words(rule.keys)}}}" for rule in rules),
         shears=", ".join(f"{name.upper()}_SHEAR = {number}" for number, name in enumerate(choices, start=1)),
         shear_names=words(["", *choices]),
         kinds=", ".join(name for name, _ in KINDS.values()),
@@ -109,7 +107,6 @@ def header():
         curve=keys(text.CURVE),
         shared=keys(text.SHARED),
         bulk=keys(text.YIELD),
-        own=keys(text.Key(*pair) for pair in zip(text.OF_OWN_RULE, (text._name, text._mark), strict=True)),
         modulus=units.RANGES["modulus"].low,
         shear=shear,
         grid=grid,

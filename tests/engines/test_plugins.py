@@ -65,6 +65,7 @@ LAWS = [
     ("eepa", "eepa", {}),
     ("jackson-green", "etsion", {"yield_strength": 0.1e9}),
     ("kogut-etsion", "etsion", {"yield_strength": 0.1e9}),
+    ("jackson-green", "jackson", {"yield_strength": 0.1e9}),
 ]
 
 

@@ -239,9 +239,8 @@ template <class ABI> struct Granular {
       if (m->calculate_svector && nsvector) {
         double *const out = m->svector + index_svector;
         const bool keeps = state[0] > 0. && pair.rule != demlaws::ELASTIC;
-        const bool own = pair.rule == demlaws::OWN; // which remembers what it likes
-        out[MAXIMUM] = own ? NAN : keeps ? state[0] : m->delta;
-        out[PLASTIC] = own ? NAN : keeps ? state[1] : 0.;
+        out[MAXIMUM] = keeps ? state[0] : m->delta;
+        out[PLASTIC] = keeps ? state[1] : 0.;
         out[STORED] = stored;
         out[DISSIPATED] = dissipated;
         out[STIFFNESS] = stiffness_;
@@ -469,7 +468,7 @@ template <class ABI> struct Granular {
   };
 
   template <int RULE> static Table *make_table(Model *m, const demlaws::Table &table) {
-    if (RULE != table.unloading()) return make_table < RULE == demlaws::OWN ? RULE : RULE + 1 > (m, table);
+    if (RULE != table.unloading()) return make_table < RULE + 1 == demlaws::RULES ? RULE : RULE + 1 > (m, table);
     return new typename ABI::template Final<Ruled<(demlaws::Unloading)RULE>>(m, table);
   }
   // The normal model with this file; outputs: room for those of compute pair/local. What was there before is not
