@@ -14,7 +14,7 @@ from demlaws.contact import Contact, as_contact
 from demlaws.core.loops import equal_params, loading_part, one_of
 from demlaws.core.unloading import GIVEN
 from demlaws.curves.closed import ClosedForm
-from demlaws.curves.unloading import ELASTIC, Unloading, refuse_unless_passive
+from demlaws.curves.unloading import ELASTIC, Unloading, beside_table, refuse_unless_passive
 from demlaws.errors import DemlawsError
 from demlaws.files import as_path, names_a_file, write_atomically
 from demlaws.laws.definition import Definition
@@ -203,6 +203,8 @@ def join(contact: Contact, curve: "ClosedForm | TableCurve", unloading: "str | o
 
 def _adapted(unloading, contact, curve):
     """The unloading in the form that a curve of first loading is joined with."""
+    if curve.tabulated:
+        unloading = beside_table(curve, contact, unloading)
     if curve.tabulated and unloading.curve is not None:
         from demlaws.curves.tabulate import rescaled
 

@@ -38,10 +38,10 @@ class ClosedForm:
         """Force [N] at the end of the curve."""
         return math.inf
 
-    def bulk(self, p: Any, length: float, highest: float) -> BulkYield:
+    def bulk(self, p: Any, hertz_coefficient: float, length: float, highest: float) -> BulkYield:
         """`BulkYield` in units of `length` [m], where the bulk yields below the dimensionless overlap `highest`."""
-        if self.definition.bulk is None:
-            return NO_YIELD
+        if self.definition.bulk is None or p.hertz_coefficient != hertz_coefficient:
+            return NO_YIELD  # rows scale with R, the area of a blunter bulk does not
         overlap, area, slope = self.definition.bulk(p)
         if not overlap / length < highest:
             return NO_YIELD

@@ -89,7 +89,7 @@ class TableCurve:
         scale = 0.75 * np.min(params.hertz_coefficient * np.asarray(params.length) ** 1.5)
         return float(scale * self.nodes.force[-1])
 
-    def bulk(self, p: Any, length: float, highest: float) -> BulkYield:
+    def bulk(self, p: Any, hertz_coefficient: float, length: float, highest: float) -> BulkYield:
         """`BulkYield`, in units of the table's length."""
         return self.shape.bulk
 

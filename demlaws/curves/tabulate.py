@@ -123,12 +123,14 @@ def tabulate(contact: Contact, curve: Any, rtol: float, largest_overlap: float |
     length = lengths[0] * roughness + lengths[1] * one.radius
     if largest_overlap is None:
         every = np.asarray(contact.radius) if lengths[1] else clamped_roughnesses(contact)
-        largest = 0.1 * np.max(np.asarray(contact.radius) / every) * (RADII_SERVED if curve.collapses else 1.0)
+        radius = np.asarray(definition.bulk_radius(contact, **curve.options))
+        largest = 0.1 * np.max(radius / every) * (RADII_SERVED if curve.collapses else 1.0)
     else:
         largest = float(np.max(largest_overlap) / length) * (1.0 + 1e-9)
     params = loading_part(bind_params(curve.shape, one))
     kinks = [k / length for k in curve.kinks(one_of(bind_params(curve.shape, contact), index))]
-    source = CurveSampler(functools.partial(first_loading, params), length, params.hertz_coefficient, kinks, definition.solved)
+    coefficient = 4.0 * float(one.modulus) * math.sqrt(one.radius) / 3.0  # a law's own may be that of a blunter bulk
+    source = CurveSampler(functools.partial(first_loading, params), length, coefficient, kinks, definition.solved)
     shape, nodes, certificate = _smallest_table(
         source,
         one,
@@ -136,7 +138,7 @@ def tabulate(contact: Contact, curve: Any, rtol: float, largest_overlap: float |
         rtol=rtol,
         name=definition.name,
         span=lambda bits: largest,
-        bulk=lambda highest: curve.bulk(params, length, highest),
+        bulk=lambda highest: curve.bulk(params, coefficient, length, highest),
         straight=curve.starts_from_force,
     )
     return TableCurve(definition, curve.options, shape, nodes, certificate, rtol, contact, curve.collapses)

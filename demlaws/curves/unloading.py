@@ -8,8 +8,9 @@ import numpy as np
 from demlaws.contact import Contact
 from demlaws.core.loops import first_loading, inverse_loop, loading_part, one_of
 from demlaws.core.table_types import TableParams
-from demlaws.core.unloading import RULES, JoinedParams, JoinedShape, Rule
+from demlaws.core.unloading import GIVEN, RULES, JoinedParams, JoinedShape, Rule
 from demlaws.errors import DemlawsError, NotPassive
+from demlaws.laws import HERTZ
 
 
 class Unloading(NamedTuple):
@@ -29,6 +30,23 @@ def joined_shape(shape: Any, contact: Contact, unloading: Unloading) -> Any:
     if unloading.curve is not None:
         return JoinedShape(shape, unloading.curve.quick_shape(), *_ratios(contact, unloading.contact))
     return shape if unloading.rule_parameters is None else JoinedShape(shape, unloading.rule_parameters, 1.0, 1.0, 1.0)
+
+
+def beside_table(curve: Any, contact: Contact, unloading: Unloading) -> Unloading:
+    """The unloading of a curve's table: Hertz's curve of another radius than R, with which tables scale, is a second curve."""
+    radius = curve.definition.bulk_radius(contact, **curve.options)
+    if unloading.rule.curve != "hertz" or radius is contact.radius:
+        return unloading
+    if unloading.rule is not RULES["hertz"]:
+        raise DemlawsError(
+            f"a table of law {curve.definition.name!r} and its bulk_radius cannot take {unloading.rule.name!r} unloading: "
+            "use unloading='hertz', or the law without a table"
+        )
+    from demlaws.curves.closed import ClosedForm
+    from demlaws.laws.registry import registry
+
+    blunt = contact.with_values(radius=radius)
+    return Unloading(RULES[GIVEN], ClosedForm(registry()[HERTZ], blunt, {}), blunt)
 
 
 def _ratios(contact, other):

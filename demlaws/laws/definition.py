@@ -264,6 +264,9 @@ class Definition(NamedTuple):
     limits: Callable = bulk_yield  # contact, **options → [Limit]
     kinks: Callable = no_kinks  # params, **options → overlaps [m] where dK/dδ or K jumps: a table puts nodes there
     bulk: Callable | None = None  # of a law whose bulk yields: params → δ_y [m], a²/R there [m], d(a²/R)/dP after it [m/N]
+    unloading_radius: Callable | None = (
+        None  # contact, **options → R [m] of Hertz's unloading curve and of yield; None: the contact's
+    )
     length: str = "roughness"  # the contact's length that makes the law's curve dimensionless: "roughness" or "radius"
     collapses: bool = True  # one dimensionless curve serves all radii, moduli and roughnesses
     implicit: bool = False  # force is the root of an equation, not a closed form
@@ -337,6 +340,11 @@ class Definition(NamedTuple):
             raise DemlawsError(f"law {self.name!r} does not take {name!r} unloading: {self.refused[name]}")
         rules = f"{did_you_mean(name, available)} The rules are {', '.join(available)} (law {self.name!r})"
         raise DemlawsError(f"unknown unloading rule {name!r}{rules}")
+
+    def bulk_radius(self, contact: Contact, **options: Any) -> Any:
+        """R [m] of the shape that yields and unloads, one per contact: the contact's, unless an option gives another."""
+        own = None if self.unloading_radius is None else self.unloading_radius(contact, **options)
+        return contact.radius if own is None else own
 
     def option_lines(self) -> Iterator[str]:
         """A line for each option: name, unit, range, default, meaning."""

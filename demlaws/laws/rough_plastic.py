@@ -4,6 +4,12 @@ The parameter p_y (`yield_pressure`) is a stiffness over a length, p_y = K_y/(π
 stiffness reaches K_y = π R p_y, and keeps that stiffness. Only for a smooth contact is p_y the largest pressure, Hertz's p0, at
 that load. Of a rough one it is neither: the granite RFC10 yields at 36.8 N, where the smooth p0 is 2.01 GPa
 and the rough one 1.23 GPa, with p_y = 1.66 GPa.
+
+**Two radii** [our derivation]. The tip of an angular grain is sharp at the scale of its roughness and blunt at that of its
+shape: the cone FC5 has 0.31 to 0.35 mm under the microscope and 0.62 mm in the camera. Asperities deform on the first, R of the
+contact; yield, the stiffness after it, and unloading belong to the second, `bulk_radius` R_b ≥ R. With R_b in place of R in
+K_y = π R_b p_y, in P_y = π³R_b²p_y³/(6E*²) and in Hertz's unloading curve the pair is passive: K_rough ≤ K_H(R) ≤ K_H(R_b)
+before yield, and K_y ≤ K_H(R_b) from P_y on. On Hertz's curve of R it would not be: K_y exceeds K_H(R) up to P_y R_b/R.
 """
 
 import math
@@ -13,7 +19,7 @@ import numpy as np
 
 from demlaws.contact import GRANITE, GRANITE_YIELD_PRESSURE, pressure_of
 from demlaws.core.dispatch import bind, energy, inverse, scale, virgin
-from demlaws.core.fastmath import bits, from_bits, hertz_overlap, kernel
+from demlaws.core.fastmath import bits, cbrt, from_bits, hertz_coefficient, hertz_overlap, kernel
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import (
     DIMENSION,
@@ -30,24 +36,26 @@ from demlaws.laws.definition import (
 
 
 class RoughPlasticShape(NamedTuple):
-    """The rough law's shape and the stiffness at which the bulk yields, over π R."""
+    """The rough law's shape and the stiffness at which the bulk yields, over π R_b."""
 
     loading: tuple  # Shape of the rough law
     yield_pressure: float  # p_y [Pa]: the bulk yields where K_rough reaches π R p_y
     load_pressure: float  # [Pa] if above 0, it yields at the load at which a smooth contact's p0 is this, instead
     stiffness_pressure: float  # p_K [Pa]: K_y = π R p_K
+    bulk_radius: float  # R_b [m] of the bulk's shape, which takes the place of R in all of these; 0: R
 
 
 class RoughPlasticParams(NamedTuple):
     """One contact."""
 
-    hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
+    hertz_coefficient: float  # (4/3) E* √R_b [N/m^1.5]: unloading is the bulk's
     loading: tuple  # Params of the rough law
+    overlap_ratio: float  # δ_H of R_b over that of R, at one load: (R/R_b)^(1/3)
     yield_overlap: float  # δ_y [m]
     yield_force: float  # P_y [N]
-    yield_stiffness: float  # K_y = π R p_K [N/m]; p_K is p_y unless it is given
-    yield_area: float  # a_y²/R = δ_H(P_y) [m]
-    area_slope: float  # d(a²/R)/dP = 1/K_y [m/N]
+    yield_stiffness: float  # K_y = π R_b p_K [N/m]; p_K is p_y unless it is given
+    yield_area: float  # a_y²/R_b = δ_H(P_y) [m]
+    area_slope: float  # d(a²/R_b)/dP = 1/K_y [m/N]
 
 
 @kernel
@@ -59,8 +67,11 @@ def _smooth_yield(radius, modulus, pressure):
 @kernel
 def _scale(shape, radius, modulus, roughness):
     loading = scale(shape.loading, radius, modulus, roughness)
-    stiffness = math.pi * radius * shape.yield_pressure
-    after = math.pi * radius * shape.stiffness_pressure
+    bulk = shape.bulk_radius if shape.bulk_radius > 0.0 else radius
+    # a bulk that is sharper than the tip would return work: not a number rather than a wrong one
+    bulk = bulk if bulk >= radius * (1.0 - 1e-9) else math.nan
+    stiffness = math.pi * bulk * shape.yield_pressure
+    after = math.pi * bulk * shape.stiffness_pressure
     # Bisection over bit patterns: the stiffness of every rough law rises with overlap, and 62 halvings are exact.
     low = bits(1e-30 * radius)
     high = bits(1e3 * radius)
@@ -72,9 +83,11 @@ def _scale(shape, radius, modulus, roughness):
             high = middle
     overlap = from_bits(low)
     if shape.load_pressure > 0.0:
-        overlap = inverse(loading, _smooth_yield(radius, modulus, shape.load_pressure))
+        overlap = inverse(loading, _smooth_yield(bulk, modulus, shape.load_pressure))
     force, _, equivalent, _ = virgin(loading, overlap)
-    return RoughPlasticParams(loading.hertz_coefficient, loading, overlap, force, after, equivalent, 1.0 / after)
+    ratio = cbrt(radius / bulk)
+    coefficient = hertz_coefficient(bulk, modulus)
+    return RoughPlasticParams(coefficient, loading, ratio, overlap, force, after, ratio * equivalent, 1.0 / after)
 
 
 @kernel
@@ -84,7 +97,7 @@ def _virgin(p, overlap):
     plastic_force = p.yield_force + p.yield_stiffness * (overlap - p.yield_overlap)
     plastic_equivalent = hertz_overlap(p, plastic_force)
     if overlap <= p.yield_overlap:
-        return force, stiffness, equivalent, area
+        return force, stiffness, p.overlap_ratio * equivalent, p.overlap_ratio * area
     # [our derivation] a² = a_y² + (P - P_y)/(π p_K), with a_y the Hertz radius at yield: Thornton's a² for smooth spheres
     return plastic_force, p.yield_stiffness, plastic_equivalent, p.yield_area + p.area_slope * (plastic_force - p.yield_force)
 
@@ -125,6 +138,7 @@ def _prepare(
     loading="pohrt-popov",
     yield_at="stiffness",
     post_yield_pressure=None,
+    bulk_radius=None,
     **loading_options,
 ):
     definition = _loading_definition(loading)
@@ -144,10 +158,26 @@ def _prepare(
     if post_yield_pressure is not None:
         after = pressure_of(contact, post_yield_pressure, "post_yield_pressure")
     load_pressure = pressure if yield_at == "load" else 0.0
-    return RoughPlasticShape(definition.shape(contact, **loading_options), pressure, load_pressure, after)
+    loading_shape = definition.shape(contact, **loading_options)
+    return RoughPlasticShape(
+        loading_shape, pressure, load_pressure, after, _bulk_radius(contact, bulk_radius=bulk_radius) or 0.0
+    )
 
 
-_OWN = ("yield_pressure", "yield_at", "post_yield_pressure")
+def _bulk_radius(contact, bulk_radius=None, **_):
+    """R_b [m] of the options, or None: it is the contact's R."""
+    if bulk_radius is None:
+        return None
+    largest = float(np.max(contact.radius))
+    if bulk_radius < largest * (1.0 - 1e-9):
+        raise DemlawsError(
+            f"bulk_radius = {bulk_radius:g} m is below the contact's effective radius R = {largest:g} m: R is that of the "
+            "sharp tip, on which asperities deform, bulk_radius that of the blunter shape that yields"
+        )
+    return bulk_radius
+
+
+_OWN = ("yield_pressure", "yield_at", "post_yield_pressure", "bulk_radius")
 
 
 def _of_loading(options):
@@ -182,6 +212,7 @@ LAW = Definition(
     limits=_limits,
     kinks=_kinks,
     bulk=lambda p: (p.yield_overlap, p.yield_area, p.area_slope),
+    unloading_radius=_bulk_radius,
     collapses=False,
     before_yield=lambda **options: _of_loading(options),
     example={"yield_pressure": GRANITE_YIELD_PRESSURE},
@@ -191,6 +222,7 @@ LAW = Definition(
         "loading": Option("", "name of a law", "law that holds before the bulk yields; that law's options can be given, too"),
         "yield_at": Option("", "stiffness, load", "yield where K_rough = π R p_y, or at the load π³R²p_y³/(6E*²)"),
         "post_yield_pressure": Option("Pa", POSITIVE, "p_K of the stiffness after yield, K_y = π R p_K, if not p_y", PRESSURE),
+        "bulk_radius": Option("m", POSITIVE, "R_b ≥ R of yield and unloading, in place of R; roughness keeps R", 0.0),
     },
     fitting=Fitting(
         parameters={

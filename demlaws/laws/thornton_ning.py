@@ -39,7 +39,7 @@ def _scale(shape, radius, modulus, roughness):
     stiffness = math.pi * radius * shape.yield_pressure
     coefficient = hertz_coefficient(radius, modulus)
     force = 2.0 / 3.0 * stiffness * overlap  # there Hertz's stiffness, 1.5 P/δ, is that of the line
-    return RoughPlasticParams(coefficient, HertzParams(coefficient), overlap, force, stiffness, overlap, 1.0 / stiffness)
+    return RoughPlasticParams(coefficient, HertzParams(coefficient), 1.0, overlap, force, stiffness, overlap, 1.0 / stiffness)
 
 
 bind(ThorntonNingShape, scale=_scale)

@@ -65,6 +65,7 @@ class Response:
         self.definition, self.options, self.name = curve.definition, curve.options, curve.definition.name
         self.rule_tag, self.state_names = unloading.rule.tag, unloading.rule.state
         self.state_size = len(self.state_names)
+        self._radius = self.definition.bulk_radius(contact, **self.options)  # of the range of overlaps
         self.shape = joined_shape(curve.shape, contact, unloading)
         self.params: Any = bind_params(self.shape, contact)
         if unloading.rule.curve == "law" and unloading.rule_parameters is None and is_user_defined(self.definition):
@@ -303,7 +304,7 @@ class Response:
     def _largest_overlaps(self):
         """Largest overlap [m] that is answered, one number or one a contact; then the lowest of all contacts' for `batch_loop`,
         its `end` and `most`: with one for each contact a batch of tables took a tenth longer."""
-        radius = np.asarray(self.contact.radius)
+        radius = np.asarray(self._radius)
         end = np.minimum(LARGEST_OVERLAP * radius, self._curve_end())
         small = np.minimum(SMALL_OVERLAP * radius, end).ravel()
         most = first_loading(self.params, small)[0] if self.state_size else small
@@ -340,7 +341,7 @@ class Response:
         return arrays
 
     def _why_not_finite(self, overlap, index):
-        overlap, radius = float(overlap), float(np.broadcast_to(self.contact.radius, self.contact.size or index + 1)[index])
+        overlap, radius = float(overlap), float(np.broadcast_to(self._radius, self.contact.size or index + 1)[index])
         if not math.isfinite(overlap):
             return f"overlap is {overlap:g} m: give finite values"
         if overlap > radius:
@@ -352,8 +353,8 @@ class Response:
 
     def _check_range(self, overlap):
         """Refuse overlaps beyond R, and warn of those beyond a tenth of it: with one text per law, as Python's filters need."""
-        if check_overlaps(overlap, self.contact.radius) is not None:
-            radius = float(np.min(self.contact.radius))
+        if check_overlaps(overlap, self._radius) is not None:
+            radius = float(np.min(self._radius))
             warn(
                 f"{self.name}: overlap above {SMALL_OVERLAP * radius:.6g} m, {SMALL_OVERLAP:g} of the effective radius "
                 f"R = {radius:g} m: contact laws are valid up to there; check units, loads and the step",

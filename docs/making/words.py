@@ -23,7 +23,8 @@ WORDS = {
     ),
     "rough-plastic": (
         "Roughness makes the contact soft at low load, as in any rough law. When the bulk yields at the pressure p_y "
-        "the stiffness stops growing.",
+        "the stiffness stops growing. A corner that is sharp under the microscope and blunt in a photo has two radii: "
+        "roughness acts on R, yield and unloading on `bulk_radius`.",
         "rough contacts at loads that leave visible plastic marks; needs a measured yield pressure",
     ),
     "bahrami": (

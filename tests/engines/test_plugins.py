@@ -55,6 +55,7 @@ LAWS = [
     ("pohrt-popov", "table", {}),
     ("goddard", "hertz", {"slope": 0.035}),
     ("rough-plastic", "hertz", {"yield_pressure": 1.66e9}),
+    ("rough-plastic", "hertz", {"yield_pressure": 0.4e9, "yield_at": "load", "bulk_radius": 9e-3}),
     ("rough-plastic", "thornton", {"yield_pressure": 1.66e9, "loading": "pohrt-popov"}),
     ("bahrami", "elastic", {}),
     ("yip-venart", "table", {}),

@@ -84,6 +84,70 @@ def test_yield_loads_and_stiffnesses_of_other_radii():
             assert getattr(law.params, name)[n] == pytest.approx(value, rel=1e-12), name
 
 
+FC5 = CONE.with_values(radius=0.33e-3, fractal_dimension=2.22)
+BLUNT = {"yield_pressure": 1.66e9, "yield_at": "load", "bulk_radius": 0.62e-3}
+
+
+def test_a_sharp_tip_of_a_blunt_bulk():
+    """Roughness on R, yield, K_y and unloading on R_b: FC5 by the pressure of RFC10 yields at 8.7 N (measured: 7 N)."""
+    law, rough = dl.law("rough-plastic", FC5, "hertz", **BLUNT), dl.law("pohrt-popov", FC5)
+    load = math.pi**3 * 0.62e-3**2 * 1.66e9**3 / (6 * FC5.modulus**2)
+    kink = law.kinks()[-1]
+    assert load == pytest.approx(8.70, abs=0.005)
+    assert kink == pytest.approx(rough.overlap(load), rel=1e-12)
+    assert law.stiffness(1.001 * kink) == pytest.approx(math.pi * 0.62e-3 * 1.66e9, rel=1e-12)
+    np.testing.assert_allclose(law.force(kink * np.array([0.3, 0.9])), rough.force(kink * np.array([0.3, 0.9])), rtol=1e-12)
+    at_stiffness = dl.law("rough-plastic", FC5, yield_pressure=1.66e9, bulk_radius=0.62e-3)
+    assert rough.stiffness(at_stiffness.kinks()[-1]) == pytest.approx(math.pi * 0.62e-3 * 1.66e9, rel=1e-12)
+    smooth = dl.law("hertz", FC5.with_values(radius=0.62e-3))
+    for top in (0.5 * load, 5.0 * load):  # unloading: Hertz's curve of R_b
+        state = law.new_state(1)
+        law.evaluate([law.overlap(top)], state)
+        (foot,) = state.plastic_overlap
+        force, _ = law.evaluate([foot + smooth.overlap(0.4 * top)], state)
+        assert force[0] == pytest.approx(0.4 * top, rel=1e-12)
+        assert foot == pytest.approx(law.overlap(top) - smooth.overlap(top), rel=1e-12)
+    with pytest.raises(NotPassive):  # on Hertz's curve of R it would return work
+        law.joined(dl.law("hertz", FC5))
+
+
+def test_thornton_starts_from_the_radius_of_the_bulk():
+    """R_p = R_b until yield, then (4E*/3P) a³ with a² = a_y² + (P - P_y)/(π p_y)."""
+    law = dl.law("rough-plastic", FC5, "thornton", **BLUNT)
+    load, bulk = float(law.params.yield_force), 0.62e-3
+    for top in (0.5 * load, 4.0 * load):
+        state = law.new_state(1)
+        law.evaluate([law.overlap(top)], state)
+        area = (0.75 * min(top, load) * bulk / FC5.modulus) ** (2 / 3) + max(top - load, 0.0) / (math.pi * 1.66e9)
+        radius = 4 * FC5.modulus / (3 * top) * area**1.5
+        assert state.radius_ratio[0] * bulk == pytest.approx(radius, rel=1e-12)
+
+
+def test_tables_of_a_blunt_bulk():
+    law = dl.law("rough-plastic", FC5, "hertz", **BLUNT)
+    path = quiet(dl.driver.force_controlled, law, [20.0, 0.0, 80.0, 10.0, 150.0, 0.0])
+    for table in (law.tabulate(), law.joined("elastic").tabulate().joined("hertz")):
+        assert table.largest_overlap > 0.0619e-3  # a tenth of R_b
+        found = quiet(table.follow, path.overlap)
+        np.testing.assert_allclose(found.force, path.force, atol=1e-5 * 150.0)
+        np.testing.assert_allclose(found.plastic_overlap, path.plastic_overlap, atol=1e-5 * path.overlap.max())
+    with pytest.raises(dl.DemlawsError, match="hertz"):
+        law.joined("thornton").tabulate()
+
+
+def test_overlaps_of_a_blunt_bulk_are_judged_by_its_radius():
+    law = dl.law("rough-plastic", FC5, "hertz", **BLUNT)
+    law.force(0.099 * 0.62e-3)
+    with pytest.warns(dl.errors.LargeOverlap):
+        law.force(0.101 * 0.62e-3)
+
+
+@pytest.mark.parametrize("radius", [0.32e-3, math.nan, 0.0, "1s", -1.0, True])
+def test_bulk_radii_that_cannot_be(radius):
+    with pytest.raises(dl.DemlawsError, match="bulk_radius"):
+        dl.law("rough-plastic", FC5, yield_pressure=1.66e9, bulk_radius=radius)
+
+
 def test_measured_yield_that_cannot_be():
     # a stiffness that jumps above Hertz's at the yield load by 1e-4 would return work, however narrow that step
     stiffness = 1.0001 * (6 * 20.8 * CONE.radius * CONE.modulus**2) ** (1 / 3)

@@ -36,9 +36,10 @@ COMBINATIONS = [(name, rule) for name in dl.laws() for rule in rules_of(name) if
 
 EVERY_LAW = shared(((*pair, {}) for pair in COMBINATIONS if telling(pair)), lambda one: one[0] not in ALIKE)
 YIELDED = {"yield_pressure": 3e8, "yield_at": "load", "post_yield_pressure": 2e8}
+BULK = [("hertz", YIELDED), ("thornton", {"yield_pressure": 3e8, "yield_at": "load", "bulk_radius": "9mm"})]
 
 
-@pytest.mark.parametrize(("name", "rule", "more"), [*EVERY_LAW, ("rough-plastic", "hertz", YIELDED)])
+@pytest.mark.parametrize(("name", "rule", "more"), [*EVERY_LAW, *(("rough-plastic", *one) for one in BULK)])
 def test_two_spheres_every_law(omega, name, rule, more):
     wanted = options = find(name).example | more
     given = name, rule
