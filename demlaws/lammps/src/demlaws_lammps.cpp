@@ -248,6 +248,7 @@ void demlaws_pair_make(void *pair, void *lmp) {
   prove(lmp); // preloaded, this is the first call; the lines of stock models are to be counted, too
   Histories::all().erase(pair);
   Range::of(lmp) = Range();
+  if (layout) Ledger::of(lmp).renew(*((AnyModel *)pair)->of.modify);
 }
 void demlaws_pair_coeff(void *pair, int count, char **arg) {
   const void *const *surfaces;

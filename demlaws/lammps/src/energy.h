@@ -26,6 +26,15 @@ public:
     return one;
   }
 
+  // For an instance, which may be at the address of a former one: what that one kept goes.
+  void renew(void *modify) {
+    if (modify == modify_ && Stock::get().find_compute(modify, pairs())) return;
+    void *const lmp = lmp_;
+    *this = Ledger();
+    lmp_ = lmp;
+    modify_ = modify;
+  }
+
   // Before the pair style, or a wall, computes its forces.
   void begin(void *wall) {
     wall_ = wall;
@@ -78,7 +87,7 @@ public:
   // For `compute ID all demlaws/energy`: from now on energies are booked, with the particles.
   void open(void *modify, int count, char **arg) {
     const Stock &stock = Stock::get();
-    modify_ = modify;
+    renew(modify);
     if (count != 3 || strcmp(arg[1], "all"))
       raise(error(), true,
             "compute demlaws/energy: write  compute ID all demlaws/energy  (all contacts, no further words)");

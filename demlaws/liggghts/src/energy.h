@@ -121,9 +121,9 @@ public:
   }
   void restart(char *data) {
     std::istringstream text(data);
-    double sum = 0.;
+    std::string sum; // of a run that has diverged it is nan, which a stream does not read as a number
     text >> sum;
-    if (comm->me == 0) instance_->ledger.taken = sum;
+    if (comm->me == 0) instance_->ledger.taken = strtod(sum.c_str(), NULL);
     Types types;
     uint32_t fingerprint;
     std::string owner;

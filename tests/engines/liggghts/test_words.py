@@ -1,5 +1,6 @@
 """Words and settings of demlaws/table: units, what walls take over, what contradicts itself, instances, ranks, restarts."""
 
+import re
 import shutil
 
 import numpy as np
@@ -170,6 +171,18 @@ def test_a_restart_with_another_table_is_refused(granite, ranks):
     assert "wall floor" in refused(granite, wall, ranks)
     meant = second.replace("table granite.tbl", "table other.tbl restart_check off").replace(WALL, WALL + "restart_check off")
     assert simulate(granite, meant, ranks)["Step"][-1] == 6000
+
+
+def test_a_restart_file_of_a_run_that_has_diverged(granite):
+    """Its energies are NaN; its tables are those of the run."""
+    simulate(granite, falling("table granite.tbl") + "write_restart now.restart\n")
+    file = granite / "now.restart"
+    data, count = re.subn(rb"[0-9.e-]+(?=\n1 1 \d+ pair\n)", lambda sum: b"nan".ljust(len(sum[0])), file.read_bytes())
+    assert count == 1
+    file.write_bytes(data)
+    text = again(falling("table granite.tbl", after=WALL + "\ncompute e all demlaws/energy"))
+    log = simulate(granite, text.replace("thermo_style custom step", "thermo_style custom step c_e[2]"))
+    assert log["Step"][-1] == 6000 and np.isnan(log["e[2]"]).all()
 
 
 def test_a_restart_file_of_a_stock_run(granite):
