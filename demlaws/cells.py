@@ -78,6 +78,10 @@ class Decimals:
         elif text.count(marks[0]) == 1:
             self.decimal.setdefault(marks[0], text)
 
+    def is_decided(self, text: str) -> bool:
+        """Whether the marks that a line may have in its numbers have shown their meaning."""
+        return all(mark in self.decimal or mark in self.thousands for mark in self.open if mark in text)
+
     def decide(self) -> None:
         """Raise DemlawsError where a mark may be before thousands or before decimals."""
         for mark in set(self.decimal) & set(self.thousands):

@@ -4,15 +4,19 @@ heights = read("scan.csv", pixel=0.8e-6, unit="um").without_form(2)
 surface = heights.surface()                       # a demlaws.Surface: Sq and fractal dimension, ready for any law
 """
 
+import contextlib
 import math
 import os
 import re
+import zipfile
+import zlib
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from demlaws import units
+from demlaws.cells import Decimals, is_missing, separator, split
 from demlaws.errors import DemlawsError, MapWarning, did_you_mean, warn
 from demlaws.files import as_path, read_text, write_atomically
 from demlaws.surfaces import plausibility
@@ -20,7 +24,10 @@ from demlaws.surfaces.heightmap import UNITS, HeightMap, box_correction, length,
 
 __all__ = ["UNITS", "HeightMap", "box_correction", "length", "read", "self_affine", "write"]
 
-_MISSING_WORDS = {"", "nan", "na", "n/a", "null", "none", "bad", "***", "---", "-", "inf", "-inf"}
+LARGEST_PIXEL = 1e-2
+"""Pixel [m] above which a plain number is refused: 0.8 is 0.8 m, and mostly meant as 0.8 µm."""
+WIDEST_NMS = 1.0
+"""Field of view [m] above which SurfaceTopography has read the steps of an .nms file, which are in nm, as mm."""
 
 
 def read(
@@ -36,8 +43,9 @@ def read(
     Parameters
     ----------
     path : str or os.PathLike
-        .npy, or text (.csv, .txt, .tsv, .asc) with columns split by commas, semicolons, tabs or blanks; an empty cell, NaN,
-        Bad or asterisks are a missing pixel. Any other suffix is read by SurfaceTopography (pip install "demlaws[surfaces]").
+        .npy, .npz, or text (.csv, .txt, .tsv, .asc) with columns split by commas, semicolons, tabs or blanks; an empty cell,
+        NaN, #N/A, Bad or asterisks are a missing pixel; decimal commas and thousands separators are read where the file
+        decides which is which. Any other suffix is read by SurfaceTopography (pip install "demlaws[surfaces]").
     pixel : float, str or pair, optional
         Pixel size [m], or text with a unit, or a pair for x and y. ESRI (ncols, cellsize, NODATA_value) and Gwyddion
         (# Width: 1.6 mm) headers contain it.
@@ -46,8 +54,8 @@ def read(
     missing : float, optional
         Number that stands for missing pixels, in the file's unit (-9999).
     channel : str, optional
-        Name of the channel in an instrument's file that has several; default: its first channel with heights, which a
-        warning names.
+        Name of the channel in an instrument's file that has several, or of the array in an .npz file; default: its first
+        channel with heights, which a warning names, or the array "heights".
 
     Returns
     -------
@@ -88,14 +96,9 @@ def read_unchecked(path, pixel=None, unit="m", *, missing=None, channel=None):
     filler = None if missing is None else float(units.as_float(missing, "missing"))
     suffix = path.suffix.lower()
     pixels = None if pixel is None else _pixel_pair(pixel)
-    if suffix == ".npy":
-        try:
-            heights = np.load(path, allow_pickle=False)
-        except (ValueError, OSError, EOFError) as error:
-            raise DemlawsError(f"{path} is not a numpy array file: {error}") from None
-        if heights.dtype.kind not in "fiu":
-            raise DemlawsError(f"{path} holds {heights.dtype} values: heights must be real numbers")
-        header = {}
+    if suffix in (".npy", ".npz"):
+        heights, header = _read_numpy(path, channel)
+        channel = None if suffix == ".npz" else channel
     elif suffix in (".csv", ".txt", ".tsv", ".asc"):
         heights, header = _read_text(path)
     else:
@@ -103,7 +106,7 @@ def read_unchecked(path, pixel=None, unit="m", *, missing=None, channel=None):
         channel = None
     if channel is not None:
         raise DemlawsError(f"channel = {channel!r}: {path.name} has one channel only")
-    plausibility.refuse_list_of_points(heights, path)
+    plausibility.refuse_other_arrays(heights, path)
     _refuse_contradiction(path, header, pixels, unit)
     pixels = pixels or header.get("pixel")
     if pixels is None:
@@ -135,15 +138,44 @@ def _pixel_pair(pixel):
     pair = pixel if isinstance(pixel, (tuple, list)) else re.split(r"[,x]", pixel) if isinstance(pixel, str) else [pixel]
     if len(pair) not in (1, 2):
         raise DemlawsError(f"pixel = {pixel!r}: give one length, or two for x and y")
-    return tuple(length(p, "pixel") for p in (pair if len(pair) == 2 else [pair[0], pair[0]]))
+    plain = [not (isinstance(p, str) and re.search(r"[^\W\d_]\s*$", p)) for p in pair]
+    if isinstance(pixel, str) and len(set(plain)) > 1:
+        raise DemlawsError(f"pixel = {pixel!r}: one of two lengths has no unit; write 1um,5um for x and y, 1.5um for both")
+    sizes = [length(p, "pixel") for p in pair]
+    for size, is_plain in zip(sizes, plain, strict=True):
+        if is_plain and size > LARGEST_PIXEL:
+            raise DemlawsError(
+                f"pixel = {size:g} m: did you mean {size:g}um? Give a pixel above {LARGEST_PIXEL:g} m as text with its unit, "
+                f'"{size:g}m"'
+            )
+    return sizes[0], sizes[-1]
+
+
+def _read_numpy(path, channel):
+    """Heights and header of an .npy or .npz file."""
+    try:
+        content = np.load(path, allow_pickle=False)
+        arrays = {"heights": content} if isinstance(content, np.ndarray) else {name: content[name] for name in content.files}
+    except (ValueError, OSError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+        raise DemlawsError(f"{path} is not a numpy array file: {error}") from None
+    maps = [name for name, array in arrays.items() if array.ndim >= 2] or list(arrays)
+    name = channel if channel is not None and path.suffix.lower() == ".npz" else "heights"
+    name = maps[0] if len(maps) == 1 and channel is None else name
+    if name not in arrays:
+        raise DemlawsError(f"{path} has the arrays {', '.join(arrays)}: give the one of heights as channel (--channel)")
+    if arrays[name].dtype.kind not in "fiu":
+        raise DemlawsError(f"{path} holds {arrays[name].dtype} values: heights must be real numbers")
+    pixel = arrays.get("pixel")  # of `write`
+    return arrays[name], {} if pixel is None else {"pixel": tuple(np.ravel(pixel).tolist()), "scale": 1.0}
 
 
 def _read_text(path):
     lines = read_text(path).splitlines()
     header, esri, rows, ends, width, first = {}, {}, [], set(), None, 0
+    decimals, unread = Decimals(), []
     for number, line in enumerate(lines, 1):
         text = line.strip()
-        if text.startswith("#"):
+        if text.startswith("#") and not is_missing(split(text, separator(text))[0]):  # "#N/A" of a spreadsheet
             _gwyddion(text, header, f"{path}, line {number}")
             continue
         if not text:
@@ -154,18 +186,22 @@ def _read_text(path):
         if key and not rows:
             esri[key[1]] = key[2]
             continue
-        cells = _split(text)
-        try:
-            row = [math.nan if c.strip().lower() in _MISSING_WORDS else float(c.strip()) for c in cells]
-        except ValueError as error:
-            raise DemlawsError(f"{path}, line {number}: {str(error).partition(': ')[2]} is not a height") from None
-        if width not in (None, len(row)):
-            raise DemlawsError(f"{path}, line {number}: {len(row)} columns, but line {first} has {width}")
-        width, first = len(row), first or number
+        cells = split(text, separator(text))
+        decimals.see(cells, f"{path}, line {number}")
+        if width not in (None, len(cells)):
+            raise DemlawsError(f"{path}, line {number}: {len(cells)} columns, but line {first} has {width}")
+        width, first = len(cells), first or number
         ends.add("" if cells[-1].strip() == "" else "height")
-        rows.append(row)
+        if decimals.is_decided(text):
+            rows.append(_row(cells, decimals, path, number))
+        else:
+            unread.append((len(rows), number, cells))
+            rows.append(None)
     if not rows:
         raise DemlawsError(f"{path} holds no heights")
+    decimals.decide()
+    for place, number, cells in unread:
+        rows[place] = _row(cells, decimals, path, number)
     heights = np.array(rows)
     if len(ends) == 1 and ends.pop() == "" and heights.shape[1] > 1:
         heights = heights[:, :-1]  # every line ends in a separator
@@ -196,14 +232,16 @@ def _gwyddion(text, header, where):
         header["scale"] = UNITS[match[1]]
 
 
-def _split(text):
-    for mark in (";", "\t", ","):
-        if mark in text:
-            cells = text.split(mark)
-            if mark == ";":
-                cells = [c.replace(",", ".") for c in cells]  # decimal commas come with semicolons
-            return cells
-    return text.split()
+def _row(cells, decimals, path, number):
+    """Heights of the cells of a line."""
+    with contextlib.suppress(ValueError):
+        return list(map(float, cells)) if not decimals.thousands else [decimals.number(cell) for cell in cells]
+    for cell in cells:
+        try:
+            decimals.number(cell)
+        except ValueError:
+            raise DemlawsError(f"{path}, line {number}: {cell.strip()!r} is not a height") from None
+    return [decimals.number(cell) for cell in cells]
 
 
 def _read_instrument(path, channel, pixels, unit):
@@ -241,6 +279,9 @@ def _read_instrument(path, channel, pixels, unit):
     # their first axis is x
     heights = heights.T
     header = {"scale": UNITS[unit]}
+    if sizes is not None and path.suffix.lower() == ".nms" and max(sizes) * UNITS[unit] > WIDEST_NMS:
+        warn(f"{path}: its pixel size is read as nm, not as SurfaceTopography's mm", MapWarning)
+        sizes = [1e-6 * size for size in sizes]
     if sizes is not None:
         header["pixel"] = tuple(size * UNITS[unit] / n for size, n in zip(sizes, heights.shape[::-1], strict=True))
     return heights, header
@@ -267,7 +308,8 @@ def write(path: str | os.PathLike, heights: HeightMap) -> Path:
     Parameters
     ----------
     path : str or os.PathLike
-        File with the suffix .npy, .csv, or .asc (an ESRI grid, which contains the pixel size).
+        File with the suffix .npy, .csv, .npz (arrays "heights" and "pixel") or .asc (an ESRI grid); the last two contain the
+        pixel size.
     heights : HeightMap
         The map.
 
@@ -282,12 +324,12 @@ def write(path: str | os.PathLike, heights: HeightMap) -> Path:
     if not isinstance(heights, HeightMap):
         raise DemlawsError(f"heights must be a HeightMap, got {heights!r:.60}")
     suffix = path.suffix.lower()
-    if suffix == ".npy":
-        buffer = io.BytesIO()
-        np.save(buffer, heights.heights)
+    if suffix in (".npy", ".npz"):
+        buffer, z = io.BytesIO(), heights.heights
+        np.save(buffer, z) if suffix == ".npy" else np.savez(buffer, heights=z, pixel=(heights.pixel_x, heights.pixel_y))
         return write_atomically(path, buffer.getvalue())
     if suffix not in (".csv", ".asc"):
-        raise DemlawsError(f"cannot write {path}: the suffixes are .npy, .csv and .asc")
+        raise DemlawsError(f"cannot write {path}: the suffixes are .npy, .npz, .csv and .asc")
     text = io.StringIO()
     values = heights.heights
     if suffix == ".asc":

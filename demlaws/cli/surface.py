@@ -33,7 +33,7 @@ def register(add):
         "       demlaws surface summits FILE [--effective-radius R] [options]",
         description="The first form levels a height map and prints its roughness and fractal dimension; `contact` computes the "
         "contact with a smooth ball; `summits` counts nine-point summits; `synthetic` generates a self-affine map. FILE is "
-        ".npy, .csv, .txt, .tsv or .asc, or a file of an instrument (read by SurfaceTopography).",
+        ".npy, .npz, .csv, .txt, .tsv or .asc, or a file of an instrument (read by SurfaceTopography).",
         **example(
             "  demlaws surface synthetic --size 512 --pixel 0.5um --hurst 0.8 --roughness 1.3um --seed 1 --out map.asc\n"
             "  demlaws surface map.asc --form 2 --figure map.png\n"
@@ -167,6 +167,7 @@ def _form(heights):
 
 def _summits(arguments, path):
     from demlaws.solvers.summits import summits
+    from demlaws.surfaces import plausibility
 
     heights = _levelled(arguments, path)
     sample = summits(heights)
@@ -181,6 +182,7 @@ def _summits(arguments, path):
         f"Sq = {sample.roughness * 1e6:.4g} µm"
     )
     if arguments.effective_radius is not None:
+        _warn(plausibility.field_doubts(heights, arguments.effective_radius))
         print(
             f"μ = (8/3) η σ √(2Rβ) = {sample.mu(arguments.effective_radius):.4g} for "
             f"R = {arguments.effective_radius * 1e3:g} mm and σ = Sq"

@@ -126,10 +126,12 @@ class HeightMap:
 
     @property
     def slope(self):
-        """Rms slope √⟨|∇z|²⟩ from differences of neighbouring pixels; depends on the pixel size of a fractal surface."""
-        along_x = np.nanmean((np.diff(self.heights, axis=1) / self.pixel_x) ** 2)
-        along_y = np.nanmean((np.diff(self.heights, axis=0) / self.pixel_y) ** 2)
-        return float(math.sqrt(along_x + along_y))
+        """Rms slope √⟨|∇z|²⟩ from differences of the nearest pixels; depends on the pixel size of a fractal surface."""
+        squares = 0.0
+        for axis, pixel in enumerate((self.pixel_y, self.pixel_x)):
+            step, lag = plausibility.differences(self.heights, axis)
+            squares += float(np.nanmean((step / (lag * pixel)) ** 2))
+        return math.sqrt(squares)
 
     def with_heights(self, heights, **changes):
         """The same grid with other heights."""

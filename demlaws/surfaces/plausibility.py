@@ -15,6 +15,12 @@ KURTOSIS = 10.0
 """Largest kurtosis; 3 for Gaussian heights."""
 STEEP = 1.0
 """Largest robust rms slope: beyond 45 degrees an instrument sees nothing."""
+FLAT = 1e-5
+"""Smallest robust rms slope; polished optics have some 1e-4."""
+WIDEST = 0.05
+"""Largest field of view [m] of an instrument that resolves roughness, stitched fields included."""
+EVEN = 0.02
+"""Part of the mean step by which the steps of an axis may differ; those of heights differ by more than the mean."""
 PIXELS = 10.0
 """Fewest pixels across the Hertz radius."""
 DISAGREEMENT = 0.2
@@ -62,15 +68,53 @@ def doubts(heights, scale: float = 1.0) -> list[str]:
                 f"spikes or pits: the largest height is {highest:.3g} times the robust Sq {robust:.4g} m, kurtosis "
                 f"{kurtosis:.3g} (Gaussian: 3); Sq = {sq:.4g} m contains them; use despiked() (--despike), or robust_sq"
             )
-    # robust, too: spikes are no wrong unit
-    slope = math.hypot(*(robust_sq(np.diff(z, axis=k)) / p for k, p in enumerate((heights.pixel_y, heights.pixel_x))))
-    if slope > STEEP:
-        units = [unit for unit, factor in (("mm", 1e-3), ("um", 1e-6), ("nm", 1e-9)) if 1e-3 < slope * factor < STEEP]
-        remedy = f"unit='{units[0]}' (--unit {units[0]})" if units and slope > 10.0 else "unit (--unit) and pixel (--pixel)"
-        found.append(
-            f"slope {slope:.4g} (robust rms), above 45 degrees: are heights or pixels in another unit than read? check {remedy}"
-        )
+    found += _doubts_of_lengths(heights, z, scale)
     return found
+
+
+def _doubts_of_lengths(heights, z, scale):
+    """Slopes, gaps and a field of view that no instrument has; z: heights without form."""
+    found = []
+    pixels = (heights.pixel_y, heights.pixel_x)
+    steps = [differences(z, axis) for axis in (0, 1)]
+    lag = max(lag for _, lag in steps)
+    if lag > 1:
+        found.append(f"no two neighbours were measured, as of interlaced lines: slopes are those over {lag} pixels")
+    # robust, too: spikes are no wrong unit
+    slope = math.hypot(*(robust_sq(step) / (lag * pixel) for (step, lag), pixel in zip(steps, pixels, strict=True)))
+    remedy = "check unit (--unit) and pixel (--pixel)"
+    if slope > STEEP:
+        units = [unit for unit, factor in (("mm", 1e-3), ("um", 1e-6), ("nm", 1e-9)) if 1e-3 < slope * factor / scale < STEEP]
+        found.append(
+            f"slope {slope:.4g} (robust rms), above 45 degrees: are heights or pixels in another unit than read? "
+            + (f"check unit='{units[0]}'" if units and slope > 10.0 else remedy)
+        )
+    elif 0.0 < slope < FLAT and robust_sq(z) > 1e-9 * np.nanmax(np.abs(heights.heights)):  # no rounding of a plane
+        found.append(f"slope {slope:.4g} (robust rms), flatter than polished optics: are units as meant? {remedy}")
+    width = max(heights.field_of_view)
+    if width > WIDEST:
+        found.append(f"a field of view of {width:.4g} m, above {WIDEST:g} m: is the pixel size in another unit? {remedy}")
+    return found
+
+
+def differences(z: np.ndarray, axis: int) -> tuple[np.ndarray, int]:
+    """Differences along an axis of the nearest pixels of which both were measured, and how many pixels they are apart."""
+    for lag in range(1, z.shape[axis]):
+        step = np.subtract(np.roll(z, -lag, axis), z).take(range(z.shape[axis] - lag), axis)
+        if np.isfinite(step).any():
+            return step, lag
+    return np.zeros((1, 1)), 1
+
+
+def field_doubts(heights, radius: float) -> list[str]:
+    """A field of view wider than the radius [m] of the ball that is pressed on it."""
+    width = max(heights.field_of_view)
+    if width <= radius:
+        return []
+    return [
+        f"a field of view of {width:.4g} m is wider than the effective radius {radius:.4g} m: is the pixel size as meant "
+        "(--pixel)? If so, crop the map to the contact (--crop)"
+    ]
 
 
 def advise(heights, scale: float = 1.0) -> None:
@@ -117,7 +161,27 @@ def despiked(heights, threshold: float = HIGHEST):
     return heights.with_heights(np.where(difference > threshold * spread, np.nan, heights.heights))
 
 
-def refuse_list_of_points(array: np.ndarray, path) -> None:
+def refuse_other_arrays(array: np.ndarray, path) -> None:
+    """DemlawsError for an array that is not a grid of heights: a stack of maps, axes beside a grid, a list of points."""
+    if array.ndim != 2:
+        raise DemlawsError(f"{path}: an array of shape {array.shape} is not one map: save one, with rows and columns")
+    for name, grid in (("row", array), ("column", array.T)):
+        if _is_even(grid[0]) and len(grid) > 4 and not _is_even(grid[1]):
+            raise DemlawsError(
+                f"{path}: the first {name} rises evenly from {grid[0, 1]:g} to {grid[0, -1]:g}, as an axis does, not heights: "
+                "leave the axes out, and give their step as pixel (--pixel)"
+            )
+    _refuse_list_of_points(array, path)
+
+
+def _is_even(values):
+    """Whether values rise or fall by equal steps; the first is left out, as it may be the corner of two axes."""
+    steps = np.diff(values[1:])
+    mean = float(np.mean(steps)) if steps.size > 4 else 0.0
+    return mean != 0.0 and bool(np.all(np.abs(steps - mean) <= EVEN * abs(mean)))
+
+
+def _refuse_list_of_points(array: np.ndarray, path) -> None:
     """DemlawsError for a list of x, y, z (and more) in place of a grid: few columns, in which two have repeated steps."""
     for columns in (array, array.T):
         rows, count = columns.shape

@@ -12,6 +12,7 @@ import pytest
 import demlaws as dl
 from demlaws import cli, surface
 from demlaws.errors import MapWarning
+from demlaws.solvers.contact import RoughContact
 from demlaws.surface import HeightMap, self_affine
 from demlaws.surfaces import plausibility
 
@@ -72,7 +73,7 @@ def test_fillers(tmp_path, value):
 
 def test_units_of_heights(tmp_path):
     np.save(tmp_path / "map.npy", ROUGH.heights * 1e6)
-    with pytest.warns(MapWarning, match="--unit um"):
+    with pytest.warns(MapWarning, match="unit=.um."):
         surface.read(tmp_path / "map.npy", "1um")
     surface.read(tmp_path / "map.npy", "1um", "um")
 
@@ -88,6 +89,93 @@ def test_list_of_points_is_no_grid(tmp_path, columns):
         for suffix in ("npy", "csv"):
             with pytest.raises(dl.DemlawsError, match="list of points"):
                 surface.read(tmp_path / f"{number}.{suffix}", "1um")
+
+
+def test_plausible_from_both_sides(tmp_path):
+    """A pixel of 0.8 m and one of 1 m by 5 µm, a map of 38 mm under a ball of 8 mm: nothing was said."""
+    np.save(tmp_path / "map.npy", ROUGH.heights * 1e6)
+    for pixel in ("0.8", 0.8, "1,5um", "0.001,5um", (0.8, 1e-6), "0.8,0.8"):
+        with pytest.raises(dl.DemlawsError, match="pixel"):
+            surface.read(tmp_path / "map.npy", pixel, "um")
+    assert surface.read(tmp_path / "map.npy", "1um,2um", "um").pixel_y == surface.read(tmp_path / "map.npy", 2e-6, "um").pixel_x
+    with pytest.warns(MapWarning, match="field of view"):
+        surface.read(tmp_path / "map.npy", "0.8mm", "mm")
+    with pytest.warns(MapWarning, match="flatter"):
+        surface.read(tmp_path / "map.npy", "0.1mm", "nm")
+    wide = HeightMap(ROUGH.heights, 0.1e-3)
+    assert plausibility.field_doubts(wide, 0.02) == []
+    with pytest.warns(MapWarning, match="wider than the effective radius"):
+        RoughContact(wide, dl.Contact(8e-3, 30e9, 0.5e-6))
+
+
+def test_the_unit_advised_is_not_the_one_read(tmp_path):
+    """Of heights in µm that were read as mm the advice was --unit mm."""
+    np.save(tmp_path / "map.npy", ROUGH.heights * 1e6)
+    with pytest.warns(MapWarning, match="check unit='um'$"):
+        surface.read(tmp_path / "map.npy", "1um", "mm")
+
+
+@pytest.mark.parametrize("corner", ["0,", ""])
+def test_axes_are_no_heights(tmp_path, corner):
+    """Before: an axis of 0 to 12.7 was the first row and column of heights."""
+    axis = np.arange(128) * 0.1
+    rows = [",".join(f"{v:.6g}" for v in row) for row in ROUGH.heights * 1e6]
+    first = ",".join(f"{v:.1f}" for v in axis)
+    both = [corner + first, *(f"{y:.1f},{row}" if corner else row for y, row in zip(axis, rows, strict=True))]
+    (tmp_path / "map.csv").write_text("\n".join(both))
+    with pytest.raises(dl.DemlawsError, match="axis"):
+        surface.read(tmp_path / "map.csv", "1um", "um")
+    np.save(tmp_path / "column.npy", np.column_stack([axis, ROUGH.heights]))
+    with pytest.raises(dl.DemlawsError, match="axis"):
+        surface.read(tmp_path / "column.npy", "1um")
+    plane = HeightMap(np.add.outer(axis, 2.0 * axis) * 1e-9, 1e-6)
+    np.save(tmp_path / "plane.npy", plane.heights)
+    surface.read(tmp_path / "plane.npy", "1um")
+
+
+@pytest.mark.parametrize("shape", [(3, 64, 64), (64,), ()])
+def test_a_stack_is_no_map(tmp_path, shape):
+    """Before: a traceback."""
+    np.save(tmp_path / "map.npy", np.zeros(shape))
+    with pytest.raises(dl.DemlawsError, match="not one map"):
+        surface.read(tmp_path / "map.npy", "1um")
+    assert cli.main(["surface", str(tmp_path / "map.npy"), "--pixel", "1um"]) == 2
+
+
+def test_interlaced_lines():
+    """Every other line, or pixel as on a chessboard, is missing: the rms slope was NaN."""
+    smooth = self_affine(128, 1e-6, 1.0, roughness=0.5e-6, seed=3, shortest=20e-6)
+    lines, board = smooth.heights.copy(), smooth.heights.copy()
+    lines[1::2] = np.nan
+    board[np.indices(board.shape).sum(axis=0) % 2 == 0] = np.nan
+    for z in (lines, board):
+        heights = HeightMap(z, 1e-6)
+        assert heights.slope == pytest.approx(smooth.slope, rel=0.1)
+        assert any("interlaced" in text for text in plausibility.doubts(heights))
+
+
+def test_arrays_of_an_npz_file(tmp_path):
+    """Before: read by SurfaceTopography, transposed, or an error without it."""
+    np.savez(tmp_path / "one.npz", z=ROUGH.heights[:40])
+    assert np.array_equal(surface.read(tmp_path / "one.npz", "1um").heights, ROUGH.heights[:40])
+    np.savez(tmp_path / "two.npz", z=ROUGH.heights[:40], quality=ROUGH.heights[:40])
+    assert np.array_equal(surface.read(tmp_path / "two.npz", "1um", channel="z").heights, ROUGH.heights[:40])
+    for channel in (None, "y"):
+        with pytest.raises(dl.DemlawsError, match="z, quality"):
+            surface.read(tmp_path / "two.npz", "1um", channel=channel)
+    back = surface.read(surface.write(tmp_path / "map.npz", HeightMap(ROUGH.heights, 1e-6, 3e-6)))
+    assert np.array_equal(back.heights, ROUGH.heights) and (back.pixel_x, back.pixel_y) == (1e-6, 3e-6)
+    (tmp_path / "bad.npz").write_bytes(b"PK\3\4 nothing")
+    with pytest.raises(dl.DemlawsError):
+        surface.read(tmp_path / "bad.npz", "1um")
+
+
+def test_steps_of_an_nms_file_are_nm(tmp_path, monkeypatch):
+    """SurfaceTopography reads them as mm: fields were 10⁶ times too wide."""
+    file = instrument(tmp_path, monkeypatch, Channel(name="z", slope=1e-3, unit="µm", physical_sizes=(6e6, 4e6)))
+    file.rename(tmp_path / "map.nms")
+    with pytest.warns(MapWarning, match="nm"):
+        assert surface.read(tmp_path / "map.nms").pixel_x == pytest.approx(1e-6)
 
 
 def test_strip_of_a_map_is_no_list(tmp_path):
@@ -162,7 +250,7 @@ def test_an_instrument_without_sizes_or_unit(tmp_path, monkeypatch):
         surface.read(file)
     assert surface.read(file, "2nm").pixel_x == pytest.approx(2e-9)
     file = instrument(tmp_path, monkeypatch, Channel(name="z", slope=1e-3, unit=None))
-    for unit, metres in (("m", 1.0), ("um", 1e-6)):
+    for unit, metres in (("mm", 1e-3), ("um", 1e-6)):
         with pytest.warns(MapWarning, match="names no unit"):
             assert surface.read(file, unit=unit).pixel_x == pytest.approx(metres)
 
