@@ -4,14 +4,8 @@ from pathlib import Path
 
 from demlaws.cli import example
 from demlaws.cli.output import Output, record, say, write_csv
-from demlaws.cli.timestep import LAMMPS_CASE, contacts_of_dump, frames
+from demlaws.cli.timestep import contacts_of_dump, frames
 from demlaws.errors import DemlawsError
-
-LAMMPS_OUTPUTS = {"maximum_overlap": 7, "plastic_overlap": 8, "stored": 9, "dissipated": 10}
-"""Columns (from 1) of the contacts of an exported LAMMPS case: p13 to p16."""
-LIGGGHTS_CASE = [f"c_contacts[{i}]" for i in range(1, 13)]
-"""First columns of the contacts of an exported LIGGGHTS case; behind them largest and plastic overlap of laws with history, and
-the overlap."""
 
 
 def register(add):
@@ -30,7 +24,7 @@ def register(add):
         type=int,
         nargs=5,
         metavar="N",
-        help="columns id1 id2 fx fy fz of CONTACTS, from 1 (default: exported cases')",
+        help="columns id1 id2 fx fy fz of CONTACTS, from 1; needed unless they are named as in exported cases",
     )
     parser.add_argument("--largest-overlap", type=int, metavar="N", help="column of the largest overlap (p13, δmax)")
     parser.add_argument("--plastic-overlap", type=int, metavar="N", help="column of the plastic overlap (p14)")
@@ -67,12 +61,10 @@ def read(arguments):
         if not path.is_file():
             raise DemlawsError(f"{path} does not exist")
     atoms, lengths, entries, resolution = frames(arguments)
-    history = _history(arguments, entries)
-    pairs, between, force, _ = contacts_of_dump(arguments, atoms, lengths, entries)
+    pairs, between, force, known = contacts_of_dump(arguments, atoms, lengths, entries)
     touching = force > 0.0
     pairs, between, force = pairs[touching], between[touching], force[touching]
-    columns = list(entries.values())
-    known = {name: columns[number - 1][touching] for name, number in history.items()}
+    known = {name: values[touching] for name, values in known.items()}
     radius, distance = atoms["radius"][pairs], np.linalg.norm(between, axis=1)
     rounding = np.abs(between / distance[:, None]) @ resolution[:3] + resolution[3]
     if "overlap" in known:
@@ -97,20 +89,3 @@ def read(arguments):
     return Contacts(
         bodies[:, 0], bodies[:, 1], overlap, force, radius=effective, **known, centre1=first, centre2=first - between
     )
-
-
-def _history(arguments, entries):
-    """Name of a quantity → its column from 1: as the arguments name it, or as exported cases have it."""
-    given = {"maximum_overlap": arguments.largest_overlap, "plastic_overlap": arguments.plastic_overlap}
-    given = {name: number for name, number in given.items() if number is not None}
-    for name, number in given.items():
-        if not 1 <= number <= len(entries):
-            raise DemlawsError(f"--{name.replace('_', '-')} {number}: {arguments.contacts} has {len(entries)} columns")
-    if given or arguments.columns is not None:
-        return given
-    names = list(entries)
-    if names == LAMMPS_CASE:
-        return LAMMPS_OUTPUTS
-    if names[:12] == LIGGGHTS_CASE and len(names) in (13, 15):
-        return dict(zip(("maximum_overlap", "plastic_overlap", "overlap")[15 - len(names) :], range(13, 16), strict=False))
-    return {}

@@ -11,11 +11,16 @@ from demlaws.cli.contact import add_law_arguments, law_from
 from demlaws.cli.output import record, say
 from demlaws.errors import DemlawsError
 
-LAYOUTS = {"index": (2, 3, 4, 5, 6), "c_": (7, 8, 10, 11, 12)}
-"""First column of a dump of contacts → columns (from 1) of id1 id2 fx fy fz: as the exported cases of LAMMPS and of LIGGGHTS
-write them (there: pair/gran/local pos id force_normal …)."""
 LAMMPS_CASE = ["index", "c_ids[1]", "c_ids[2]", *(f"c_contacts[{i}]" for i in range(1, 8))]
-"""Columns of the contacts of an exported LAMMPS case: after the force the largest overlap, p13."""
+"""Columns of the contacts of an exported LAMMPS case, of a stock one the first six: index, id1 id2, fx fy fz, p13 to p16."""
+LIGGGHTS_CASE = [f"c_contacts[{i}]" for i in range(1, 13)]
+"""First columns of the contacts of an exported LIGGGHTS case: two places, id1 id2 and a flag, fx fy fz; behind them largest and
+plastic overlap of laws with history, and the overlap."""
+LAMMPS_HISTORY = {"maximum_overlap": 7, "plastic_overlap": 8, "stored": 9, "dissipated": 10}
+"""Columns (from 1) of an exported LAMMPS case of demlaws."""
+MOST_APART, NOTED_APART = 2.0, 1.25
+"""Median ratio of the overlaps of a dump to those of the law at its forces: refused beyond the first, noted beyond the second.
+Damping in a packing that moves changes it by some tenths."""
 
 
 def register(add):
@@ -25,7 +30,7 @@ def register(add):
         "Rayleigh's step and the recommended step. SNAPSHOT is a scene saved by YADE (O.save), or a dump of the grains of "
         "LIGGGHTS or LAMMPS; CONTACTS is then the local dump of their contacts. The last frame of a dump is used. Dumps have "
         "no stiffness: give the law and the contact without radii. For a law with history the largest overlap of each contact "
-        "is read (exported LAMMPS cases, or --largest-overlap); without it the stiffest tangent of all histories that allow "
+        "is read (exported cases, or --largest-overlap); without it the stiffest tangent of all histories that allow "
         "the forces and overlaps is used, a safe limit instead of the exact one. No contact is assumed to slide. Contacts "
         "with walls are not in these dumps.",
         **example(
@@ -41,8 +46,7 @@ def register(add):
         type=int,
         nargs=5,
         metavar="N",
-        help="columns id1 id2 fx fy fz of CONTACTS, counted from 1 (default: as in exported cases, 7 8 10 11 12 for LIGGGHTS, "
-        "2 3 4 5 6 for LAMMPS)",
+        help="columns id1 id2 fx fy fz of CONTACTS, counted from 1; needed unless the columns are named as in exported cases",
     )
     parser.add_argument(
         "--largest-overlap",
@@ -227,37 +231,91 @@ def _from_dumps(arguments):
     radius = atoms["radius"]
     volume = 4.0 / 3.0 * np.pi * radius**3
     mass = atoms["mass"] if "mass" in atoms else volume * atoms.get("density", arguments.density)
-    pairs, normals, force, largest = contacts_of_dump(arguments, atoms, lengths, entries)
+    _refuse_clumps(arguments.snapshot, atoms)
+    pairs, normals, force, known = contacts_of_dump(arguments, atoms, lengths, entries)
     touching = force > 0.0
-    pairs, normals, force, largest = (None if array is None else array[touching] for array in (pairs, normals, force, largest))
-    overlap = radius[pairs].sum(axis=1) - np.linalg.norm(normals, axis=1)
+    pairs, normals, force = pairs[touching], normals[touching], force[touching]
+    largest, overlap = (
+        None if (array := known.get(name)) is None else array[touching] for name in ("maximum_overlap", "overlap")
+    )
+    rounding = np.zeros(len(pairs))
+    if overlap is None:
+        overlap = radius[pairs].sum(axis=1) - np.linalg.norm(normals, axis=1)
     normals = normals / np.linalg.norm(normals, axis=1)[:, None]
-    rounding = np.abs(normals) @ resolution[:3] + resolution[3]  # half a digit of each of two grains
+    if "overlap" not in known:
+        rounding = np.abs(normals) @ resolution[:3] + resolution[3]  # half a digit of each of two grains
     ratio, rayleigh = _ratio_and_rayleigh(arguments, set(zip(radius, mass / volume, strict=True)))
     if not len(pairs):
         return Snapshot(pairs, normals, np.zeros((0, 2)), mass, None, rayleigh, None, "none")
     arguments.effective_radius = 1.0 / np.sum(1.0 / radius[pairs], axis=1)
     law = law_from(arguments)
+    compared = _compare(arguments.contacts, law, force, largest, overlap, rounding)
     stiffness, history, note = _stiffness(law, force, largest, overlap, rounding)
+    note = "; ".join(filter(None, (compared, note)))
     blocked = np.zeros((len(mass), 6), bool)
     blocked[:, 3:] = arguments.no_rotation
     springs = np.stack([stiffness, ratio * stiffness], axis=1)
     return Snapshot(pairs, normals, springs, mass, blocked, rayleigh, None, history, note)
 
 
+def _refuse_clumps(path, atoms):
+    """Raise where grains are members of rigid clumps: their mass and inertia are those of the clump, which no dump contains."""
+    import numpy as np
+    from scipy.spatial import cKDTree
+
+    remedy = "a clump moves as one body, whose mass and inertia the dump does not contain: the limit cannot be computed"
+    if "mol" in atoms:
+        for number in atoms["mol"][atoms["mol"] > 0.0]:
+            if np.sum(atoms["mol"] == number) > 1:
+                raise DemlawsError(
+                    f"{path}: {np.sum(atoms['mol'] == number)} grains have mol {number:.0f}: {remedy}; "
+                    "dump no mol if each moves by itself"
+                )
+    if len(atoms["id"]) < 2:
+        return
+    centres = np.stack([atoms[axis] for axis in "xyz"], axis=1)
+    distance, nearest = cKDTree(centres).query(centres, k=2)
+    deep = distance[:, 1] < 0.7 * (atoms["radius"] + atoms["radius"][nearest[:, 1]])
+    for one in np.flatnonzero(deep)[:1]:
+        raise DemlawsError(
+            f"{path}: grains {atoms['id'][one]:.0f} and {atoms['id'][nearest[one, 1]]:.0f} overlap by more than 0.3 of their "
+            f"radii, like members of a clump: {remedy}"
+        )
+
+
+def columns_of(arguments, entries):
+    """Columns (from 1) of id1 id2 fx fy fz, and name of a quantity → its column: as the arguments name them, or all names of an
+    exported case."""
+    names = list(entries)
+    given = {"maximum_overlap": arguments.largest_overlap, "plastic_overlap": getattr(arguments, "plastic_overlap", None)}
+    given = {name: number for name, number in given.items() if number is not None}
+    for name, number in given.items():
+        if not 1 <= number <= len(names):
+            option = "--largest-overlap" if name == "maximum_overlap" else "--plastic-overlap"
+            raise DemlawsError(f"{option} {number}: {arguments.contacts} has {len(names)} columns")
+    if arguments.columns is not None:
+        if not 1 <= min(arguments.columns) <= max(arguments.columns) <= len(names):
+            raise DemlawsError(
+                f"--columns {' '.join(map(str, arguments.columns))}: {arguments.contacts} has {len(names)} columns"
+            )
+        return tuple(arguments.columns), given
+    if names in (LAMMPS_CASE, LAMMPS_CASE[:6]):
+        return (2, 3, 4, 5, 6), given or (LAMMPS_HISTORY if names == LAMMPS_CASE else {})
+    if names[:12] == LIGGGHTS_CASE and len(names) in (13, 15) and all(name.startswith("c_contacts[") for name in names[12:]):
+        history = dict(zip(("maximum_overlap", "plastic_overlap", "overlap")[15 - len(names) :], range(13, 16), strict=False))
+        return (7, 8, 10, 11, 12), {**history, **given}
+    raise DemlawsError(
+        f"{arguments.contacts} has the columns {' '.join(names)}, which are not those of an exported case: name id1 id2 fx fy "
+        "fz with --columns, and the largest overlap with --largest-overlap"
+    )
+
+
 def contacts_of_dump(arguments, atoms, lengths, entries):
-    """Bodies, vectors between the centres [m], normal forces [N] and largest overlaps [m] (or None) of the contacts."""
+    """Bodies, vectors between the centres [m], normal forces [N] of the contacts, and name → what else the dump has of them."""
     import numpy as np
 
-    columns = arguments.columns or LAYOUTS["index" if "index" in entries else "c_"]
-    history = arguments.largest_overlap
-    if history is None and arguments.columns is None and list(entries) == LAMMPS_CASE:
-        history = 7
-    needed = [*columns, *([] if history is None else [history])]
-    if not 1 <= min(needed) <= max(needed) <= len(entries):
-        raise DemlawsError(
-            f"{arguments.contacts} has the columns {' '.join(entries)}: name those needed with --columns, --largest-overlap"
-        )
+    columns, history = columns_of(arguments, entries)
+    needed = [*columns, *history.values()]
     _check_finite(arguments.contacts, {name: entries[name] for k, name in enumerate(entries, 1) if k in needed})
     first, second, *force = (list(entries.values())[column - 1] for column in columns)
     number = {int(name): place for place, name in enumerate(atoms["id"])}
@@ -282,14 +340,15 @@ def contacts_of_dump(arguments, atoms, lengths, entries):
             f"{arguments.contacts}: the contact of grains {atoms['id'][a]:.0f} and {atoms['id'][b]:.0f} is listed twice: dump "
             "each contact once, and use a box of at least three grains across"
         )
-    largest = None if history is None else list(entries.values())[history - 1]
-    if largest is not None and np.any(largest[force > 0.0] <= 0.0):
+    known = {name: list(entries.values())[column - 1] for name, column in history.items()}
+    if "maximum_overlap" in known and np.any(known["maximum_overlap"][force > 0.0] <= 0.0):
         if arguments.largest_overlap is not None:
             raise DemlawsError(
-                f"{arguments.contacts}, column {history}: the largest overlap of a loaded contact must be above 0"
+                f"{arguments.contacts}, column {arguments.largest_overlap}: the largest overlap of a loaded contact must "
+                "be above 0"
             )
-        largest = None  # a run without unloading keeps none
-    return pairs, between, force, largest
+        known = {name: known[name] for name in known if name == "overlap"}  # a run without unloading keeps none
+    return pairs, between, force, known
 
 
 def _ratio_and_rayleigh(arguments, kinds):
@@ -310,6 +369,36 @@ def _ratio_and_rayleigh(arguments, kinds):
     if arguments.friction is not None and number(arguments.friction, "--friction", "", 0.0, allow_low=True) == 0.0:
         ratio = 0.0
     return ratio, rayleigh
+
+
+def _compare(path, law, force, largest, overlap, rounding):
+    """A note on overlaps of the dump that differ from those of the law at its forces; DemlawsError where they are others.
+
+    It finds a wrong column, a dump that is not in SI units, and another law or modulus than the run's. Without a history only
+    overlaps below those of first loading contradict the law.
+    """
+    import numpy as np
+
+    from demlaws.core.loops import unloaded_loop
+
+    expected = law.overlap(force)
+    if law.state_size and largest is not None:
+        state, highest = law.new_state(force.size), np.maximum(largest, expected)
+        law.evaluate(highest, state)
+        expected = np.minimum(unloaded_loop(law.rule_tag, law.params, force, state.arrays), highest)
+    clear = rounding < 0.1 * expected
+    if not clear.any():
+        return "positions have too few digits to compare overlaps with the law's"
+    ratio = float(np.median(overlap[clear] / expected[clear]))
+    middle = np.argsort(force)[force.size // 2]
+    example = f"{overlap[middle]:.3g} m at {force[middle]:.3g} N, the law has {expected[middle]:.3g} m"
+    text = f"overlaps of the dump are {ratio:.2g} times those of this law at its forces (median of {clear.sum()}; {example})"
+    unloaded = law.state_size and largest is None  # any overlap above that of first loading may be right
+    if ratio < 1.0 / MOST_APART or (ratio > MOST_APART and not unloaded):
+        raise DemlawsError(f"{path}: {text}: give the units of the run in SI, its columns (--columns), its --young and law")
+    if ratio < 1.0 / NOTED_APART or ratio > (MOST_APART if unloaded else NOTED_APART):
+        return text + ": damping, unloading, or another --young or law in the run"
+    return ""
 
 
 def _stiffness(law, force, largest, overlap, rounding):

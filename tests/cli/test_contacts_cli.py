@@ -6,9 +6,8 @@ import json
 import pytest
 
 from demlaws.cli import main
-from demlaws.cli.contacts import LIGGGHTS_CASE
 from demlaws.cli.output import Output
-from demlaws.cli.timestep import LAMMPS_CASE
+from demlaws.cli.timestep import LAMMPS_CASE, LIGGGHTS_CASE
 from demlaws.errors import DemlawsError
 
 RADIUS, FIRST, BOX = 4e-3, 0.123456789012, "-1 1\n-1 1\n-1 1"

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import shutil
 from pathlib import Path
 
@@ -148,7 +149,7 @@ def test_friction_rotation_and_shear_ratio(tmp_path, capsys):
         (lambda t: t[: t.index("1 1 17")].replace("193", "0"), 1),  # no contacts
         (lambda t: t.replace("1 1 17 -", "1 1 1 -"), 1),
         (lambda t: t.replace("1 1 17 -20", "1 1 17 nan"), 1),  # such contacts were left out without a word
-        (lambda t: t.replace("64 1 0.028000000000000001", "64 1 nan"), 0),
+        (lambda t: re.sub(r"\n64 1 \S+", "\n64 1 nan", t), 0),
         (lambda t: t.replace("64 1 0.02", "nan 1 0.02"), 0),
         (lambda t: t.replace("2 1 5 -0 -20", "2 17 1 20 -0"), 1),  # listed twice: counted twice
         (lambda t: t[: t.index("64 1 0.02")].replace("\n64\n", "\n0\n"), 0),  # no grains
@@ -167,6 +168,72 @@ def test_forces_across_the_centres_are_refused(tmp_path, capsys):
     """Columns of the shear force, say: the limit would be many times too large. Here those of x, y, z are exchanged."""
     assert main(["timestep", *dumps(tmp_path, "lammps"), *GRANITE, "--columns", *"23564"]) == 2
     assert "across the lines between the centres" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", [["timestep", *GRANITE], ["contacts"]])
+@pytest.mark.parametrize("engine", ["liggghts", "lammps"])
+def test_columns_that_no_exported_case_has_are_to_be_named(tmp_path, capsys, engine, command):
+    """Columns of other names were read by their place: forces one column away, and a step of 1.01 times the limit."""
+    files = dumps(tmp_path, engine)
+    columns = ["7", "8", "10", "11", "12"] if engine == "liggghts" else [*"23456"]
+    path = Path(files[1])
+    path.write_text(path.read_text().replace("c_contacts", "c_c"))
+    assert main([command[0], *files, *command[1:]]) == 2
+    assert "--columns" in capsys.readouterr().err
+    assert main([command[0], *files, *command[1:], "--columns", *columns]) == 0
+    assert main([command[0], *files, *command[1:], "--columns", *columns[:4], "60"]) == 2
+
+
+def scaled(file, name, factor, places):
+    """Multiplies the columns at these places of a dump's rows, and the box."""
+    lines, rows = Path(file).read_text().splitlines(), False
+    for k, line in enumerate(lines):
+        words = line.split()
+        if rows and len(words) > max(places):
+            lines[k] = " ".join(repr(float(w) * factor) if n in places else w for n, w in enumerate(words))
+        rows = (rows or line.startswith(f"ITEM: {name}")) and not line.startswith("ITEM: TIMESTEP")
+        if name == "ATOMS" and k and lines[k - 1].startswith("ITEM: BOX"):
+            lines[k : k + 3] = [f"0 {float(edge.split()[1]) * factor!r}" for edge in lines[k : k + 3]]
+    Path(file).write_text("\n".join(lines) + "\n")
+
+
+@pytest.mark.parametrize("wrong", ["forces of another column", "cgs", "young"])
+def test_overlaps_that_are_not_the_laws_are_refused(tmp_path, capsys, wrong):
+    """One comparison finds a wrong column, other units and another modulus than the run's."""
+    files, words = dumps(tmp_path, "lammps"), list(GRANITE)
+    if wrong == "young":
+        words[3] = "6060GPa"
+    elif wrong == "cgs":
+        scaled(files[0], "ATOMS", 1e2, (2, 3, 4, 5))
+        scaled(files[1], "ENTRIES", 1e5, (3, 4, 5))
+    else:
+        scaled(files[1], "ENTRIES", 1 / 180, (3, 4, 5))
+    assert main(["timestep", *files, *words]) == 2
+    assert "times those of this law at its forces" in capsys.readouterr().err
+    files = dumps(tmp_path, "lammps")
+    words[3] = "90GPa"
+    assert main(["timestep", *files, *words]) == 0
+    assert "1.3 times those of this law" in " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.parametrize("sign", ["mol", "place"])
+def test_members_of_clumps_are_refused(tmp_path, capsys, sign):
+    """The limit was 1.55 times that of the rigid body whose members they are."""
+    files = dumps(tmp_path, "lammps")
+    path = Path(files[0])
+    text = path.read_text()
+    if sign == "mol":
+        text = re.sub(r"(?m)^(ITEM: ATOMS .*)$", r"\1 mol", text)
+        text = re.sub(
+            r"(?m)^(\d+)( 1 .*)$", lambda row: f"{row[1]}{row[2]} {max(int(row[1]) - 1, 0) // 2 * (int(row[1]) < 5)}", text
+        )
+    else:  # grain 64, which touches nothing, in the middle of another
+        text = re.sub(r"\n64 1 \S+ \S+ \S+", "\n64 1 0.0045 0.004 0.004", text)
+        contacts = Path(files[1])
+        contacts.write_text(re.sub(r"(?m)^(\d+ 64 \d+|\d+ \d+ 64) .*$", r"\1 0 0 0 ", contacts.read_text()))
+    path.write_text(text)
+    assert main(["timestep", *files, *GRANITE]) == 2
+    assert "clump" in capsys.readouterr().err
 
 
 def test_what_is_missing_is_refused(tmp_path):
