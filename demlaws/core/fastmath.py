@@ -84,6 +84,10 @@ def _row_of_four(context, builder, signature, arguments):
 
 
 _SQRT_HALF_BITS = 0x3FE6A09E667F3BCD
+_FROM_SQRT_HALF = 0x3FF0000000000000 - _SQRT_HALF_BITS  # added to a bit pattern, a mantissa from √½ counts in the next exponent
+_MANTISSA = 0x000FFFFFFFFFFFFF
+_POSITIVE = 0x7FFFFFFFFFFFFFFF
+_TWO_52 = 0x4330000000000000  # 2**52: an integer below 2**52 in its low bits is added to it
 _LOG2_E = 1.4426950408889634
 _ROUND = 6755399441055744.0  # 1.5 * 2**52: adding it rounds a double to an integer held in its low bits
 _ROUND_BITS = 0x4338000000000000
@@ -95,9 +99,10 @@ def log2(x):
 
     x = m 2^k with m in [√½, √2); ln m = 2 atanh z, z = (m-1)/(m+1), by a Chebyshev polynomial in z² (2e-18).
     """
-    pattern = bits(x)
-    exponent = (pattern - _SQRT_HALF_BITS) >> 52
-    m = from_bits(pattern - (exponent << 52))
+    # AVX2 has neither an arithmetic shift nor a conversion of 64-bit integers
+    pattern = (bits(x) + _FROM_SQRT_HALF) & _POSITIVE
+    exponent = from_bits((pattern >> 52) | _TWO_52) - (4503599627370496.0 + 1023.0)
+    m = from_bits((pattern & _MANTISSA) + _SQRT_HALF_BITS)
     z = (m - 1.0) / (m + 1.0)
     w = z * z
     w2 = w * w
@@ -141,7 +146,8 @@ def cbrt(x):
     y ≈ x^(-1/3) from a third of the exponent bits, two steps of a fourth-order iteration without division, then
     one Newton correction of x y².
     """
-    y = from_bits(0x553EF0FF289DD796 - (bits(x) >> 22) * 1398101)  # 2^22 / 3: an integer division would not vectorise
+    # a third of the upper half of the bits, times 2^32/3: AVX2 has no integer division and no product of 64-bit integers
+    y = from_bits((0x553EF0FF - (((bits(x) >> 32) & 0x7FFFFFFF) * 1431655766 >> 32)) << 32)
     h = 1.0 - x * y * y * y
     y += y * h * (1.0 / 3.0 + h * (2.0 / 9.0 + h * (14.0 / 81.0)))
     h = 1.0 - x * y * y * y

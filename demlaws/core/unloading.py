@@ -235,17 +235,16 @@ def _elastic_unloaded(rule, p, force, state):
 
 @kernel
 def _hertz_step(rule, p, overlap, state):
-    # Flat rather than nested conditions: LLVM then vectorises the loop around this.
+    # Flat rather than nested conditions, and unloading always: LLVM then vectorises the loop around this, on AVX2, too.
     positive = 0.0 if overlap <= 0.0 else overlap
-    if overlap >= state[0]:
+    maximum, plastic = state
+    elastic = positive - plastic
+    elastic = 0.0 if elastic <= 0.0 else elastic
+    root = p.hertz_coefficient * sqrt(elastic)
+    force, stiffness = root * elastic, 1.5 * root
+    if overlap >= maximum:
         force, stiffness, hertz_overlap, _ = virgin(p, positive)
         maximum, plastic = overlap, overlap - hertz_overlap
-    else:
-        maximum, plastic = state
-        elastic = positive - plastic
-        elastic = 0.0 if elastic <= 0.0 else elastic
-        root = p.hertz_coefficient * sqrt(elastic)
-        force, stiffness = root * elastic, 1.5 * root
     if overlap <= 0.0:
         force, stiffness, maximum, plastic = 0.0, 0.0, 0.0, 0.0
     return force, stiffness, (maximum, plastic)
@@ -284,19 +283,18 @@ def _hertz_unloaded(rule, p, force, state):
 def thornton_step(rule, p, overlap, state):
     """Force [N], stiffness [N/m] and new state on Hertz's curve of the larger radius that loading left."""
     positive = 0.0 if overlap <= 0.0 else overlap
-    if overlap >= state[0]:
+    maximum, plastic, ratio = state
+    elastic = positive - plastic
+    elastic = 0.0 if elastic <= 0.0 else elastic
+    root = p.hertz_coefficient * sqrt(ratio * elastic)
+    force, stiffness = root * elastic, 1.5 * root
+    if overlap >= maximum:
         force, stiffness, hertz_overlap, area = virgin(p, positive)
         area = contact_area(rule, p, positive, area)
         # R_p/R = (a²/R / δ_H)^1.5 and δmax - δp = a²/R_p
         growth = area / hertz_overlap
         ratio = growth * sqrt(growth)
         maximum, plastic = overlap, overlap - area / ratio
-    else:
-        maximum, plastic, ratio = state
-        elastic = positive - plastic
-        elastic = 0.0 if elastic <= 0.0 else elastic
-        root = p.hertz_coefficient * sqrt(ratio * elastic)
-        force, stiffness = root * elastic, 1.5 * root
     if overlap <= 0.0:
         force, stiffness, maximum, plastic, ratio = 0.0, 0.0, 0.0, 0.0, 0.0
     return force, stiffness, (maximum, plastic, ratio)
