@@ -34,7 +34,7 @@ def example(tmp_path_factory):
 def follow(tmp_path_factory):
     program = tmp_path_factory.mktemp("follow") / "follow"
     source = Path(__file__).parent / "follow.cpp"
-    subprocess.run(["g++", "-std=c++11", "-O2", "-I", str(HEADER), str(source), "-ldl", "-o", str(program)], check=True)
+    subprocess.run(["g++", "-std=c++11", "-O2", "-I", str(HEADER), str(source), "-o", str(program)], check=True)
 
     def run(*words):
         out = subprocess.run([str(program), *map(str, words)], capture_output=True, text=True, check=True).stdout
