@@ -21,9 +21,9 @@ from demlaws.laws.hertz import HertzParams, HertzShape
 from demlaws.units import LARGEST_OVERLAP, LARGEST_ROUGHNESS, RANGES, SMALL_OVERLAP
 from demlaws.yade import layout, objects
 from demlaws.yade.layout import CONTEXT, SEEN, SHAPE
-from demlaws.yade.mindlin import Contact, body_of, native_go
+from demlaws.yade.mindlin import Contact, body_of, native_go, with_states
 from demlaws.yade.records import add_float, add_integer, array, foreign, pointee, view
-from demlaws.yade.shear import Slip, apply_mindlin, compress
+from demlaws.yade.shear import Slip, apply_mindlin, compress, synchronise
 from demlaws.yade.tuples import keep_params, keep_state, params_of_row, shape_of, state_of
 
 LOWEST_MODULUS = RANGES["modulus"].low
@@ -108,6 +108,14 @@ def has_no_radius(context, body):
     return not is_among(pointee(body.shape), context.round_shape_classes, context.round_shape_count) and not is_flat(
         context, body
     )
+
+
+@kernel
+def lever_of(context, body1, body2):
+    """Kind of the surfaces of two bodies: which lever arms their spins have at a contact."""
+    if is_flat(context, body1):
+        return layout.FLAT
+    return layout.NO_LEVER if has_no_radius(context, body1) or has_no_radius(context, body2) else layout.ROUND
 
 
 @rare
@@ -312,7 +320,7 @@ def initialise_contact(context, pairs, row, geom, phys, interaction):
     number = array(context.pair_numbers, (context.surfaces, context.surfaces), np.int64)[first, second]
     pair = pairs[number]
     row.radius, row.modulus, row.ratio, row.tag = radius, modulus, 0.0, number + 1.0
-    row.written = phys.kno + phys.kso
+    row.written, row.lever = phys.kno + phys.kso, lever_of(context, body1, body2)
     add_integer(context.open.ctypes.data, 1)
     if phys.kno == 0.0:
         return number  # a marker
@@ -479,6 +487,9 @@ def act(kind, params_kind, shear, mode, rule, own, pair_dtype, row_dtype, contex
     elif overlap - overlap != 0.0:
         note_fault(context, layout.NOT_FINITE, interaction, overlap)  # NaN: a body's position is not finite
     keep_state(new, row)
+    contact = with_states(own, context, contact)
+    if overlap > 0.0:
+        synchronise(own, mode, context, contact, row)
     keep = apply_mindlin(own, mode, context, contact, row, tangential)
     row.overlap = overlap
     if overlap > 0.0:
@@ -499,7 +510,7 @@ KIND = PARAMS_KIND = SHEAR = MODE = RULE = OWN = PAIR = ROW = BEHIND = None
 
 def _go(functor, geom_pointer, phys_pointer, interaction):
     context = view(pointee(pointee(functor) + BEHIND), CONTEXT)
-    contact = Contact(functor, geom_pointer, phys_pointer, interaction, pointee(geom_pointer))
+    contact = Contact(functor, geom_pointer, phys_pointer, interaction, pointee(geom_pointer), 0, 0)
     return act(KIND, PARAMS_KIND, SHEAR, MODE, RULE, OWN, PAIR, ROW, context, contact)
 
 

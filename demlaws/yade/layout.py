@@ -13,6 +13,9 @@ FLAT_GAP, NO_CURVATURE = 20, 21
 BODY_RADIUS, BODY_RADIUS_MEANT, CURVATURE_RADIUS, FUNCTION_RADIUS = 0, 1, 2, 3
 """Values of `radius_mode`."""
 
+ROUND, FLAT, NO_LEVER = 0, 1, 2
+"""Values of `lever`, of a contact: both bodies have a radius, the first one is flat, one of them has neither."""
+
 UNSEEN, SEEN, REPORTED = 0, 1, 2
 """Values of the notes `deep`, `unknown_shape`, `shared` and `changed`."""
 
@@ -115,13 +118,13 @@ def pair_dtype(shape_fields):
 def row_dtype(levels, own_fields, springs):
     """dtype of a contact's row in the memory of a law.
 
-    phys, interaction: addresses of the contact's objects; pair: of its pair. The history; the levels of shear: upper bounds of
-    their stiffness K_t [N/m] and stretches [m]; `hertz`, or the numbers of the contact's Params that are its own (derived
-    numbers, which cost too much to derive at each step: a law that yields finds its yield point by bisection); with partial
-    slip its springs. MindlinPhys.prevU[1], which Mindlin's law does not use, has the code of the row, negative for a smooth
-    pair.
+    phys, interaction: addresses of the contact's objects; pair: of its pair; lever: how its surfaces turn. The history; the
+    levels of shear: upper bounds of their stiffness K_t [N/m] and stretches [m]; `hertz`, or the numbers of the contact's
+    Params that are its own (derived numbers, which cost too much to derive at each step: a law that yields finds its yield
+    point by bisection); with partial slip its springs. MindlinPhys.prevU[1], which Mindlin's law does not use, has the code of
+    the row, negative for a smooth pair.
     """
-    fields = [*own_fields, ("phys", "i8"), ("interaction", "i8"), ("pair", "i8"), *_HISTORY]
+    fields = [*own_fields, ("phys", "i8"), ("interaction", "i8"), ("pair", "i8"), ("lever", "i8"), *_HISTORY]
     if levels:
         fields += [("bound", "f8", (levels,)), ("stretch", "f8", (levels, 3))]
     if springs:

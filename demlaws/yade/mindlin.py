@@ -50,19 +50,42 @@ class NativeStep(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """Addresses of what the native `go` is called with, and of the contact's geometry."""
+    """Addresses of what the native `go` is called with, of the contact's geometry, and of its bodies' states (0: not known)."""
 
     functor: int
     geom_pointer: int
     phys_pointer: int
     interaction: int
     geom: int
+    first: int
+    second: int
 
 
 @kernel
 def body_of(context, number, scene):
     """A body; scene 0: the current one."""
     return view(pointee(call_body_by_id(context.body_by_id, (number, scene))), objects.Body)
+
+
+def with_states(step, context, contact):
+    """The contact with the states of its bodies."""
+
+
+@overload(with_states, jit_options=INLINED)
+def _with_states(step, context, contact):
+    if step.instance_class is NativeStep:
+        return lambda step, context, contact: contact
+
+    def found(step, context, contact):
+        law = view(contact.functor - context.functor_offset, objects.Functor)
+        interaction = view(contact.interaction, objects.Interaction)
+        first = body_of(context, interaction.id1, law.scene).state
+        second = body_of(context, interaction.id2, law.scene).state
+        return Contact(
+            contact.functor, contact.geom_pointer, contact.phys_pointer, contact.interaction, contact.geom, first, second
+        )
+
+    return found
 
 
 def turned(context, geom, a):
@@ -123,15 +146,22 @@ def times_cells(matrix, cells):
 
 
 @kernel
+def velocity_apart(scene, interaction, first, second):
+    """The second velocity less the first one [m/s], with that of the cell between two bodies of a periodic scene."""
+    apart = minus_scaled(second, 1.0, first)
+    if scene.isPeriodic == 0:
+        return apart
+    return minus_scaled(apart, -1.0, times_cells(view(scene.cell, objects.Cell).shiftVelocity, interaction.cellDist))
+
+
+@kernel
 def approach_velocity(scene, geom, interaction, first, second):
     """Relative velocity along the normal [m/s], positive where the bodies part."""
-    normal, point = vector(geom.normal), vector(geom.contactPoint)
-    if scene.isPeriodic == 0:
-        return dot(normal, minus_scaled(velocity_at(second, point), 1.0, velocity_at(first, point)))
-    cell, cells = view(scene.cell, objects.Cell), interaction.cellDist
-    image = minus_scaled(point, 1.0, times_cells(cell.hSize, cells))
-    apart = minus_scaled(velocity_at(second, image), 1.0, velocity_at(first, point))
-    return dot(normal, minus_scaled(apart, -1.0, times_cells(cell.shiftVelocity, cells)))
+    point = image = vector(geom.contactPoint)
+    if scene.isPeriodic != 0:
+        image = minus_scaled(point, 1.0, times_cells(view(scene.cell, objects.Cell).hSize, interaction.cellDist))
+    apart = velocity_apart(scene, interaction, velocity_at(first, point), velocity_at(second, image))
+    return dot(vector(geom.normal), apart)
 
 
 @kernel
@@ -167,8 +197,7 @@ def own_step(mode, context, contact, geom, phys, row):
     """The native law for a contact that `handles`."""
     law = view(contact.functor - context.functor_offset, objects.Functor)
     interaction = view(contact.interaction, objects.Interaction)
-    first = view(body_of(context, interaction.id1, law.scene).state, objects.State)
-    second = view(body_of(context, interaction.id2, law.scene).state, objects.State)
+    first, second = view(contact.first, objects.State), view(contact.second, objects.State)
     root = sqrt(geom.penetrationDepth)
     phys.kn = 1.5 * phys.kno * root
     phys.ks = phys.kso * root
@@ -255,8 +284,7 @@ def viscous_loss(context, contact, geom, phys):
     """Energy [J] that the viscous forces of the native law's own step have taken."""
     law = view(contact.functor - context.functor_offset, objects.Functor)
     scene, interaction = view(law.scene, objects.Scene), view(contact.interaction, objects.Interaction)
-    first = view(body_of(context, interaction.id1, law.scene).state, objects.State)
-    second = view(body_of(context, interaction.id2, law.scene).state, objects.State)
+    first, second = view(contact.first, objects.State), view(contact.second, objects.State)
     along = dot(vector(phys.normalViscous), vector(geom.normal))
     loss = along * approach_velocity(scene, geom, interaction, first, second) * scene.dt
     return loss + dot(vector(phys.shearViscous), vector(geom.shearInc))

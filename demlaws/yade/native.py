@@ -413,10 +413,19 @@ class Attachment:
         """Write what a row has beside the history, and its code to the contact."""
         row, contact_phys = self.rows[number], contact.phys
         row["phys"], row["interaction"] = address(contact_phys), address(contact)
+        row["lever"] = self._lever(contact)
         pair = self._pairs.records[int(row["tag"]) - 1]
         row["pair"] = self.context["pairs"] + (int(row["tag"]) - 1) * self._pairs.records.itemsize
         code = (int(self.context["generation"]) << 28) + number
         contact_phys.prevU = yade.Vector3(0.0, -code if kernel.fill_row(self._pairs.kind, row, pair) else code, 0.0)
+
+    def _lever(self, contact):
+        """`kernel.lever_of` the contact's bodies."""
+        first, second = (memory_at(address(O.bodies[number].shape)).value for number in (contact.id1, contact.id2))
+        flats = {self.layout.addresses[name] for name in ("facet", "wall", "box")}
+        if first in flats:
+            return layout.FLAT
+        return layout.ROUND if {first, second} <= {*self.layout.round_shapes, *flats} else layout.NO_LEVER
 
     def collect(self, contacts):
         """Between steps: make rows of contacts that have ended or were erased free again, before the free ones are used up.

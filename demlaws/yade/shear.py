@@ -14,9 +14,19 @@ from numba.extending import overload
 from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import INLINED, kernel
 from demlaws.core.shear import EMPTY
-from demlaws.yade import objects
-from demlaws.yade.mindlin import advance, follow, slide, trial_force, trial_of_one_spring, turned
-from demlaws.yade.records import assign, dot, minus_scaled, pointee, scaled, vector, view
+from demlaws.yade import layout, objects
+from demlaws.yade.mindlin import (
+    NativeStep,
+    advance,
+    follow,
+    rotated,
+    slide,
+    trial_force,
+    trial_of_one_spring,
+    turned,
+    velocity_apart,
+)
+from demlaws.yade.records import assign, cross, dot, minus_scaled, pointee, scaled, vector, view
 
 SPRINGS = 12
 """Springs of a contact with partial slip."""
@@ -32,6 +42,64 @@ class Native(NamedTuple):
 
 class Slip(NamedTuple):
     """Partial slip by the method of dimensionality reduction (`demlaws.core.slip`); its code is in `slip`."""
+
+
+# --- the displacement of a step
+
+
+def synchronise(step, mode, context, contact, row):
+    """Correct the displacement of the step, shearInc, which YADE has from spins ω of the half step and n of the full step.
+
+    Surfaces move by -(r1 ω1 + r2 ω2) × n. With n of the half step the displacement differs by dt/2 (r1 ω1 + r2 ω2) × (n -
+    n_before), in the plane dt/2 (r1 ω1 + r2 ω2)·n (n_before × n). Without this a small grain that spins about n is held between
+    much larger ones. [our derivation] `Native` is left out: it is Mindlin's law as YADE has it.
+    """
+
+
+@overload(synchronise, jit_options=INLINED)
+def _synchronise(step, mode, context, contact, row):
+    if step.instance_class is NativeStep or mode.instance_class is Native:
+        return lambda step, mode, context, contact, row: None
+
+    def to_half_step(step, mode, context, contact, row):
+        geom, law = view(contact.geom, objects.ScGeom), view(contact.functor - context.functor_offset, objects.Functor)
+        scene, interaction = view(law.scene, objects.Scene), view(contact.interaction, objects.Interaction)
+        first, second = view(contact.first, objects.State), view(contact.second, objects.State)
+        shift = half_step_shift(context, scene, interaction, geom, row, first, second)
+        assign(geom.shearInc, minus_scaled(vector(geom.shearInc), -0.5 * scene.dt, shift))
+
+    return to_half_step
+
+
+@kernel
+def half_step_shift(context, scene, interaction, geom, row, first, second):
+    """2/dt times the change of the displacement by `synchronise` [m/s]."""
+    normal, axis = vector(geom.normal), turn_of_normal(context, geom)
+    spin1, spin2 = vector(first.angVel), vector(second.angVel)
+    if row.lever == layout.ROUND:
+        return scaled(geom.refR1 * dot(spin1, normal) + geom.refR2 * dot(spin2, normal), axis)
+    if row.lever == layout.NO_LEVER:
+        return 0.0, 0.0, 0.0
+    # a flat turns about its position, from which the contact goes away by dt (v2 - v1) less the turn of r2 n
+    moved = scaled(scene.dt, velocity_apart(scene, interaction, vector(first.vel), vector(second.vel)))
+    shift = minus_scaled(cross(spin1, moved), geom.refR2 * (dot(spin1, normal) - dot(spin2, normal)), axis)
+    return minus_scaled(shift, dot(shift, normal), normal)
+
+
+def turn_of_normal(context, geom):
+    """n_before × n of the contact's normal n."""
+
+
+@overload(turn_of_normal, jit_options=INLINED)
+def _turn_of_normal(context, geom):
+    if objects.AXES[0] in geom.fields:
+        return lambda context, geom: vector(geom.orthonormal_axis)
+
+    def by_rotation(context, geom):
+        normal = vector(geom.normal)
+        return cross(normal, rotated(context, geom, normal))
+
+    return by_rotation
 
 
 # --- levels
