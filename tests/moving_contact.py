@@ -33,7 +33,8 @@ class Way(NamedTuple):
     lever: str = "contact"  # arms to the contact point (r - δ/2), or "radius": r, and v2 - v1 times (r1 + r2)/(r1 + r2 - δ)
     term_lever: str = "contact"  # the same of the half-step term
     wall_share: float = 0.5  # place of the contact point with a flat: r2 - share δ from the sphere's centre
-    turn: str = "plane"  # of springs: projected with their length kept and turned about n, or "cross": a - a × axis, twice
+    turn: str = "plane"  # of springs: projected with their length kept and turned about n; "cross": a - a × axis, twice; or
+    # "frame": components along a unit vector turned by "cross" and across it
     half_step: bool = True  # False: as engines have it, without the term
 
 
@@ -150,24 +151,36 @@ class Levels:
             level[1] = share * level[1]
 
 
-def _turning(way, before, now, spins, timestep):
-    """Function that turns a tangential vector with the contact from one step to the next."""
-    angle = 0.5 * timestep * before @ (spins[0] + spins[1])
-    if way.turn == "cross":
-        axis, twist = np.cross(before, now), angle * before
+class _Turn:
+    """Turns tangential vectors with the contact from one step to the next."""
 
-        def turn(a):
+    def __init__(self, way, timestep):
+        self.way, self.timestep, self.before, self.first = way, timestep, None, None
+
+    def to(self, now, spins):
+        """Function that turns a vector from the plane of the last normal into that of `now`."""
+        before = now if self.before is None else self.before
+        axis, angle = np.cross(before, now), 0.5 * self.timestep * before @ (spins[0] + spins[1])
+        self.before = now
+
+        def crossed(a):
             a = a - np.cross(a, axis)
-            return a - np.cross(a, twist)
+            return a - np.cross(a, angle * before)
 
-        return turn
+        def projected(a):
+            flat = a - (a @ now) * now
+            old, new = np.linalg.norm(a), np.linalg.norm(flat)
+            return rotation(angle * now) @ (flat * (old / new) if new > 0.0 else flat)
 
-    def turn(a):
-        flat = a - (a @ now) * now
-        old, new = np.linalg.norm(a), np.linalg.norm(flat)
-        return rotation(angle * now) @ (flat * (old / new) if new > 0.0 else flat)
-
-    return turn
+        if self.way.turn != "frame":
+            return crossed if self.way.turn == "cross" else projected
+        if self.first is None:  # across the axis that is least along the normal
+            self.first = np.cross(now, np.eye(3)[np.argmin(np.abs(now))])
+            self.first /= np.linalg.norm(self.first)
+        old = np.array([self.first, np.cross(before, self.first)])
+        self.first = crossed(self.first) / np.linalg.norm(crossed(self.first))
+        new = np.array([self.first, np.cross(now, self.first)])
+        return lambda a: new.T @ (old @ a)
 
 
 def _displacement(way, first, radius, motion, step, places, point, normal, before, overlap):
@@ -192,11 +205,11 @@ def _displacement(way, first, radius, motion, step, places, point, normal, befor
     return result - (result @ normal) * normal
 
 
-def follow(first, radius, motion, law, *, ratio, friction, way=None, levels=3, springs=None, damping=None):
+def follow(first, radius, motion, law, *, ratio, friction, way=None, levels=3, springs=None, damping=None, shear="elastic"):
     """Forces on `first` and on a sphere of this radius along a motion.
 
-    law: of one contact, with its rule. ratio: K_t/K. damping: mass [kg], β_n and β_s of viscous damping with the critical
-    coefficient 2 β √(m K), or None. springs: another model of shear in place of `Levels(levels)`, with its methods.
+    law: of one contact, with its rule. ratio: K_t/K, shear: of which K. damping: None, or mass m [kg], β_n and β_s of viscous
+    forces 2 β √(m K) v with K_t and 1.5 P/δ. springs: another model of shear in place of `Levels(levels)`, with its methods.
     """
     way, dt, steps = way or Way(), motion.timestep, len(motion.velocity)
     places, turned = np.array(motion.start, float), np.eye(3)
@@ -209,34 +222,32 @@ def follow(first, radius, motion, law, *, ratio, friction, way=None, levels=3, s
         point = places[1] - (radius - share * overlap[step]) * normal
         geometry.append((normal, point))
         at[step] = places
-    normal_force, tangent = law.follow(overlap).force, law.follow(overlap).stiffness
-    stiffness = law.shear_stiffness(overlap, ratio)
-    force, torque, before = np.zeros((steps, 2, 3)), np.zeros((steps, 2, 3)), None
-    model = springs or Levels(levels)
+    normal_force, stiffness = law.follow(overlap).force, law.shear_stiffness(overlap, ratio, shear)
+    force, torque = np.zeros((steps, 2, 3)), np.zeros((steps, 2, 3))
+    model, turn = springs or Levels(levels), _Turn(way, dt)
     for step in range(steps):
         normal, point = geometry[step]
         if overlap[step] <= 0.0:
             model.touch(0.0)
-            before = None
+            turn = _Turn(way, dt)
             continue
         model.touch(stiffness[step])
-        moved = _displacement(way, first, radius, motion, step, at[step], point, normal, before, overlap[step])
-        turn = _turning(way, before if before is not None else normal, normal, motion.spin[step], dt)
-        shear, along, sideways = -model.displace(turn, moved), normal_force[step], np.zeros(3)
+        moved = _displacement(way, first, radius, motion, step, at[step], point, normal, turn.before, overlap[step])
+        sideways = -model.displace(turn.to(normal, motion.spin[step]), moved)
+        along, viscous = normal_force[step], np.zeros(3)
         if damping is not None:
             mass, along_beta, sideways_beta = damping
             approach = _approach(motion, step, at[step], point, normal)
-            along -= min(2.0 * along_beta * np.sqrt(mass * tangent[step]) * approach, along)
-        size, limit = np.linalg.norm(shear), friction * abs(along)
+            along -= min(2.0 * along_beta * np.sqrt(mass * 1.5 * along / overlap[step]) * approach, along)
+        size, limit = np.linalg.norm(sideways), friction * abs(along)
         if size > limit:
             model.shorten(limit / size)
-            shear = shear * (limit / size)
+            sideways = sideways * (limit / size)
         elif damping is not None:
-            sideways = -2.0 * sideways_beta * np.sqrt(mass * stiffness[step]) / dt * moved
-        total = along * normal + shear + sideways  # on the second body
+            viscous = -2.0 * sideways_beta * np.sqrt(mass * stiffness[step]) / dt * moved
+        total = along * normal + sideways + viscous  # on the second body
         force[step] = -total, total
         torque[step] = np.cross(point - at[step, 0], -total), np.cross(point - at[step, 1], total)
-        before = normal
     return Forces(force, torque, overlap)
 
 
