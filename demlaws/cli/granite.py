@@ -15,6 +15,13 @@ def register(add):
     )
     parser.add_argument("--test", help="one test only, for instance SS(18-18)")
     parser.add_argument("--law", type=law_name, help="one law only")
+    parser.add_argument(
+        "--modulus",
+        choices=("text", "figures"),
+        default="text",
+        help="E* of tables and figures: E/(2(1 - ν²)), the definition in the text (default), or E/(2(1 - ν)), which fits the "
+        "three printed numbers that depend on E*; claims are given with both",
+    )
     parser.add_argument("--out", type=Path, default=Path("granite"), help="folder for CSV files and figures (default: granite)")
     parser.set_defaults(func=run)
 

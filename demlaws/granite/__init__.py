@@ -21,12 +21,14 @@ from demlaws.make import law
 from demlaws.responses.path import Path
 from demlaws.responses.results import PATH_COLUMNS
 
-_MODULUS = 0.5 * GRANITE.plane_modulus
+MODULI = {"text": 0.5 * GRANITE.plane_modulus, "figures": 0.5 * GRANITE.young / (1.0 - GRANITE.poisson)}
+"""E* [Pa] by the definition in the paper's text, E/(2(1 - ν²)), and E/(2(1 - ν)), which fits the three printed numbers that
+depend on E* [our reading: the figures were drawn with ν in place of ν²]. Laws use the first."""
 SWITCH_FORCE = 10.0
 """Load [N] at which the tests went over from displacement control to force control."""
 MICRO, MILLI = 1e-6, 1e-3
 
-# What the paper does not give, said wherever it is used.
+# What our text of the paper lacks; stated wherever it is used.
 CONE_DIMENSION = 2.22
 
 
@@ -40,11 +42,14 @@ class Test(NamedTuple):
     yield_pressure: float  # p_y [Pa] of the rough-plastic law
     stages: tuple  # each a list of forces [N] to turn at, begun on a virgin contact
     assumed: str = ""
+    yield_at: str | None = None  # of the rough-plastic law
+    bulk_radius: float | None = None  # R_b [m] of it
+    modulus: float = MODULI["text"]  # E* [Pa]
 
     @property
     def contact(self):
         """The test's contact: R, E*, σ, Df and hardness of the granite."""
-        return Contact(self.radius, _MODULUS, self.roughness, self.fractal_dimension, GRANITE.hardness)
+        return Contact(self.radius, self.modulus, self.roughness, self.fractal_dimension, GRANITE.hardness)
 
     @property
     def cyclic(self):
@@ -62,10 +67,15 @@ def _spheres(name, radius, roughness, dimension, stages=((100.0,),)):
     return Test(name, radius * MILLI, roughness * MICRO, dimension, GRANITE_YIELD_PRESSURE, stages)
 
 
-def _cone(name, radius, yield_pressure, stages, assumed=""):
-    """A test of a cone's tip on a flat: R [mm], p_y [Pa]."""
-    assumed = f"fractal dimension {CONE_DIMENSION} is assumed (the paper gives none)" + assumed
-    return Test(name, radius * MILLI, 5.04 * MICRO, CONE_DIMENSION, yield_pressure, stages, assumed)
+def _cone(name, radius, stages, assumed="", bulk_radius=None):
+    """A test of a cone's tip on a flat: R and R_b [mm]; one p_y for both cones, that of RFC10's stiffness after yield."""
+    assumed = (
+        f"fractal dimension {CONE_DIMENSION} is assumed: the paper's Table 3 has it (footnote c) and the roughness "
+        "(footnote b), but the table's body is missing in the text that we have" + assumed
+    )
+    bulk = None if bulk_radius is None else bulk_radius * MILLI
+    values = (radius * MILLI, 5.04 * MICRO, CONE_DIMENSION, GRANITE_YIELD_PRESSURE)
+    return Test(name, *values, stages, assumed, yield_at="load", bulk_radius=bulk)
 
 
 def _cycles(*forces):
@@ -79,22 +89,27 @@ TESTS = (
     _spheres("SF(12)", 6.05, 6.56, 2.275),
     _spheres("VS(18-18)", 4.04, 0.15, 2.075),
     _spheres("RS(18-18)", 4.19, 5.34, 2.20),
-    _cone("RFC10", 0.96, GRANITE_YIELD_PRESSURE, (_cycles(20.0, 40.0, 80.0, 150.0, 300.0, 450.0),)),
+    _cone("RFC10", 0.96, (_cycles(20.0, 40.0, 80.0, 150.0, 300.0, 450.0),)),
     _cone(
         "FC5",
         0.33,
-        2.35e9,
         (*(_cycles(*(20.0, 40.0, 80.0, 150.0)[:last]) for last in (1, 2, 3, 4)), _cycles(225.0, 300.0)),
         "; roughness as RFC10's is assumed; the tip that failed at 225 N is not modelled",
+        bulk_radius=0.62,
     ),
 )
 ROUGH_SPHERES = ("SS(18-18)", "SS(12-18)", "SF(12)", "RS(18-18)")
 
 
-def find_test(name):
-    """A test by name, in any spelling of its letters and digits."""
+def tests_of(modulus="text"):
+    """All tests with the E* of this name (`MODULI`)."""
+    return tuple(test._replace(modulus=MODULI[modulus]) for test in TESTS)
+
+
+def find_test(name, modulus="text"):
+    """A test by name, in any spelling of its letters and digits; modulus: name of its E* (`MODULI`)."""
     key = re.sub(r"[^a-z0-9]", "", str(name).lower())
-    for test in TESTS:
+    for test in tests_of(modulus):
         if re.sub(r"[^a-z0-9]", "", test.name.lower()) == key:
             return test
     raise DemlawsError(f"unknown test {name!r}: the tests are {', '.join(t.name for t in TESTS)}")
@@ -104,7 +119,8 @@ def options_for(name, test):
     """Options with which a law is run on a test: those of its example, with the test's own quantities in place of them."""
     definition = registry()[name]
     example = {} if definition.needs_map else definition.example
-    return {option: getattr(test, option, value) for option, value in example.items()}
+    own = {option: getattr(test, option, None) for option in definition.options}
+    return {**example, **{option: value for option, value in own.items() if value is not None}}
 
 
 def bind(name, test, unloading=None):
@@ -134,14 +150,19 @@ class Run(NamedTuple):
     paths: tuple  # a Path a stage
 
     @property
+    def radius(self):
+        """R [m] of the shape that yields and unloads."""
+        return float(self.law.definition.bulk_radius(self.test.contact, **self.law.options))
+
+    @property
     def beyond(self):
         """Where the run leaves the overlaps for which contact laws are valid (a tenth of R), in words; "" where it does not."""
         path = max(self.paths, key=lambda path: path.overlap.max())
         deepest = int(np.argmax(path.overlap))
-        share = float(path.overlap[deepest]) / self.test.radius
+        share = float(path.overlap[deepest]) / self.radius
         if share <= 0.1:
             return ""
-        first = float(path.force[np.argmax(path.overlap > 0.1 * self.test.radius)])
+        first = float(path.force[np.argmax(path.overlap > 0.1 * self.radius)])
         where = f"{share:.3f} R at {path.force[deepest]:.0f} N"
         return f"above {first:.0f} N the overlap passes 0.1 R, the limit of contact laws: {where}"
 
@@ -173,9 +194,9 @@ def stiffness_at(bound, force):
     return float(bound.stiffness(bound.overlap(force)))
 
 
-def hertz_stiffness(test, force):
-    """K_H = (6 P R E*²)^(1/3) [N/m]."""
-    return (6.0 * force * test.radius * _MODULUS**2) ** (1 / 3)
+def hertz_stiffness(test, force, radius=None):
+    """K_H = (6 P R E*²)^(1/3) [N/m]; R of the test unless another radius [m] is given."""
+    return (6.0 * force * (radius or test.radius) * test.modulus**2) ** (1 / 3)
 
 
 # --- tables
@@ -230,7 +251,7 @@ def stages_of(run):
                 branch = slice(start, peak + 1)
                 at = start + int(np.argmin(np.abs(path.force[branch] - 0.5 * largest)))
                 reload = float(path.stiffness[at])
-                over = reload / hertz_stiffness(run.test, float(path.force[at]))
+                over = reload / hertz_stiffness(run.test, float(path.force[at]), run.radius)
             force = float(path.force[peak])
             rows.append(StageRow(number, force, reload, over, float(path.stiffness[peak]), float(path.plastic_overlap[peak])))
             largest = max(largest, force)

@@ -1,12 +1,14 @@
 """The command `demlaws granite`: tables, claims, CSV files and figures."""
 
 import math
+from collections import Counter
 
 from demlaws import granite, plots
 from demlaws.errors import quiet
 from demlaws.files import save_csv, wrapped
 from demlaws.granite import claims
 from demlaws.granite import figures as pictures
+from demlaws.granite.cone_figure import cone_figure
 from demlaws.laws import POHRT_POPOV, ROUGH_PLASTIC
 from demlaws.laws.registry import find
 
@@ -25,7 +27,8 @@ def run(arguments):
     """Run the tests; print tables and claims, write CSV files and figures."""
     from tqdm import tqdm
 
-    tests = granite.TESTS if arguments.test is None else (granite.find_test(arguments.test),)
+    modulus = arguments.modulus
+    tests = granite.tests_of(modulus) if arguments.test is None else (granite.find_test(arguments.test, modulus),)
     names = granite.laws_for_tests() if arguments.law is None else [find(arguments.law).name]
     jobs = [(test, name) for test in tests for name in names]
     runs, notes = {}, {}
@@ -39,10 +42,10 @@ def run(arguments):
     if verdicts:
         print_claims(verdicts)
     if any(test.name == "FC5" for test in tests):
-        print_sensitivity(claims.cone_sensitivity())
+        print_sensitivity(claims.cone_sensitivity(modulus))
     with quiet():  # the notes have been printed with the tables
         files = write_csv(arguments.out, tests, runs, notes, verdicts)
-        files += draw(arguments.out, tests, runs, whole=not (arguments.test or arguments.law))
+        files += draw(arguments.out, tests, runs, modulus, whole=not (arguments.test or arguments.law))
     print(f"\n{len(files)} files written to {arguments.out}/")
 
 
@@ -97,8 +100,19 @@ def print_claims(verdicts):
         print(wrapped(f"  {claim.test}: {claim.claim}"))
         print(wrapped(claim.gives, "      ", "      "))
         print(wrapped(f"      → {claim.verdict}" + (f" ({claim.criterion})" if claim.criterion else ""), rest="        "))
-    counts = {verdict: sum(c.verdict == verdict for c in verdicts) for verdict in dict.fromkeys(c.verdict for c in verdicts)}
-    print("  " + "; ".join(f"{n} {verdict}" for verdict, n in counts.items()))
+        if claim.other_gives:
+            print(wrapped(f"with {_other}: {claim.other_gives}", "      ", "      "))
+            print(wrapped(f"      → {claim.other_verdict}", rest="        "))
+    print(wrapped(f"  {_counts(c.verdict for c in verdicts)}"))
+    print(wrapped(f"  with {_other}: {_counts(c.other_verdict or c.verdict for c in verdicts)}"))
+
+
+_other = f"E* = {granite.MODULI['figures'] / 1e9:.1f} GPa"
+
+
+def _counts(verdicts):
+    """How many there are of each verdict, as text."""
+    return "; ".join(f"{n} {verdict}" for verdict, n in Counter(verdicts).items())
 
 
 def write_csv(out, tests, runs, notes, verdicts):
@@ -119,12 +133,13 @@ def write_csv(out, tests, runs, notes, verdicts):
     titles = ["test", "law", "between (N)", "displacement (um)", "stiffness at 1 N (N/mm)", "stiffness at 10 N (N/mm)", "notes"]
     files.append(save_csv(out / "summary.csv", titles, summary))
     if verdicts:
-        files.append(save_csv(out / "claims.csv", ["test", "claim", "run gives", "verdict", "criterion"], verdicts))
+        titles = ["test", "claim", "run gives", "verdict", "criterion", f"run gives with {_other}", f"verdict with {_other}"]
+        files.append(save_csv(out / "claims.csv", titles, verdicts))
     return files
 
 
-def draw(out, tests, runs, whole):
-    """Draw all figures of these tests; returns the files."""
+def draw(out, tests, runs, modulus, whole):
+    """Draw all figures of these tests, with the E* of this name; returns the files."""
     if not plots.available():
         print("no figures: matplotlib is missing (pip install 'demlaws[plots]')")
         return []
@@ -132,7 +147,8 @@ def draw(out, tests, runs, whole):
 
     def run_of(test, law):
         return (
-            next((run for run in runs[test] if run.law.name == law), None) or granite.run_test(law, granite.find_test(test))[0]
+            next((run for run in runs[test] if run.law.name == law), None)
+            or granite.run_test(law, granite.find_test(test, modulus))[0]
         )
 
     for test in tests:
@@ -143,9 +159,10 @@ def draw(out, tests, runs, whole):
     if "SS(12-18)" in runs:
         figures.append(("unloading-ss-12-18", pictures.unloading, run_of("SS(12-18)", POHRT_POPOV)))
     if whole:
-        figures += [(name, getattr(pictures, name)) for name in ("stiffness", "roughness")]
+        figures += [(name, getattr(pictures, name), modulus) for name in ("stiffness", "roughness")]
         figures.append(("crossover-ss-18-18", pictures.crossover))
-        figures.append(("plastic-overlap", pictures.plastic, run_of("RFC10", ROUGH_PLASTIC), run_of("FC5", ROUGH_PLASTIC)))
-        figures.append(("effective-radius", pictures.radius))
+        cones = run_of("RFC10", ROUGH_PLASTIC), run_of("FC5", ROUGH_PLASTIC)
+        figures += [("plastic-overlap", pictures.plastic, *cones), ("cones", cone_figure, *cones)]
+        figures.append(("effective-radius", pictures.radius, modulus))
 
     return [plots.save(picture(*arguments), out / f"{name}.png") for name, picture, *arguments in figures]

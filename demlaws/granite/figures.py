@@ -22,8 +22,8 @@ PRINTED_THRESHOLD = 73.0
 
 
 @functools.cache
-def _law(name, test):
-    return granite.bind(name, granite.find_test(test), "elastic")
+def _law(name, test, modulus="text"):
+    return granite.bind(name, granite.find_test(test, modulus), "elastic")
 
 
 def force(test, runs):
@@ -71,14 +71,14 @@ def cycling(run):
             label=f"to {path.force[branch].max():.0f} N",
         )
     load = np.geomspace(0.5, path.force.max(), 100)
-    right.loglog(load, granite.hertz_stiffness(run.test, load) / 1e3, "k--", lw=1, label="Hertz")
+    right.loglog(load, granite.hertz_stiffness(run.test, load, run.radius) / 1e3, "k--", lw=1, label="Hertz")
     right.set(xlabel="force (N)", ylabel="stiffness (N/mm)", title="loading stiffness, stage by stage")
     left.legend(fontsize=8)
     right.legend(fontsize=7)
     return fig
 
 
-def radius():
+def radius(modulus="text"):
     """Fig. 4: a*/a_H against α: Eq. 5, Greenwood & Tripp, and a* back-calculated (a*² = Rδ) from each law."""
     alpha = np.geomspace(0.03, 30.0, 60)
     fig, ax = figure(width=6.0, height=4.4)
@@ -88,10 +88,10 @@ def radius():
     ax.text(1.1, 0.04, "beyond the data of the fit", fontsize=8, transform=ax.get_xaxis_transform())
     load = np.geomspace(0.3, 100.0, 12)
     for name, marker in zip(granite.ROUGH_SPHERES, "o^sv", strict=True):
-        test = granite.find_test(name)
+        test = granite.find_test(name, modulus)
         for law in SPHERES[1:]:
             hertz = smooth_overlap(test.contact, load)
-            size = np.sqrt(_law(law, name).overlap(load) / hertz)
+            size = np.sqrt(_law(law, name, modulus).overlap(load) / hertz)
             ax.plot(test.roughness / hertz, size, marker, color=colour(law), ms=3.5, mfc="none")
         ax.plot([], [], "k" + marker, mfc="none", ms=4, label=f"laws on {name}")
     for law in SPHERES[1:]:
@@ -102,16 +102,19 @@ def radius():
 
 
 def crossover():
-    """Fig. 5: stiffness of Hertz and of Pohrt-Popov, and where the lines cross."""
-    test = granite.find_test("SS(18-18)")
-    threshold, load = granite.threshold_force(test), np.geomspace(1.0, 500.0, 300)
+    """Fig. 5: stiffness of Hertz and of Pohrt-Popov, and where the lines cross, with both E*."""
+    load = np.geomspace(1.0, 500.0, 300)
     fig, ax = figure(width=6.0, height=4.4)
-    for name in (HERTZ, POHRT_POPOV):
-        law = _law(name, test.name)
-        draw_line(ax, load, law.stiffness(law.overlap(load)) / 1e3, name=name, lw=1.6)
-    ax.axvline(threshold, color="k", lw=0.8)
-    text = f"F = {threshold:.1f} N\n(the paper's text: {PRINTED_THRESHOLD:g} N)"
-    ax.annotate(text, (threshold, 2000), xytext=(5, 0), textcoords="offset points")
+    for (modulus, value), style, side in zip(granite.MODULI.items(), ("-", "--"), (-1, 1), strict=True):
+        test = granite.find_test("SS(18-18)", modulus)
+        for name in (HERTZ, POHRT_POPOV):
+            law, label = _law(name, test.name, modulus), f"{name}, E* = {value / 1e9:.1f} GPa"
+            ax.plot(load, law.stiffness(law.overlap(load)) / 1e3, style, color=colour(name), label=label, lw=1.6)
+        threshold = granite.threshold_force(test)
+        ax.axvline(threshold, color="k", lw=0.8, ls=style)
+        place = {"xytext": (6 * side, 0), "textcoords": "offset points", "ha": "right" if side < 0 else "left"}
+        ax.annotate(f"F = {threshold:.1f} N with\nE* = {value / 1e9:.1f} GPa", (threshold, 1500), **place)
+    ax.axvline(PRINTED_THRESHOLD, color="r", lw=2.5, alpha=0.4, label=f"the paper's text: around {PRINTED_THRESHOLD:g} N")
     ax.set(xscale="log", yscale="log", xlabel="force (N)", ylabel="stiffness (N/mm)", title=f"{test.name}: crossover")
     ax.legend()
     return fig
@@ -126,7 +129,8 @@ def unloading(run):
     fig, ax = figure(width=6.4, height=4.8)
     top = max(test.stages[0])
     load = np.linspace(0.05, top, 300)
-    for law in (_law(name, test.name) for name in COMPARED):
+    modulus = next(name for name, value in granite.MODULI.items() if value == test.modulus)
+    for law in (_law(name, test.name, modulus) for name in COMPARED):
         displacement = (law.overlap(load) - law.overlap(top)) * MICRO
         draw_line(ax, displacement, load, name=law.name, label=f"{law.name}, elastic", lw=1.3)
     path = run.paths[0]
@@ -138,26 +142,26 @@ def unloading(run):
     return fig
 
 
-def stiffness():
+def stiffness(modulus="text"):
     """Fig. 8: stiffness against load of four tests, on logarithmic axes."""
     fig, axes = figure(columns=2, rows=2, width=5.0)
     load = np.geomspace(0.1, 100.0, 200)
     for ax, name in zip(np.ravel(axes), ("SS(18-18)", "RS(18-18)", "SS(12-18)", "SF(12)"), strict=True):
-        for law in (_law(n, name) for n in SPHERES):
+        for law in (_law(n, name, modulus) for n in SPHERES):
             draw_line(ax, load, law.stiffness(law.overlap(load)) / 1e3, name=law.name, lw=1.3)
         ax.set(xscale="log", yscale="log", xlabel="force (N)", ylabel="stiffness (N/mm)", title=name)
         ax.legend(fontsize=7)
     return fig
 
 
-def roughness():
+def roughness(modulus="text"):
     """Fig. 9: force and stiffness of Pohrt-Popov on three pairs that differ in roughness, and of Hertz."""
-    tests = [granite.find_test(name) for name in ("VS(18-18)", "SS(18-18)", "RS(18-18)")]
+    tests = [granite.find_test(name, modulus) for name in ("VS(18-18)", "SS(18-18)", "RS(18-18)")]
     fig, (left, right) = figure(columns=2)
     load = np.geomspace(0.05, 100.0, 300)
     lines = [(POHRT_POPOV, test, "-", shade) for test, shade in zip(tests, ("#1f77b4", "#ff7f0e", "#d62728"), strict=True)]
     for name, test, style, shade in [*lines, (HERTZ, tests[1], "--", "k")]:
-        law = _law(name, test.name)
+        law = _law(name, test.name, modulus)
         overlap = law.overlap(load)
         label = f"Hertz, {test.name}" if name == HERTZ else f"{test.name}, σ = {test.roughness * MICRO:.2f} µm"
         left.plot((overlap - law.overlap(0.1)) * MICRO, load, style, color=shade, label=label)

@@ -66,7 +66,7 @@ bind(GoddardParams, virgin=_virgin, inverse=_inverse, energy=_energy)
 
 def _prepare(contact, slope=None):
     if slope is None:
-        raise DemlawsError("law 'goddard' needs slope in rad, the flank of the tip (granite cones: 0.035); give slope=...")
+        raise DemlawsError("law 'goddard' needs slope in rad, the flank of the tip ; give slope=...")
     return GoddardShape(3.0 * math.pi**2 / 16.0 * max(math.tan(slope) ** 2, 1e-40))
 
 
