@@ -41,16 +41,30 @@ class Converted(NamedTuple):
         return lines
 
 
-def convert(text, engine, table, folder=None, name=""):
+def convert(text, engine, table, folder=None, name="", modulus=None):
     """The input `text` of an engine ("liggghts" or "lammps") with the law of `table`, the file's name as the input has it.
 
-    folder: where the files that the input includes are; name: of the input.
+    folder: where the files that the input includes are; name: of the input; modulus: E* of the table [Pa]. An input that has
+    been converted gets `table` in place of its own, if that is one.
     """
     if re.search(r"\s", str(table)):
         raise DemlawsError(f"table {str(table)!r}: engines do not accept names with spaces; rename the file")
-    job = _Conversion(engine, str(table), folder, {name} if name else set())
+    if name.endswith((".py", ".ipynb")) or _PYTHON.search(text):
+        raise DemlawsError(
+            f"{name or 'this input'} is a Python script, of whose commands only a part would be found: write the commands into "
+            "an input file, convert that, and read it with lmp.file(...)"
+        )
+    job = _Conversion(engine, str(table), folder, {name} if name else set(), modulus)
     converted = job.text(text)
-    if engine == "lammps" and not job.commands & {"units", "include", "read_restart"}:
+    if engine == "lammps":
+        _look_at_restart(job)
+    if not job.changed and job.complete() and len(job.tables) == 1:
+        job = _Conversion(engine, str(table), folder, {name} if name else set(), modulus, job.tables.pop())
+        converted = job.text(text)
+    elif not job.changed and len(job.tables) > 1:
+        tables = ", ".join(sorted(job.tables))
+        raise DemlawsError(f"{name or 'this input'} has several tables, {tables}: write the names of new ones there yourself")
+    if engine == "lammps" and _BEGINS & job.commands and not job.commands & {"units", "include", "read_restart"}:
         job.notes.insert(0, Note(1, "no units line: LAMMPS uses units lj; write the input in units si", False))
     if not job.found:
         raise DemlawsError(
@@ -65,17 +79,26 @@ def convert_file(path, engine, table, *, out=None):
     `table` is a path from here; in the input it stands as seen from the folder of `out`, where the engine runs. If no line
     can be converted, no file is written, and `out` is None.
     """
+    from demlaws.curves.text import parse
+
     path, table = Path(path), Path(table)
     out = path.with_name(path.name + ".demlaws") if out is None else Path(out)
     if not table.is_file():
         raise DemlawsError(f"table {table} does not exist; `demlaws table` writes one")
-    conversion = convert(read_text(path), engine, os.path.relpath(table, out.parent), path.parent, path.name)
+    modulus = parse(table.read_bytes(), table).values["contact"].modulus
+    conversion = convert(read_text(path), engine, os.path.relpath(table, out.parent), path.parent, path.name, modulus)
     if not conversion.changed:
         return None, conversion
     write_atomically(out, conversion.text)
     return out, conversion
 
 
+_PYTHON = re.compile(r"(?m)^\s*(from|import) +[\w.]+|\.commands?(_string|_list)?\(")
+_BEGINS = {"atom_style", "create_box", "read_data"}
+"""Commands of a whole input: a file without them is a part of one, whose units are elsewhere."""
+_LEFT = {"liggghts": re.compile(r"\bmodel\s+(hertz|hooke)\b"), "lammps": re.compile(r"\bhertz/material\b")}
+"""Stock models, in commands that are not read here."""
+_NO_COMMANDS = {"variable", "print", "label", "shell", "log", "echo"}
 _NOT_SPHERES = {"liggghts": ("superquadric", "convexhull", "coarsegraining"), "lammps": ()}
 _UNITS = {"liggghts": ("si", "cgs", "micro", "nano"), "lammps": ("si",)}
 _QUOTED = r'"""(.*?)"""|"(.*?)"|\'(.*?)\''
@@ -114,8 +137,13 @@ def _without_comment(line):
 class _Conversion:
     """One pass through an input."""
 
-    def __init__(self, engine, table, folder, files):
-        self.engine, self.table, self.folder, self.files = engine, table, folder, files
+    def __init__(self, engine, table, folder, files, modulus=None, former=None):
+        self.engine, self.table, self.folder, self.files, self.modulus = engine, table, folder, files, modulus
+        self.former = former  # table that is replaced by the new one; None: stock models are
+        self.told = set()  # notes that are made once
+        self.tables = set()  # of lines that have one
+        self.restart = None  # (line, file) of LAMMPS's read_restart
+        self.coefficients = False  # whether there is a pair_coeff line of granular
         self.change = {"liggghts": _liggghts, "lammps": _lammps}[engine]
         self.values = {}  # of variables: text
         self.notes, self.commands, self.line = [], set(), 0
@@ -123,16 +151,30 @@ class _Conversion:
         self.hybrid = False
         self.found = self.changed = False
 
+    def note_once(self, text):
+        """Note on the first line that it is true of."""
+        if text not in self.told:
+            self.told.add(text)
+            self.note(text)
+
     def note(self, text, served=True):
         """Note on the present line."""
         self.notes.append(Note(self.line, text, served))
+
+    def complete(self):
+        """Whether nothing is left that has to be converted."""
+        return all(note.served for note in self.notes)
 
     def text(self, text):
         """Converted text of an input."""
         lines = []
         for self.line, line in _whole_lines(text):
             code, comment = _without_comment(line)
+            known = len(self.notes)
             new = self.command(re.sub(r"&[ \t]*\n", " ", code))
+            left = new is None and len(self.notes) == known and _LEFT[self.engine].search(code)
+            if left and code.split()[0] not in _NO_COMMANDS:
+                self.leave(f"{code.split()[0]} ... {left[0]}: convert does not read this command; change it yourself")
             lines.append(line if new is None else new + (f" {comment}" if comment else ""))
         return "\n".join(lines) + "\n"
 
@@ -163,6 +205,8 @@ class _Conversion:
             )
         elif first in ("if", "run"):
             return self._quoted(code)
+        elif first == "read_restart" and self.engine == "lammps":
+            self.restart = (self.line, other)
         elif first == "partition":  # yes|no N command
             before, command = re.match(r"(\s*(?:\S+\s+){3})(.*)", f"{code} ", re.S).groups()
             new = self.command(command)
@@ -256,6 +300,39 @@ def _unknown(words):
     return next((word for word in words if "$" in word), None)
 
 
+SOFTENED = 1.5
+"""Factor between the modulus of an input and that of the table from which it is asked about."""
+
+
+def _ask_about_modulus(job, young, poisson=("0.25",)):
+    """Note where Young's modulus of the input is not that of the table: roughness matters less in softened grains."""
+    try:
+        modulus = 0.5 * float(young[0]) / (1.0 - float(poisson[0]) ** 2)
+    except (IndexError, ValueError):
+        return
+    if job.modulus and modulus > 0.0 and not 1.0 / SOFTENED <= modulus / job.modulus <= SOFTENED:
+        job.note_once(
+            f"Young's modulus {young[0]} Pa has E* = {modulus:.3g} Pa, the table is for {job.modulus:.3g} Pa: at another "
+            "modulus roughness changes a contact by another share; give the modulus of the grains, or a table for softened "
+            "grains (`demlaws soften`)"
+        )
+
+
+def _other_table(job, words, place):
+    """A line that has been converted before, with the new table; None: it stays."""
+    if place is None or place >= len(words):
+        return None  # a wall of LIGGGHTS, which takes the tables of the pair style
+    if "pairtable" in words:
+        job.tables |= {words[place], words[words.index("pairtable") + 3]}
+        return None
+    job.tables.add(words[place])
+    job.found = True
+    if words[place] != job.former:
+        return None
+    job.note(f"table {job.former} is now {job.table}")
+    return [*words[:place], job.table, *words[place + 1 :]]
+
+
 # --- LIGGGHTS
 
 _SUB_MODELS = {
@@ -275,6 +352,9 @@ _STOCK_SETTINGS = (
 
 
 def _liggghts(job, words):
+    if words[0] == "fix" and words[4:5] == ["youngsModulus"]:
+        for young in words[6:]:
+            _ask_about_modulus(job, [young])
     if words[0] == "pair_style" and "gran" in words[1:]:
         start, tail = words.index("gran") + 1, ["table", job.table]  # of hybrid styles gran is the last
     elif words[0] == "fix" and words[3:4] and words[3].startswith("wall/gran"):
@@ -289,12 +369,15 @@ def _liggghts(job, words):
         return job.leave(f"{' '.join(words[: start + 1])}: {why}; write `model hertz tangential history` here")
     normal, at = (words[start + 1] if len(words) > start + 1 else ""), start + 2
     if normal == "demlaws/table":
-        return None
+        return _other_table(job, words, words.index("table") + 1 if "table" in words else None)
     if not normal or "$" in normal:
         return job.leave(f"model {normal}: no single value in this input; write the model here")
     out = [*words[:start], "model", "demlaws/table"]
     while at < len(words):
         word, value = words[at], words[at + 1] if at + 1 < len(words) else ""
+        if word in ("primitive", "mesh"):  # places and sizes, whatever their values
+            out += words[at:]
+            break
         if word in _SUB_MODELS:
             if (word, value) == ("tangential", "history"):
                 value = "demlaws"
@@ -335,8 +418,10 @@ def _lammps(job, words):
     if at is None:
         return None
     normal = words[at] if at < len(words) else ""
-    if normal == "demlaws/table" or normal.startswith("demlaws/table "):
-        return None
+    if words[0] == "pair_coeff":
+        job.coefficients = True
+    if normal == "demlaws/table":
+        return _other_table(job, words, at + 1)
     what = f"{' '.join(words[:at])} {normal}"
     if normal in _NORMAL:
         return job.leave(f"{what}: {_NORMAL[normal]}")
@@ -347,6 +432,8 @@ def _lammps(job, words):
         return job.leave(f"{what}: {_unknown(words[: at + 1]) or normal or 'nothing'} {why}; write {_MATERIAL} E eta nu here")
     job.note(f"{_MATERIAL} is now demlaws/table with {job.table}")
     rest = words[at + 1 :]
+    _ask_about_modulus(job, rest[:1], rest[2:3])
+    _name_damping(job, rest)
     shear = rest.index("tangential") + 1 if "tangential" in rest else len(rest)
     model = rest[shear] if shear < len(rest) else ""
     if model.startswith("mindlin") and rest[shear + 1 : shear + 2] == ["NULL"]:
@@ -359,6 +446,38 @@ def _lammps(job, words):
     elif model and model != "demlaws":
         job.note(f"tangential {model} stays")
     return [*words[:at], "demlaws/table", job.table, *rest]
+
+
+def _name_damping(job, rest):
+    """Note the damping that stays: LAMMPS computes it from another stiffness than that on which the rebound depends."""
+    damping = rest[rest.index("damping") + 1] if "damping" in rest[:-1] else "viscoelastic"
+    if damping in ("tsuji", "coeff_restitution"):
+        job.note_once(
+            f"damping {damping} stays: it takes the secant stiffness, and a rough contact rebounds by more or less than the "
+            "given restitution; write damping demlaws/tangent, which takes the tangent"
+        )
+    elif damping not in ("none", "demlaws/tangent"):
+        job.note_once(f"damping {damping} stays: its number is none of the law's; damping demlaws/tangent takes a restitution")
+
+
+def _look_at_restart(job):
+    """Name the pairs whose models are in a restart file: they keep those, and contacts keep the histories of those."""
+    if job.restart is None or job.granular is False:
+        return
+    job.line, name = job.restart
+    file = Path(job.folder or "", job._value(name))
+    data = file.read_bytes() if job.folder is not None and file.is_file() else None
+    if data is not None and (b"demlaws/table" in data or b"granular" not in data):
+        return
+    text = "contacts go on with the histories of the models in this file, which are not those of a table"
+    if not job.coefficients:
+        text = "the models of the pairs are in this file and stay as they are"
+    remedy = "start from positions: write_data in the run before, read_data and pair_coeff lines here"
+    job.found = True
+    if data is None:
+        job.note(f"read_restart {name}: unless it is of a run with demlaws/table, {text}; else {remedy}")
+    else:
+        job.note(f"read_restart {name}: {text}; {remedy}", False)
 
 
 def _normal_of(job, words):

@@ -3,6 +3,7 @@
 import json
 import os
 import shutil
+from pathlib import Path
 
 import pytest
 from inputs import part
@@ -14,6 +15,7 @@ from demlaws.liggghts import run
 from demlaws.plugins.convert import convert, convert_file
 from studies.cases import tutorials as script
 
+HERTZ = Path(__file__).parents[1] / "data" / "tables" / "good" / "hertz-elastic.tbl"
 LIGGGHTS = """\
 pair_style gran model hertz tangential history rolling_friction epsd2 torsionTorque off &
     absolute_damping on  # of the tutorial
@@ -61,14 +63,14 @@ def test_every_line_of_lammps():
         ("lammps", "pair_coeff * * hertz 1e5 50 tangential mindlin NULL 1.0 0.4"),
         ("lammps", "pair_style gran/hertz/history 1e5 NULL 50 NULL 0.4 1"),
         ("lammps", "units cgs"),
-        ("lammps", "timestep 1e-6"),  # no units line: lj
+        ("lammps", "atom_style sphere"),  # no units line: lj
         ("liggghts", "units lj"),
     ],
 )
 def test_what_is_not_served_stays_and_is_listed(engine, line, tmp_path, capsys):
     wall = {"liggghts": LIGGGHTS, "lammps": LAMMPS}[engine].splitlines()[3]
     (tmp_path / "in.case").write_text(f"{line}\n{wall}\n")
-    (tmp_path / "law.tbl").write_text("")
+    shutil.copy(HERTZ, tmp_path / "law.tbl")
     arguments = [engine, "convert", str(tmp_path / "in.case"), "--table", str(tmp_path / "law.tbl")]
     assert cli.main(arguments) == 1
     out = " ".join(capsys.readouterr().out.split())
@@ -109,12 +111,79 @@ def test_granular_lines_alone_that_stay(engine, lines, named, tmp_path, capsys):
     """These were "nothing to convert", or they were not mentioned."""
     text = "\n".join(["units si", *lines]) + "\n"
     (tmp_path / "in.case").write_text(text)
-    (tmp_path / "law.tbl").write_text("")
+    shutil.copy(HERTZ, tmp_path / "law.tbl")
     arguments = [engine, "convert", str(tmp_path / "in.case"), "--table", str(tmp_path / "law.tbl"), "--json"]
     assert cli.main(arguments) == 1
     result = json.loads(capsys.readouterr().out)
     assert [note["line"] - 1 for note in result["notes"] if not note["served"]] == named
     assert result["file"] is None and not (tmp_path / "in.case.demlaws").exists()
+
+
+@pytest.mark.parametrize("name", ["case.py", "in.case"])
+def test_python_scripts_are_refused(name, tmp_path, capsys):
+    """One of three commands was converted, and the others were not named."""
+    line = LAMMPS.splitlines()[1].split(" #")[0]
+    text = f'from lammps import lammps\nlmp = lammps()\nlmp.command("{line}")\nlmp.commands_string("""\n{LAMMPS}""")\n'
+    (tmp_path / name).write_text(text)
+    assert cli.main(["lammps", "convert", str(tmp_path / name), "--table", str(HERTZ)]) == 2
+    assert "Python script" in capsys.readouterr().err
+    assert [file.name for file in tmp_path.iterdir()] == [name]
+
+
+def test_models_in_commands_that_are_not_read_are_named():
+    text = f'units si\npair_style granular\n{LAMMPS.splitlines()[3]}\npython f source here """ f(\'hertz/material\') """\n'
+    converted = convert(text + "print 'hertz/material'\n", "lammps", "law.tbl")
+    assert [note.line for note in converted.notes if not note.served] == [4]
+
+
+@pytest.mark.parametrize("pairs", ["", LAMMPS.splitlines()[1] + "\n"])
+@pytest.mark.parametrize(
+    ("content", "served"),
+    [(b"granular hertz/material", [False]), (b"granular demlaws/table", []), (b"lj/cut", []), (None, [True])],
+)
+def test_pairs_of_a_restart_file(tmp_path, pairs, content, served):
+    """Their models are in it: walls were converted, pairs remained stock ones without a word."""
+    if content is not None:
+        (tmp_path / "now.restart").write_bytes(content)
+    path = tmp_path / "in.case"
+    path.write_text(f"read_restart now.restart\npair_style granular\n{pairs}{LAMMPS.splitlines()[3]}\n")
+    converted = convert_file(path, "lammps", HERTZ)[1]
+    assert [note.served for note in converted.notes if note.line == 1] == served
+
+
+def test_places_by_variables_and_parts_of_inputs_are_no_fault():
+    wall = "fix w all wall/gran model hertz tangential history primitive type 1 zcylinder ${r} 0. 0."
+    converted = convert(f"pair_style gran model hertz tangential history\n{wall}\n", "liggghts", "law.tbl")
+    assert converted.complete and converted.text.count("demlaws/table") == 2 and "zcylinder ${r} 0. 0." in converted.text
+    wall = LAMMPS.splitlines()[3].replace("zplane 0.0", "zplane ${pz}")
+    converted = convert(f"{wall}\nvariable r equal 2\n", "lammps", "law.tbl")  # a file that an input includes
+    assert converted.complete and "zplane ${pz} NULL" in converted.text
+
+
+@pytest.mark.parametrize(("engine", "text"), [("lammps", LAMMPS.replace("other.tbl", "law.tbl")), ("liggghts", LIGGGHTS)])
+def test_a_converted_input_gets_another_table(engine, text):
+    once = convert(f"units si\n{text}", engine, "law.tbl")
+    assert convert(once.text, engine, "new.tbl").text == once.text.replace("law.tbl", "new.tbl")
+    two = once.text.replace("law.tbl", "a.tbl", 1).replace("pair_coeff 1 *", "pair_coeff 1 1")
+    if engine == "lammps":
+        with pytest.raises(DemlawsError, match=r"several tables, a\.tbl, law\.tbl"):
+            convert(two, engine, "new.tbl")
+
+
+def test_what_is_asked_about(tmp_path):
+    """A modulus that is not the table's, a damping that takes another stiffness; a table that is none is refused."""
+    path = tmp_path / "in.case"
+    line = LAMMPS.splitlines()[1].split(" #")[0].replace("1e9", "5e6")
+    path.write_text(f"units si\npair_style granular\n{line} damping tsuji\n")
+    text = " ".join(note.text for note in convert_file(path, "lammps", HERTZ)[1].notes)
+    assert "Young's modulus 5e6 Pa" in text and "damping tsuji stays" in text
+    young = 2 * dl.Table.load(HERTZ).contact.modulus * (1 - 0.25**2)
+    path.write_text(f"units si\npair_style granular\n{line.replace('5e6', repr(young))} damping demlaws/tangent\n")
+    assert len(convert_file(path, "lammps", HERTZ)[1].notes) == 2
+    path.write_text(f"fix m1 all property/global youngsModulus peratomtype 5e6 {young!r}\n{LIGGGHTS}")
+    assert "Young's modulus 5e6 Pa" in convert_file(path, "liggghts", HERTZ)[1].notes[0].text
+    with pytest.raises(DemlawsError, match="not a demlaws table"):
+        convert_file(path, "liggghts", path)
 
 
 def test_other_pair_styles_are_left_alone():
@@ -153,7 +222,7 @@ def test_what_stops_or_misleads_a_run_is_mentioned():
 
 def test_included_files_are_followed(tmp_path):
     """Their variables have values in the input; their granular lines are named."""
-    (tmp_path / "law.tbl").write_text("")
+    shutil.copy(HERTZ, tmp_path / "law.tbl")
     (tmp_path / "values.in").write_text("variable m string hertz/material\nvariable E equal 1e9\n")
     (tmp_path / "models.in").write_text("print hello\n" + LAMMPS.splitlines()[3] + "\n")
     path = tmp_path / "in.case"

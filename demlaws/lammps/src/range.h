@@ -9,9 +9,10 @@
 namespace {
 
 const char *const MIXED_SIZES =
-    "demlaws/table: the pair_coeff lines keep different numbers of history values, which LAMMPS mixes up whenever "
-    "neighbour lists are rebuilt; give every pair of types demlaws/table (Hertz is a table, too) and the same "
-    "tangential, rolling and twisting models";
+    "demlaws/table: the pair_coeff lines, those of a restart file included, keep different numbers of history values, "
+    "which LAMMPS mixes up whenever neighbour lists are rebuilt; give every pair of types demlaws/table (Hertz is a "
+    "table, too) and the same tangential, rolling and twisting models; after a restart file of other models start again "
+    "from positions (write_data, read_data)";
 
 // The number of this rank's particle at place i.
 inline long long tag_of(void *lmp, long i) {
