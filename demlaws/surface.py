@@ -165,6 +165,8 @@ def _read_numpy(path, channel):
         raise DemlawsError(f"{path} has the arrays {', '.join(arrays)}: give the one of heights as channel (--channel)")
     if arrays[name].dtype.kind not in "fiu":
         raise DemlawsError(f"{path} holds {arrays[name].dtype} values: heights must be real numbers")
+    if "contact" in arrays:
+        warn(f"{path} is a map after a contact: its heights are read, not what the contact has left in them", MapWarning)
     pixel = arrays.get("pixel")  # of `write`
     return arrays[name], {} if pixel is None else {"pixel": tuple(np.ravel(pixel).tolist()), "scale": 1.0}
 

@@ -61,11 +61,12 @@ def register(add):
         metavar=("SHORTEST", "LONGEST"),
         help="wavelengths used to fit the fractal dimension",
     )
-    surface.add_argument("--out", type=output, help="file for the map: levelled, synthetic, or after the contact")
+    surface.add_argument("--out", type=output, help="file for the map: levelled, synthetic, or after the contact (.npz)")
     surface.add_argument("--figure", type=output, help="picture to draw")
     add_contact_arguments(surface, test=False, modulus=False)
     contact = surface.add_argument_group("contact of a ball (the first body) with the map (the second body)")
     contact.add_argument("--load", type=force, help="normal force in N (--force overwrites files)")
+    contact.add_argument("--cycles", type=whole(1, 1000), default=1, help="times that the load is applied (default 1)")
     contact.add_argument("--load-rtol", type=share, default=0.01, help="relative tolerance of the load (default 0.01)")
     contact.add_argument(
         "--plastic-factor", type=plain, help="c_h: fully plastic pressure over hardness (default: that of aluminium)"
@@ -255,37 +256,64 @@ def _synthetic(arguments):
 
 def _contact(arguments, name):
     from demlaws.regime import assess
-    from demlaws.solvers.contact import RoughContact
     from demlaws.surfaces.plausibility import resolution_doubts
 
-    heights = _levelled(arguments, name)
     if arguments.young is None:
         raise DemlawsError("--young and --poisson missing: give those of the ball and of the map's body")
-    contact = RoughContact(
-        heights,
-        contact_from(arguments, roughness=heights.sq),
-        arguments.poisson[-1],
-        arguments.plastic_factor,
-        arguments.plastic_ratio,
-    )
     if arguments.load is None and arguments.table is None:
         raise DemlawsError("--load missing: the load in N (or --table, for the law alone)")
-    if arguments.load is not None:
-        _warn(resolution_doubts(heights, contact.pair, arguments.load))
-        if contact.pair.hardness is not None:
-            print(assess(contact.pair, arguments.load))
-        step = contact.load(arguments.load, arguments.load_rtol)
-        print(step)
-        record(contact=contact.pair, force=arguments.load, text=str(step).splitlines(), micro_contacts=len(step.micro))
-        if arguments.csv is not None:
-            columns = (map(float, getattr(step.micro, name)) for name in MICRO_CONTACTS)
-            write_csv(arguments.csv, MICRO_CONTACTS, zip(*columns, strict=True))
-        if arguments.out is not None:
-            _write(arguments.out, contact.unload(step).heights)
-        draw(arguments.figure, lambda plots: plots.contact_figure(contact, step))
+    if arguments.out is not None and arguments.out.suffix.lower() != ".npz":
+        raise DemlawsError(
+            f"--out {arguments.out}: only an .npz file contains what the next contact needs, the pressures that were carried; "
+            "then `demlaws surface FILE.npz --form -1 --out FILE.asc` writes the heights alone"
+        )
+    contact = _rough_contact(arguments, name)
     if arguments.table is not None:
         _table(arguments, contact)
+    if arguments.load is None:
+        return 0
+    _warn(resolution_doubts(contact.heights, contact.pair, arguments.load))
+    if contact.pair.hardness is not None:
+        print(assess(contact.pair, arguments.load))
+    step, worn = _cycles(arguments, contact)
+    print(step)
+    record(contact=contact.pair, force=arguments.load, text=str(step).splitlines(), micro_contacts=len(step.micro))
+    if arguments.csv is not None:
+        columns = (map(float, getattr(step.micro, name)) for name in MICRO_CONTACTS)
+        write_csv(arguments.csv, MICRO_CONTACTS, zip(*columns, strict=True))
+    if arguments.out is not None:
+        print(worn.save(arguments.out))
+    draw(arguments.figure, lambda plots: plots.contact_figure(contact, step))
     return 0
+
+
+def _rough_contact(arguments, name):
+    """The contact of the ball with the map of a file, or the one that an earlier command left in it."""
+    from demlaws.solvers.contact import RoughContact, has_memory
+
+    material = arguments.poisson[-1], arguments.plastic_factor, arguments.plastic_ratio
+    if not has_memory(name):
+        heights = _levelled(arguments, name)
+        return RoughContact(heights, contact_from(arguments, roughness=heights.sq), *material)
+    for option in ("form", "crop", "despike", "pixel", "missing", "channel"):
+        if getattr(arguments, option) not in (None, False):
+            raise DemlawsError(f"--{option}: {name} is a map after a contact, which is continued as it is: leave it out")
+    return RoughContact.resume(name, contact_from(arguments, roughness=0.0), *material)
+
+
+def _cycles(arguments, contact):
+    """The step of the first loading of the command, and the contact after the last; prints how much each cycle changes."""
+    steps, changes = [], []
+    for _ in range(arguments.cycles):
+        steps.append(contact.load(arguments.load, arguments.load_rtol, steps[-1].overlap if steps else None))
+        worn = contact.unload(steps[-1])
+        changes.append(worn.change_from(contact))
+        contact = worn
+    record(cycles=[{"area": s.contact_area, "change": c} for s, c in zip(steps, changes, strict=True)])
+    for number, (step, change) in enumerate(zip(steps, changes, strict=True), 1):
+        share = f", {change / changes[0]:.2g} of the first" if number > 1 and changes[0] > 0.0 else ""
+        print(f"cycle {number}: area {step.contact_area * 1e12:.5g} µm², change of the map {change * 1e18:.4g} µm³{share}")
+    return steps[0], contact
 
 
 def _table(arguments, contact):

@@ -6,6 +6,7 @@ are blended between curves at radii 5 % apart; a few that differ otherwise get a
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -93,7 +94,7 @@ def _curve(pair, surface, reach, *, curve, force, max_force, **plasticity):
     rough = RoughContact(surface, pair, **plasticity)
     start = 0.0
     if curve == "reloading":
-        rough = rough.unload(rough.load(force, 1e-6))
+        rough = replace(rough.unload(rough.load(force, 1e-6)), before=None)  # elastic, also above `force`
         start = rough.origin - rough.highest
     overlap, force = sample(rough, start, max_force)
     length = _length(pair)
@@ -285,8 +286,10 @@ def _pairs(contact):
     return [contact.with_values(**dict(zip(names, map(float, row), strict=True))) for row in rows], alike
 
 
-def _limits(contact, max_force=None, **options):
+def _limits(contact, max_force=None, force=None, **options):
     limits = bulk_yield(contact)
+    if force is not None:
+        limits.append(Limit(0.0, force, "asperities yield again above the force of first loading"))
     if max_force is not None:
         limits.append(Limit(0.0, max_force, "the curve is extrapolated above max_force"))
     return limits

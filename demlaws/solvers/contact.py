@@ -8,16 +8,22 @@ the papers.
     contact = RoughContact(heights, pair, poisson=0.34)
     step = contact.load(0.2)                    # LoadStep: area, micro-contacts and their states
     worn = contact.unload(step)                 # RoughContact of the deformed map
+    worn.save("worn.npz")                       # RoughContact.resume reads it: the map and its memory
 """
 
+import io
 import math
-from dataclasses import dataclass, field
+import zipfile
+import zlib
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 
 from demlaws.contact import smooth_overlap
 from demlaws.core.numba_compat import kernel, loop
 from demlaws.errors import DemlawsError, MapWarning, warn
+from demlaws.files import as_path, write_atomically
 from demlaws.solvers.ellipsoid import (
     ALUMINIUM_FACTOR,
     ALUMINIUM_RATIO,
@@ -29,6 +35,7 @@ from demlaws.solvers.ellipsoid import (
     residual,
 )
 from demlaws.solvers.scan import AREA, EDGE, LIMIT, SPREAD, VOLUME, X0, Y0, X, Y, gather_patches, paraboloid, scan
+from demlaws.surfaces.heightmap import HeightMap
 from demlaws.surfaces.plausibility import field_doubts
 from demlaws.units import number
 
@@ -204,8 +211,12 @@ class RoughContact:
     are elastic. plastic_factor, plastic_ratio: c_h and c_A of the material; default: those of aluminium,
     with a ValidityWarning. memory: what unloading leaves in a pixel besides its height, an assumption that the papers do
     not name: "pressure" (how much blunter its patch is than its outline tells, and the pressure that it has carried, up to
+    not name: "pressure" (how much blunter its patch is than its outline tells, and the pressure that it has carried, up to
     which it stays elastic: work hardening, residual stress), "blunting" (the first alone), "none" (geometry alone). Only with
-    "pressure" does the same load change nothing the second time [our derivation].
+    "pressure" does the same load change nothing the second time, and does loading beyond the largest overlap so far continue
+    the curve of first loading [our derivation]: there every patch is wider than the area that it has carried, so that its
+    memory ends, and the map is `before`, that of the contact before it was unloaded from the overlap `reached`. At another
+    place of the map, or for another pair, what pixels remember stays alone.
     """
 
     heights: object
@@ -219,6 +230,8 @@ class RoughContact:
     spread: np.ndarray | None = field(default=None, repr=False)
     limit: np.ndarray | None = field(default=None, repr=False)
     origin: float | None = None
+    before: "RoughContact | None" = field(default=None, repr=False)
+    reached: float = -math.inf
 
     def __post_init__(self):
         if self.pair.size is not None:
@@ -243,6 +256,8 @@ class RoughContact:
             self.centre = (0.5 * (columns - 1) * px, 0.5 * (rows - 1) * py)
         x, y = np.arange(columns) * px - self.centre[0], np.arange(rows)[:, None] * py - self.centre[1]
         self.gap = self.heights.heights - (0.0 if self.flat else (x * x + y * y) / (2.0 * self.pair.radius))
+        if self.before is not None and not (self.memory == "pressure" and self._numbers() == self.before._numbers()):
+            self.before, self.reached = None, -math.inf
         self.highest = float(np.nanmax(self.gap))
         if self.origin is None:
             self.origin = self.highest  # where a virgin surface first touches; overlaps count from here
@@ -266,6 +281,16 @@ class RoughContact:
             self._parent, self._stats = np.zeros(size, np.int32), np.zeros((size, 12))
         return gather_patches(self._parent, self._stats, count)
 
+    def _numbers(self):
+        """Numbers of the pair, its place and its material: those for which `before` counts."""
+        hardness = math.inf if self.pair.hardness is None else self.pair.hardness
+        values = (self.pair.radius, self.pair.modulus, hardness, self.poisson, self.plastic_factor, self.plastic_ratio)
+        return (*values, float(self.flat), *self.centre)
+
+    def _is_past(self, overlap):
+        """Whether an overlap lies beyond all that the surface has carried."""
+        return self.before is not None and overlap > self.reached
+
     def _whole(self):
         return np.array([0, self.gap.shape[0] - 1, 0, self.gap.shape[1] - 1])
 
@@ -274,12 +299,16 @@ class RoughContact:
         return self._force(self.origin - overlap, self._whole())
 
     def _force(self, cut, window):
+        if self._is_past(self.origin - cut):
+            return self.before._force(cut, window)
         patches = self._patches(cut, window)
         px, py = self.heights.pixel_x, self.heights.pixel_y
         return _carry(self.material, self._stats, patches, px, py, self.spread is not None)
 
     def at(self, overlap, labels=None, evaluations=1):
         """The `LoadStep` at a given overlap [m] since first touch of the virgin surface."""
+        if self._is_past(overlap):
+            return self.before.at(overlap, labels, evaluations)
         cut = self.origin - overlap
         window = self._whole()
         patches = self._patches(cut, window, labels)
@@ -312,7 +341,8 @@ class RoughContact:
         """
         base = self.origin - self.highest  # below this overlap nothing touches (a worn surface)
         scale = max(self.heights.sq, 1e-15 * abs(self.highest), 1e-300)
-        if guess is None or guess <= base:
+        guess = self.reached if guess is None else guess  # the load of the last cycle is met at once
+        if guess <= base:
             hertz = 0.0 if self.flat else smooth_overlap(self.pair, load)
             guess = base + max(hertz, 0.5 * scale)
         deepest = None
@@ -400,6 +430,8 @@ class RoughContact:
         A plastic patch of indentation ω keeps ω' = 3P γ̄^1.5/(4√2 E* √g), g = A γ̄/(2π ᾱβ̄): the height of the ellipsoid that
         carries the same force elastically over the same area A [our derivation].
         """
+        if self._is_past(step.overlap):
+            return self.before.unload(step)
         labels = np.zeros(self.gap.shape, np.int32)
         _, table = self.at(step.overlap, labels=labels)
         heights = self.heights.heights.copy()
@@ -423,4 +455,63 @@ class RoughContact:
             spread,
             limit,
             self.origin,
+            self if self.before is None else self.before,
+            max(self.reached, step.overlap),
         )
+
+    def change_from(self, earlier):
+        """Volume ∫|Δz| [m³] by which the map differs from that of an earlier contact."""
+        change = np.abs(self.heights.heights - earlier.heights.heights)
+        return float(np.nansum(change)) * self.heights.pixel_x * self.heights.pixel_y
+
+    def save(self, path):
+        """Write the map and its memory to an .npz file, which `resume` and `demlaws surface contact` continue."""
+        path = as_path(path)
+        if path.suffix.lower() != ".npz":
+            raise DemlawsError(f"cannot write {path}: the memory of a contact needs a file with the suffix .npz")
+        heights = self.heights
+        arrays = {"heights": heights.heights, "pixel": (heights.pixel_x, heights.pixel_y), "contact": self._numbers()}
+        arrays |= {"origin": self.origin, "reached": self.reached, "memory": self.memory}
+        arrays |= {name: getattr(self, name) for name in ("spread", "limit") if getattr(self, name) is not None}
+        if self.before is not None:
+            arrays["before"] = self.before.heights.heights
+            earlier = {f"before_{name}": getattr(self.before, name) for name in ("spread", "limit")}
+            arrays |= {name: array for name, array in earlier.items() if array is not None}
+        buffer = io.BytesIO()
+        np.savez_compressed(buffer, **arrays)
+        return write_atomically(path, buffer.getvalue())
+
+    @classmethod
+    def resume(cls, path, pair, poisson=0.3, plastic_factor=None, plastic_ratio=None):
+        """The contact that `save` wrote; DemlawsError if it is that of another pair or material.
+
+        The roughness of the pair becomes that of the map before the contact.
+        """
+        try:
+            with np.load(as_path(path), allow_pickle=False) as content:
+                arrays = {name: content[name] for name in content.files}
+            *numbers, flat, x, y = arrays["contact"].tolist()
+            heights = HeightMap(arrays["heights"], *arrays["pixel"].tolist())
+            whole = {"origin": float(arrays["origin"]), "memory": str(arrays["memory"]), "flat": bool(flat), "centre": (x, y)}
+        except (KeyError, TypeError, ValueError, OSError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+            raise DemlawsError(f"{path} is not a map with the memory of a contact: {error}") from None
+        pair = pair.with_values(roughness=float(np.nanstd(arrays.get("before", arrays["heights"]))))
+        contact = cls(heights, pair, poisson, plastic_factor, plastic_ratio, **whole)
+        names = "effective radius", "E*", "hardness", "Poisson's ratio", "plastic_factor", "plastic_ratio"
+        for name, old, new in zip(names, numbers, contact._numbers(), strict=False):
+            if not math.isclose(old, new, rel_tol=1e-6):
+                raise DemlawsError(f"{path} was pressed with {name} = {old:g}, now it is {new:g} (SI): give the same contact")
+        memory = {name: arrays.get(name) for name in ("spread", "limit")}
+        if "before" in arrays:
+            earlier = {name: arrays.get(f"before_{name}") for name in memory}
+            before = replace(contact, heights=heights.with_heights(arrays["before"]), **earlier)
+            memory |= {"before": before, "reached": float(arrays["reached"])}
+        return replace(contact, **memory)
+
+
+def has_memory(path):
+    """Whether a file is that of a contact with its memory (`RoughContact.save`)."""
+    if Path(path).suffix.lower() != ".npz" or not zipfile.is_zipfile(path):
+        return False
+    with zipfile.ZipFile(path) as content:
+        return "contact.npy" in content.namelist()

@@ -8,7 +8,7 @@ from demlaws.cli.output import output
 from demlaws.errors import quiet
 from demlaws.granite.command import print_claims
 from studies.jamari.claims import jamari_claims
-from studies.jamari.cycles import press
+from studies.jamari.cycles import press, print_memories
 from studies.jamari.figure import regime_map
 from studies.jamari.published import LOAD, published_contact, published_ratios, swaps
 
@@ -22,11 +22,13 @@ def parser():
         **example(
             "  python -m studies.jamari --figure regime.png\n"
             "  python -m studies.jamari --claims\n"
-            "  python -m studies.jamari --repeat isotropic --figure repeated.png"
+            "  python -m studies.jamari --repeat isotropic --figure repeated.png\n"
+            "  python -m studies.jamari --memory"
         ),
     )
     parser.add_argument("--claims", action="store_true", help="what the papers of 2006 and 2008 say, and the verdicts")
     parser.add_argument("--repeat", choices=("isotropic", "anisotropic"), help="press on this surface of 2008 20 times")
+    parser.add_argument("--memory", action="store_true", help="change in cycle 2 of ten maps, by what a pixel remembers")
     parser.add_argument("--figure", type=output, help="picture to draw: of the tests, or of --repeat")
     parser.set_defaults(func=run)
     return parser
@@ -39,6 +41,9 @@ def run(arguments):
             print_claims(list(jamari_claims()))
     if arguments.repeat:
         press(published_contact(arguments.repeat), LOAD, arguments.figure, arguments.repeat)
+    elif arguments.memory:
+        with quiet():
+            print_memories()
     elif not arguments.claims:
         print_tests()
         if arguments.figure is not None:

@@ -4,7 +4,7 @@ import math
 
 from demlaws import regime
 from demlaws.granite.claims import BUILT_IN, NOT_REPRODUCED, REPRODUCED, Claim
-from studies.jamari.published import LOAD, PRINTED_RATIOS, published_contact, published_ratios, swaps
+from studies.jamari.published import PRINTED_RATIOS, published_ratios, swaps
 
 
 def verdict(holds):
@@ -57,24 +57,21 @@ def jamari_claims():
 
 def _repeated():
     from demlaws.solvers.contact import MEMORIES
-    from studies.jamari.cycles import repeat
+    from studies.jamari.cycles import MAPS, second_changes
 
-    change = {}
-    for memory in MEMORIES:
-        history = repeat(published_contact("isotropic", memory=memory), LOAD, cycles=2, keep=())
-        change[memory] = history[1].relative_change
-    text = ", ".join(f"{name} {100 * value:.3g} %" for name, value in change.items())
+    change = {memory: second_changes(memory) for memory in MEMORIES}
+    text = ", ".join(f"{name} {100 * min(values):.3g} to {100 * max(values):.3g} %" for name, values in change.items())
     yield Claim(
         "2008, repeated contact",
         "in the second cycle there is no change, and the change of the geometry is the only factor",
-        f"cycle 2 changes the map by (of cycle 1's change), by what a pixel remembers: {text}",
-        verdict(change["none"] < 0.01),
-        "geometry alone changes the map by less than 1 % in cycle 2",
+        f"cycle 2 changes {MAPS} maps by (of cycle 1's change), by what a pixel remembers: {text}",
+        verdict(max(change["none"]) < 0.01),
+        "geometry alone changes each map by less than 1 % in cycle 2",
     )
     yield Claim(
         "2008, repeated contact",
         "the profiles of cycles 1, 2, 3, 10 and 20 are almost the same",
-        f"with the memory of the pressure carried cycle 2 changes {100 * change['pressure']:.2g} %",
+        f"with the memory of the pressure carried cycle 2 changes at most {100 * max(change['pressure']):.2g} %",
         BUILT_IN,
         "the memory is made for it",
     )

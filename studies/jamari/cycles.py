@@ -1,6 +1,7 @@
 """The same load again and again on one map: `repeat`, when the map has run in, and its figure."""
 
 import dataclasses
+import functools
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +10,7 @@ from demlaws import plots, regime
 from demlaws.plots import figure
 from demlaws.plots.surface import MICRO, circle, ellipses, show
 from demlaws.solvers.contact import MEMORIES, REMEMBERED, LoadStep, RoughContact
+from studies.jamari.published import LOAD, published_contact
 
 
 class Cycle(NamedTuple):
@@ -34,18 +36,37 @@ def repeat(contact, load, cycles=20, tolerance=1e-4, keep=SHOWN):
     """
     history = []
     first = None
-    pixel = contact.heights.pixel_x * contact.heights.pixel_y
     for n in range(1, cycles + 1):
         # starting where the last cycle ended, a map that has run in meets the load at once
         step = contact.load(load, tolerance, guess=history[-1].step.overlap if history else None)
         worn = contact.unload(step)
-        change = float(np.nansum(np.abs(worn.heights.heights - contact.heights.heights))) * pixel
+        change = worn.change_from(contact)
         first = change if first is None else first
         relative = change / first if first > 0 else 0.0
         worn._warned = contact._warned
         history.append(Cycle(n, step, worn if n in keep else None, change, relative))
         contact = worn
     return history
+
+
+MAPS = 10
+"""Synthetic maps of one statistics, over which ranges are given."""
+
+
+@functools.cache
+def second_changes(memory):
+    """Change of each of `MAPS` isotropic maps in cycle 2 over that in cycle 1, by what a pixel remembers."""
+    contacts = (published_contact("isotropic", seed=seed, memory=memory) for seed in range(MAPS))
+    return tuple(repeat(contact, LOAD, cycles=2, keep=())[1].relative_change for contact in contacts)
+
+
+def print_memories():
+    """Print the lowest, median and highest change of ten maps for each memory."""
+    print(f"change of {MAPS} isotropic maps in cycle 2, of that in cycle 1 (%)")
+    print(f"{'memory':10} {'lowest':>9} {'median':>9} {'highest':>9}")
+    for memory in MEMORIES:
+        change = 100.0 * np.array(second_changes(memory))
+        print(f"{memory:10} {change.min():9.3g} {np.median(change):9.3g} {change.max():9.3g}")
 
 
 def run_in_cycle(history):
