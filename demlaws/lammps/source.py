@@ -48,7 +48,7 @@ def source(folder):
     head = f"// The models of demlaws {demlaws.__version__}, written by `demlaws lammps source`. Licence: GPL-2.0-or-later."
     texts = {name: (OWN / name).read_text() for name in COPIED}
     texts[MODELS] = "\n".join([head, *inlined("granular_models.h", FOLDERS, COPIED)]) + "\n"
-    files = write_sources(folder, texts)
+    files = write_sources(folder, texts, "granular_model.h")
     register = Path(folder) / REGISTER
     missing = register.is_file() and "gran_sub_mod_demlaws.h" not in register.read_text()
     return Written(files, register if missing else None)

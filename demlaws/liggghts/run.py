@@ -70,6 +70,10 @@ def versions():
 class _Liggghts(Engine):
     name, begins, pair_time = "LIGGGHTS", "Memory usage", r"Pair +time \(%\) = (\S+)"
 
+    def prefix(self, plugin):
+        """Without the plugin LIGGGHTS's error would be lost: it is buffered where the output goes to a pipe."""
+        return ["stdbuf", "-oL"] if not plugin and shutil.which("stdbuf") else []
+
     def start(self, ranks, plugin, portable):
         environment, loading = dict(os.environ), {}
         if plugin and not built_in():

@@ -28,4 +28,4 @@ def source(folder):
     """
     head = f"// The models of demlaws {demlaws.__version__}, written by `demlaws liggghts source`. Licence: GPL-2.0-or-later."
     text = "\n".join([head, *inlined(NAME, (PLUGIN.sources, SHARED))]) + "\n"
-    return Written(*write_sources(folder, {NAME: text}))
+    return Written(*write_sources(folder, {NAME: text}, "normal_model_hertz.h"))

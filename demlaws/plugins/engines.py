@@ -14,6 +14,7 @@ import shutil
 import signal
 import subprocess
 import tempfile
+import threading
 from pathlib import Path
 
 import demlaws
@@ -41,11 +42,15 @@ def inlined(name, folders, kept=(), seen=None):
             yield from inlined(inner, folders, kept, seen)
 
 
-def write_sources(folder, texts):
-    """Write {name: text} into `folder` and return the paths; a file that has its text stays untouched: no build repeats it."""
+def write_sources(folder, texts, beside):
+    """Write {name: text} into `folder` and return the paths; a file that has its text stays untouched: no build repeats it.
+
+    beside: a file of the engine's sources by which their folder is known.
+    """
     folder = Path(folder)
+    if not (folder / beside).is_file():
+        raise DemlawsError(f"{folder} has no {beside}: name the folder of the engine's sources that does")
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         for name, text in texts.items():
             file = folder / name
             if not file.is_file() or file.read_text() != text:
@@ -255,6 +260,10 @@ class Engine:
         """(program, environment, variables of the ranks that load the plugin, mpiexec of the program's own or None)."""
         raise NotImplementedError
 
+    def prefix(self, plugin):
+        """Words before the program."""
+        return []
+
     def column(self, word):
         """Name of a thermo column."""
         return word
@@ -268,7 +277,7 @@ class Engine:
         if ranks < 1:
             raise DemlawsError(f"ranks = {ranks}: at least 1")
         program, environment, loading, mpiexec = self.start(ranks, plugin, portable)
-        line = [str(program), "-in", str(script), "-log", str(log or self.log)]
+        line = [*self.prefix(plugin), str(program), "-in", str(script), "-log", str(log or self.log)]
         for name, value in (variables or {}).items():
             line += ["-var", name, *(map(str, value) if isinstance(value, (list, tuple)) else [str(value)])]
         line += map(str, arguments)
@@ -365,9 +374,12 @@ class Engine:
 def _run(command, folder, environment, echo=False, timeout=None):
     """(exit status, lines of output) of a command in `folder`; echo: shown as they come. What stops us stops it, too."""
     lines = []
-    with subprocess.Popen(
-        command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
-    ) as process:
+    with (
+        _stopped_by_signals(),
+        subprocess.Popen(
+            command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
+        ) as process,
+    ):
         try:
             if echo:
                 for text in process.stdout:
@@ -377,9 +389,29 @@ def _run(command, folder, environment, echo=False, timeout=None):
             else:
                 lines = process.communicate(timeout=timeout)[0].splitlines(keepends=True)
         except BaseException:
-            process.kill()
+            process.terminate()  # mpiexec ends its ranks then; killed, it would leave them
+            try:
+                process.wait(timeout=10)
+            except subprocess.TimeoutExpired:
+                process.kill()
             raise
     return process.returncode, lines
+
+
+@contextlib.contextmanager
+def _stopped_by_signals():
+    """SIGTERM and SIGHUP, which would end Python at once and leave the engine at work, raise SystemExit."""
+
+    def stop(number, frame):
+        raise SystemExit(128 + number)
+
+    numbers = [signal.SIGTERM, signal.SIGHUP] if threading.current_thread() is threading.main_thread() else []
+    before = {number: signal.signal(number, stop) for number in numbers if signal.getsignal(number) is signal.SIG_DFL}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _stamp(path):

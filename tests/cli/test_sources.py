@@ -8,6 +8,14 @@ from demlaws.errors import DemlawsError
 from demlaws.lammps.source import REGISTER, ROWS
 
 ENGINES = {"lammps": lm, "liggghts": lg}
+BESIDE = {"lammps": "granular_model.h", "liggghts": "normal_model_hertz.h"}
+
+
+@pytest.fixture
+def folder(engine, tmp_path):
+    """One with a file of the engine's own, by which it is known."""
+    (tmp_path / BESIDE[engine]).write_text("")
+    return tmp_path
 
 
 def written(engine, folder):
@@ -16,8 +24,8 @@ def written(engine, folder):
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_sources_need_no_other_file_of_demlaws_and_are_written_once(engine, tmp_path):
-    files = written(engine, tmp_path / "src")
+def test_sources_need_no_other_file_of_demlaws_and_are_written_once(engine, folder):
+    files = written(engine, folder)
     stamps = {file: file.stat().st_mtime_ns for file in files}
     names = {file.name for file in files}
     for file in files:
@@ -26,26 +34,39 @@ def test_sources_need_no_other_file_of_demlaws_and_are_written_once(engine, tmp_
         assert {name for name in included if "demlaws" in name} <= names
         guards = [line for line in lines if line.startswith("#ifndef DEMLAWS_")]
         assert len(guards) == len(set(guards))
-    assert written(engine, tmp_path / "src") == files
+    assert written(engine, folder) == files
     assert stamps == {file: file.stat().st_mtime_ns for file in files}
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_a_folder_that_cannot_be_written_is_one_error(engine, tmp_path):
-    (tmp_path / "src").write_text("a file")
+def test_a_folder_of_something_else_is_left_alone(engine, tmp_path):
+    (tmp_path / "file").write_text("a file")
+    for place in (tmp_path / "file", tmp_path, tmp_path / "absent"):
+        with pytest.raises(DemlawsError, match=f"has no {BESIDE[engine]}"):
+            written(engine, place)
+    assert [file.name for file in tmp_path.iterdir()] == ["file"]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_file_that_cannot_be_written_is_one_error(engine, folder):
+    name = written(engine, folder)[0]
+    name.unlink()
+    name.mkdir()
     with pytest.raises(DemlawsError, match="cannot write to"):
-        written(engine, tmp_path / "src")
+        written(engine, folder)
 
 
-def test_liggghts_combines_no_model_of_ours_with_its_own(tmp_path):
+@pytest.mark.parametrize("engine", ["liggghts"])
+def test_liggghts_combines_no_model_of_ours_with_its_own(folder):
     """Its Make.sh reads the headers *_model_*.h."""
-    assert not [file for file in written("liggghts", tmp_path) if file.suffix == ".h"]
+    assert not [file for file in written("liggghts", folder) if file.suffix == ".h"]
 
 
-def test_a_lammps_with_a_register_needs_rows(tmp_path):
-    register = tmp_path / REGISTER
+@pytest.mark.parametrize("engine", ["lammps"])
+def test_a_lammps_with_a_register_needs_rows(folder):
+    register = folder / REGISTER
     register.write_text("gran_sub_mod_table[] = {")
-    written = lm.source(tmp_path)
+    written = lm.source(folder)
     assert written.register == register and ROWS.rstrip() in str(written)
     register.write_text(ROWS)
-    assert lm.source(tmp_path).register is None
+    assert lm.source(folder).register is None

@@ -1,9 +1,12 @@
 """build, run, export and the command line: what LIGGGHTS and LAMMPS share, in both."""
 
+import contextlib
 import os
 import shutil
+import signal
 import subprocess
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -11,7 +14,7 @@ import numpy as np
 import pytest
 from examples import shared
 from inputs import GRANITE, HOME, ROUGH, part
-from spheres import ENGINES, both
+from spheres import ENGINES, both, save_law, spheres
 
 import demlaws as dl
 from demlaws import cli
@@ -395,6 +398,56 @@ def test_import_needs_no_engine_no_numpy_and_no_numba(engine, tmp_path):
     (tmp_path / "in.case").write_text("")
     out = subprocess.run([sys.executable, "-c", code], env=environment, cwd=tmp_path, capture_output=True, text=True)
     assert out.stdout.startswith("[]\n") and "install" in out.stdout, out.stderr
+
+
+def descendants(process):
+    """Processes that a process has started, and theirs."""
+    parents = {}
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            state, parent = path.read_text().rpartition(")")[2].split()[:2]
+            parents[int(path.parent.name)] = int(parent) if state != "Z" else 0
+    found = {process}
+    while more := {child for child, parent in parents.items() if parent in found} - found:
+        found |= more
+    return found - {process}
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@both
+def test_a_signal_ends_the_ranks(engine, tmp_path, number):
+    """They went on: Python ended at once, or killed mpiexec, which then could not end them."""
+    save_law(tmp_path, "hertz elastic")
+    text = spheres(engine, "", [(0.0, 0, 2000000000)], ranks=2, every=1000)
+    (tmp_path / "in.case").write_text(text)
+    line = [sys.executable, "-m", "demlaws", engine, "run", "in.case", "-np", "2"]
+    environment = {**os.environ, "PYTHONPATH": HOME}
+    with subprocess.Popen(line, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, text=True) as process:
+        for row in process.stdout:
+            if row.split()[:1] == ["1000"]:
+                break
+        ranks = descendants(process.pid)
+        assert len(ranks) >= 2
+        process.send_signal(number)
+        process.stdout.read()
+        assert process.wait(timeout=120) == (130 if number == signal.SIGINT else 128 + number)
+    for _ in range(200):
+        left = [rank for rank in ranks if Path(f"/proc/{rank}").exists()]
+        if not left:
+            return
+        time.sleep(0.1)
+    for rank in left:
+        os.kill(rank, signal.SIGKILL)
+    raise AssertionError(f"{len(left)} of {len(ranks)} processes went on")
+
+
+@both
+def test_the_engines_own_error_is_shown_without_the_plugin(engine, run, tmp_path):
+    """LIGGGHTS's was lost in a buffer."""
+    (tmp_path / "in.case").write_text("units si\nregion box block 0 1 0 1 0 nonsense units box\n")
+    with pytest.raises(EngineStopped, match="ERROR") as caught:
+        run(tmp_path / "in.case", plugin=False)
+    assert "MPI_ABORT" not in str(caught.value)
 
 
 @both
