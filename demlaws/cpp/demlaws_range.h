@@ -30,6 +30,7 @@ struct Count {
 struct Counts {
   Count of[EXCESSES];
   std::set<std::string> reported, reasons[EXCESSES];
+  const std::string *latest[EXCESSES] = {}; // reason that was counted last: most steps of a run have the same one
   // Lines for the end of a run, from the sums over all ranks; the counts begin again.
   template <class RANKS> std::vector<std::string> summaries(const RANKS &ranks) {
     std::vector<std::string> lines;
@@ -101,7 +102,13 @@ public:
       sum.first = body(0);
       sum.second = body(1);
     }
+    if (counts_.latest[excess] == &reason) return false;
+    counts_.latest[excess] = &reason;
     return counts_.reasons[excess].insert(reason).second;
+  }
+  bool counts(Excess excess, double factor) {
+    static const std::string no_reason;
+    return counts(excess, factor, no_reason);
   }
   virtual long body(int which) const = 0; // number of the first or second particle, -1: a wall
   virtual void warn(const std::string &text) = 0;
@@ -169,11 +176,11 @@ private:
     if (ratio > SMALL_OVERLAP * (1. + 1e-9)) {
       const bool refused = ratio > LARGEST_OVERLAP && !extrapolates;
       if (refused) findings.refuse(too_deep(pair, radius, overlap) + "; " + remedy(starts) + ", or 'extrapolation on'");
-      if (findings.counts(DEEP, ratio / SMALL_OVERLAP, "")) findings.warn(too_deep(pair, radius, overlap));
+      if (findings.counts(DEEP, ratio / SMALL_OVERLAP)) findings.warn(too_deep(pair, radius, overlap));
     }
     if (!now.outside) return;
     const double last = pair.table->last_overlap() * pair.length_of(radius);
-    if (extrapolates && !findings.counts(BEYOND, overlap / last, "")) return;
+    if (extrapolates && !findings.counts(BEYOND, overlap / last)) return;
     std::ostringstream what;
     what << "overlap " << overlap / pair.metre << " m is beyond the last row of " << pair.table->path() << ", "
          << last / pair.metre << " m";
@@ -211,7 +218,7 @@ private:
          << radius / pair.metre << " m, above " << limit
          << ": the laws assume a roughness far below the radius; did you mean µm (1 µm = 1e-6 m)?";
     if (ratio > LARGEST_ROUGHNESS) findings.refuse(what.str());
-    if (findings.counts(ROUGH, ratio / LARGE_ROUGHNESS, "")) findings.warn(what.str());
+    if (findings.counts(ROUGH, ratio / LARGE_ROUGHNESS)) findings.warn(what.str());
   }
   // Central pressure over hardness: Hertz's p0 times 1 - exp(-2/(3 alpha^0.6)), alpha = sigma over Hertz's overlap.
   double pressure(const Pair &pair, double radius, double force) const {
