@@ -115,7 +115,7 @@ class Check(NamedTuple):
 
 def checks():
     """Name → `Check`."""
-    from demlaws.granite.claims import BUILT_IN, NOT_REPRODUCED, REPRODUCED, UNDECIDED
+    from demlaws.granite.verdicts import BUILT_IN, NOT_REPRODUCED, REPRODUCED, UNDECIDED
 
     verdicts = {"reproduced": REPRODUCED, "not-reproduced": NOT_REPRODUCED, "built-in": BUILT_IN, "undecided": UNDECIDED}
     papers = (("claims", _granite, "demlaws granite"), ("jamari", _jamari, "python -m studies.jamari --claims"))

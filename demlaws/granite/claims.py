@@ -1,76 +1,14 @@
-"""Statements of the papers compared with the laws that ran: four verdicts, and the numbers behind each.
-
-A sentence about measured data could be decided by measured points alone, which are not public; a sentence that a rule or a
-chosen parameter makes true is built in, and says nothing for or against the law. Criteria are those of a reader of the paper's
-text and figures: "around" is within 10 %, similar lines of a double logarithmic figure are within a tenth of a decade.
-"""
+"""Statements of Altuhafi, Baudet & Coop 2023 compared with the laws that ran, and what FC5's uncertain inputs do."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
 
 from demlaws import granite
 from demlaws.errors import quiet
-from demlaws.granite import MODULI, ROUGH_SPHERES, bind, displacement_gained, find_test, run_test, stiffness_at
+from demlaws.granite import MODULI, ROUGH_SPHERES, cone_claims, displacement_gained, find_test, sphere_claims, stiffness_at
+from demlaws.granite.verdicts import Bench
 from demlaws.laws import POHRT_POPOV
 from demlaws.make import law
-
-REPRODUCED, NOT_REPRODUCED = "reproduced", "not reproduced"
-UNDECIDED, BUILT_IN = "cannot be decided without measured points", "built in"
-AROUND = 0.1
-"""Relative difference from a number that the paper calls "around" or "about"."""
-SIMILAR = 10.0**0.1
-"""Ratio of two stiffnesses whose lines in a double logarithmic figure are a tenth of a decade apart."""
-
-
-class Claim(NamedTuple):
-    """One sentence of a paper, what the run gives, and the verdict."""
-
-    test: str
-    claim: str
-    gives: str
-    verdict: str
-    criterion: str = ""  # of the verdict: when the claim counts as reproduced, or why it is built in or cannot be decided
-    other_gives: str = ""  # with E* = 40.4 GPa, which the printed numbers fit; "": the same
-    other_verdict: str = ""
-
-
-class Bench:
-    """The tests with one E*, and laws and runs on them, each made once."""
-
-    def __init__(self, modulus="text"):
-        self.modulus, self._laws, self._runs = modulus, {}, {}
-
-    def test(self, name):
-        """A test."""
-        return find_test(name, self.modulus)
-
-    def __call__(self, name, test):
-        """A law on a test of this name."""
-        if (name, test) not in self._laws:
-            self._laws[name, test] = bind(name, self.test(test))
-        return self._laws[name, test]
-
-    def run(self, name, test):
-        """A law through the stages of a test of this name."""
-        if (name, test) not in self._runs:
-            self._runs[name, test] = run_test(name, self.test(test))[0]
-        return self._runs[name, test]
-
-
-def verdict_of(holds):
-    """REPRODUCED or NOT_REPRODUCED."""
-    return REPRODUCED if holds else NOT_REPRODUCED
-
-
-def around(value, printed):
-    """Whether a value is within AROUND of a printed number."""
-    return abs(value / printed - 1.0) <= AROUND
-
-
-def open_claim(test, claim, gives, *tests, why="it is about measured points"):
-    """A claim about measured points of these tests."""
-    missing = f"no points of {', '.join(tests)}"
-    return Claim(test, claim, "; ".join(filter(None, (gives, missing))), UNDECIDED, why)
 
 
 def granite_claims(tests: Iterable[str] | None = None):
@@ -78,12 +16,10 @@ def granite_claims(tests: Iterable[str] | None = None):
 
     The verdict is that with E* of the paper's text; `other_gives` and `other_verdict` are those with E/(2(1 - ν)).
     """
-    from demlaws.granite.cone_claims import GROUPS as CONES
-    from demlaws.granite.sphere_claims import GROUPS as SPHERES
-
     with quiet():
         by_text, by_figures = (
-            [claim for group in (*SPHERES, *CONES) for claim in group(bench)] for bench in map(Bench, MODULI)
+            [claim for group in (*sphere_claims.GROUPS, *cone_claims.GROUPS) for claim in group(bench)]
+            for bench in map(Bench, MODULI)
         )
     claims = [
         one if one[:4] == other[:4] else one._replace(other_gives=other.gives, other_verdict=other.verdict)

@@ -17,7 +17,7 @@ from demlaws.granite import (
     stages_of,
     stiffness_at,
 )
-from demlaws.granite.claims import BUILT_IN, Claim, around, open_claim, verdict_of
+from demlaws.granite.verdicts import BUILT_IN, Claim, around, open_claim, verdict_of
 from demlaws.laws import HERTZ, POHRT_POPOV, RMS, ROUGH_PLASTIC
 
 LINEAR = 0.98

@@ -4,7 +4,7 @@ import numpy as np
 
 from demlaws import granite, regime
 from demlaws.granite import MICRO, MODULI, ROUGH_SPHERES, displacement_gained, hertz_stiffness, stiffness_at
-from demlaws.granite.claims import AROUND, BUILT_IN, SIMILAR, Claim, around, open_claim, verdict_of
+from demlaws.granite.verdicts import AROUND, BUILT_IN, SIMILAR, Claim, around, open_claim, verdict_of
 from demlaws.laws import GODDARD, GREENWOOD_TRIPP, HERTZ, POHRT_POPOV, RMS, YIP_VENART
 from demlaws.laws.greenwood_tripp import MU
 from demlaws.make import law

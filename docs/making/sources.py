@@ -43,6 +43,8 @@ STORED = {
 
 MEASURED = {
     "validation/asperity.png": "python docs/making/measured.py report",
+    "validation/cones.png": "python docs/making/measured.py claims",
+    "validation/crossover-ss-18-18.png": "python docs/making/measured.py claims",
     "validation/deviations.png": "python docs/making/measured.py report",
     "tables/case-ballast.csv": "python -m studies.cases ballast --rows docs/tables/case-ballast.csv",
     "tables/case-compression.csv": "python -m studies.cases compression --rows docs/tables/case-compression.csv",

@@ -3,7 +3,7 @@
 import math
 
 from demlaws import regime
-from demlaws.granite.claims import BUILT_IN, NOT_REPRODUCED, REPRODUCED, Claim
+from demlaws.granite.verdicts import BUILT_IN, NOT_REPRODUCED, REPRODUCED, Claim
 from studies.jamari.published import PRINTED_RATIOS, published_ratios, swaps
 
 

@@ -9,7 +9,7 @@ import demlaws as dl
 from demlaws import granite
 from demlaws.cli import main
 from demlaws.granite import claims
-from demlaws.granite.claims import BUILT_IN, NOT_REPRODUCED, REPRODUCED, UNDECIDED
+from demlaws.granite.verdicts import BUILT_IN, NOT_REPRODUCED, REPRODUCED, UNDECIDED
 from studies.jamari.claims import jamari_claims
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
