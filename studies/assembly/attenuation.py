@@ -24,6 +24,7 @@ from demlaws.laws import HERTZ, POHRT_POPOV
 from studies.assembly.report import spread
 from studies.assembly.stiffness import moduli
 from studies.assembly.study import BEADS, HERE, START, STORE, Series, append, begin, read, smooth
+from studies.paired import interval, pooled
 from studies.trade.liggghts_oedometer import data_text
 
 RESULTS = HERE / "attenuation.csv"
@@ -273,8 +274,8 @@ def run_waves(path=RESULTS, store=STORE, seeds=2, progress=print):
             progress(f"{kind} {' '.join(map(str, model))}")
 
 
-def exponent(lines):
-    """Exponents over pressure of α at one frequency (cycle) or of one pulse: mean and standard deviation of the packings.
+def exponents(lines):
+    """Exponents over pressure of α at one frequency (cycle) or of one pulse, of each packing.
 
     NaN: the loop of a cycle is too narrow to be measured.
     """
@@ -284,7 +285,24 @@ def exponent(lines):
         alpha = [line["share"] / (line["speed"] if line["kind"] == "cycle" else 1.0) for line in chosen]
         pressures = np.log([line["kPa"] for line in chosen])
         found.append(np.polyfit(pressures, np.log(alpha), 1)[0] if min(alpha) > 0.0 else np.nan)
-    return spread(found)
+    return found
+
+
+def exponent(lines):
+    """Mean and standard deviation of `exponents`."""
+    return spread(exponents(lines))
+
+
+def intervals(found):
+    """Wave → `Estimate` of its exponent, with the scatter of packings pooled over the waves of its motion and amplitude.
+
+    found: wave (values of WAVE) → its rows. With two packings a wave, its own scatter has one degree of freedom.
+    """
+    values = {wave: exponents(lines) for wave, lines in found.items() if wave[0] not in SETTINGS}
+    values = {wave: some for wave, some in values.items() if not np.isnan(some).any()}
+    alike = {wave: (wave[0], wave[-1]) for wave in values}
+    scatter = {key: pooled(values[wave] for wave in values if alike[wave] == key) for key in set(alike.values())}
+    return {wave: interval(some, *scatter[alike[wave]]) for wave, some in values.items()}
 
 
 WAVE = ("kind", "law", "sigma_um", "shear", "rule", "axis", "amplitude")
@@ -295,15 +313,27 @@ def table(path=RESULTS):
     found, pressures = {}, [1e-3 * pressure for pressure in PRESSURES]
     for row in sorted(read(path), key=lambda row: (row["kind"] in SETTINGS, row["kind"])):
         found.setdefault(tuple(row[name] for name in WAVE), []).append(row)
-    heads = ["motion", *WAVE[1:5], "wave", "amplitude", "seeds", *(f"share, {p:g} kPa" for p in pressures), "exponent", "steps"]
-    lines = []
+    heads = [
+        "motion",
+        *WAVE[1:5],
+        "wave",
+        "amplitude",
+        "seeds",
+        *(f"share, {p:g} kPa" for p in pressures),
+        "exponent",
+        "95 %",
+        "steps",
+    ]
+    lines, estimates = [], intervals(found)
     for (kind, law, sigma, *rest, axis, amplitude), some in found.items():
         shares = [[row["share"] for row in some if row["kPa"] == p] for p in pressures]
         mean, off = exponent(some) if kind not in SETTINGS else (np.nan, np.nan)
         cells = [kind, law, f"{sigma:g}", *rest, "longitudinal" if axis == "z" else "transverse", f"{amplitude:g}"]
         cells += [str(len({row["seed"] for row in some})), *(f"{np.mean(share):.3g}" if share else "" for share in shares)]
+        estimate = estimates.get((kind, law, sigma, *rest, axis, amplitude))
         cells += [
             ("" if np.isnan(mean) else f"{mean:+.2f}") + ("" if np.isnan(off) else f" ± {off:.2f}"),
+            "" if estimate is None else f"{estimate.low:+.2f} to {estimate.high:+.2f}",
             f"{some[-1]['steps']:.0f}",
         ]
         lines.append(cells)

@@ -10,6 +10,7 @@ from demlaws.laws import HERTZ, POHRT_POPOV
 from studies.assembly.report import spread
 from studies.ballast.bed import DENSITY
 from studies.ballast.cycles import SENSITIVITY, Case, case_of
+from studies.paired import change
 
 LONGEST = 200
 """Cycles of the cases in the tables; one case has more."""
@@ -273,49 +274,53 @@ def save(rows, again, path):
 
 BASE = Kind("spheres", HERTZ, 0.0, "default")
 ROUGH = BASE._replace(law=POHRT_POPOV, sigma=2.4)
+CLUMPS, ROUGH_CLUMPS = (kind._replace(grains="clumps") for kind in (BASE, ROUGH))
+
+
+def _sheared(model):
+    return tuple((kind, kind._replace(shear=model)) for kind in (BASE, ROUGH))
+
+
 EFFECTS = {
-    "law: pohrt-popov, σ = 2.4 µm, for hertz": (BASE, ROUGH),
-    "the same, clumps": (BASE._replace(grains="clumps"), ROUGH._replace(grains="clumps")),
-    "roughness: σ = 10 µm for 2.4 µm": (ROUGH, ROUGH._replace(sigma=10.0)),
-    "roughness: σ = 0.5 µm for 2.4 µm": (ROUGH, ROUGH._replace(sigma=0.5)),
-    "shear: mindlin for default, hertz": (BASE, BASE._replace(shear="mindlin")),
-    "shear: mindlin for default, pohrt-popov": (ROUGH, ROUGH._replace(shear="mindlin")),
-    "shear: slip for default, hertz": (BASE, BASE._replace(shear="slip")),
-    "shear: slip for default, pohrt-popov": (ROUGH, ROUGH._replace(shear="slip")),
-    "shape: clumps for spheres, hertz": (BASE, BASE._replace(grains="clumps")),
+    "law: pohrt-popov, σ = 2.4 µm, for hertz": ((BASE, ROUGH),),
+    "the same, clumps": ((CLUMPS, ROUGH_CLUMPS),),
+    "roughness: σ = 10 µm for 2.4 µm": ((ROUGH, ROUGH._replace(sigma=10.0)),),
+    "roughness: σ = 0.5 µm for 2.4 µm": ((ROUGH, ROUGH._replace(sigma=0.5)),),
+    "shear: mindlin for default, both laws": _sheared("mindlin"),
+    "shear: slip for default, both laws": _sheared("slip"),
+    "shape: clumps for spheres, hertz": ((BASE, CLUMPS),),
+    "shape: clumps for spheres, pohrt-popov": ((ROUGH, ROUGH_CLUMPS),),
 }
+"""Change → pairs of kinds, before and after."""
 
 
-def scatter(found, function):
-    """Standard deviation between packings over their mean, all kinds with several; NaN without."""
-    kinds = [np.array([function(one) for one in beds.values()]) for beds in found.values() if len(beds) > 1]
-    kinds = [values for values in kinds if not np.isnan(values).any()]
-    freedom = sum(len(values) - 1 for values in kinds)
-    return float(np.sqrt(sum(np.sum((values / values.mean() - 1.0) ** 2) for values in kinds) / freedom)) if freedom else np.nan
+def effect(found, what, function):
+    """`Estimate` of the relative change of a number by one of EFFECTS, over beds of the same seeds; None without a pair."""
+    values = []
+    for kinds in EFFECTS[what]:
+        before, after = (found.get(kind, {}) for kind in kinds)
+        values += [[function(beds[seed]) for beds in (before, after)] for seed in sorted(before.keys() & after.keys())]
+    return change(*np.transpose(values)) if values and not np.isnan(values).any() else None
 
 
 def effects(rows):
-    """Text: changes in percent, of the same seeds; bold: more than twice the scatter of packings."""
+    """Text: paired changes in percent with 95 % intervals; bold: the interval excludes 0."""
     found = series(rows)
-    off = {name: scatter(found, function) for name, function in MEASURES.items()}
     heads = [name.split(" (")[0] for name in MEASURES]
-    lines = ["| change (%) | seeds | " + " | ".join(heads) + " |", "|---" * (2 + len(MEASURES)) + "|"]
-    for what, (before, after) in EFFECTS.items():
-        common, cells = found.get(before, {}).keys() & found.get(after, {}).keys(), []
-        if common:
-            for name, function in MEASURES.items():
-                old, new = (np.mean([function(found[kind][seed]) for seed in common]) for kind in (before, after))
-                text = "–" if np.isnan(new / old) else f"{100.0 * (new / old - 1.0):+.0f}"
-                cells.append(f"**{text}**" if abs(new / old - 1.0) > 2.0 * off[name] else text)
-            lines.append(f"| {what} | {len(common)} | " + " | ".join(cells) + " |")
-    lines.append("| twice the scatter of packings | | " + " | ".join(f"{200.0 * value:.0f}" for value in off.values()) + " |")
+    lines = ["| change (%) | pairs | " + " | ".join(heads) + " |", "|---" * (2 + len(MEASURES)) + "|"]
+    for what in EFFECTS:
+        estimates, cells = [effect(found, what, function) for function in MEASURES.values()], []
+        if any(estimates):
+            for one in estimates:
+                if one is None:
+                    cells.append("–")
+                    continue
+                mean, low, high = (f"{100.0 * value:+.0f}" for value in one[:3])
+                mean = f"**{mean}**" if one.excludes(0.0) else mean
+                cells.append(mean if np.isnan(one.low) else f"{mean} ({low} to {high})")
+            pairs = max(one.samples for one in estimates if one)
+            lines.append(f"| {what} | {pairs} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
-
-
-def secant(rows, cycle):
-    """Resilient modulus [MPa] of a cycle between 20 and 200 kPa."""
-    (row,) = (row for row in rows if row["cycle"] == cycle)
-    return (row["peak_kPa"] - row["least_kPa"]) * row["height_mm"] / row["resilient_um"]
 
 
 def course(rows):
