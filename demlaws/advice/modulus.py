@@ -34,6 +34,9 @@ MEASURED: dict[str, dict[str, tuple]] = {
     "pour": {"force": ("forces",), "overlap": ("height",)},
 }
 """Process → quantity of a scene → those of the study that stand for it."""
+SCALING_HELPS = ("low", "loading", "unloading", "work")
+"""Quantities of the study whose error at E/10 is smaller in both engines if σ, hardness and yield pressure are scaled with E
+(docs/tables/trade-softening.csv); of the others scaling does not reduce it."""
 NAMES = {
     **dict.fromkeys(STIFFNESS, "stiffness"),
     "work": "loss in a cycle",
@@ -160,6 +163,11 @@ class Advice(NamedTuple):
         """Whether the error is predicted from measured curves; else only the literature's bound of I is kept."""
         return self.error == self.error
 
+    @property
+    def scaling_helps(self) -> bool:
+        """Whether scaling roughness, hardness and yield pressure with the modulus was measured to reduce the error."""
+        return self.what in {NAMES[quantity] for quantity in SCALING_HELPS}
+
     def lines(self) -> list[str]:
         """As text."""
         n, scaled = self.numbers, Softening(self.factor)
@@ -167,10 +175,12 @@ class Advice(NamedTuple):
         if not self.measured:
             first = "full modulus: the error of softer grains has not been measured for this quantity and process"
         if self.factor != 1.0:
-            first = (
-                f"divide the modulus by {self.factor:g} (demlaws soften: roughness, hardness and yield pressure too); the time "
-                f"step grows by {scaled.step:.3g}"
-            )
+            others = "roughness, hardness and yield pressure"
+            if self.scaling_helps:
+                others = f"demlaws soften: {others} too"
+            else:
+                others = f"scaling {others} too, as demlaws soften does, did not reduce this error"
+            first = f"divide the modulus by {self.factor:g} ({others}); the time step grows by {scaled.step:.3g}"
         lines = [first, f"  time step {self.dt:.3g} s, {self.part:.2g} of the estimated stability limit"]
         numbers = f"κ_K = {n.kappa:.3g}, overlap/diameter {n.depth:.2g}"
         if self.scene.process != "pour":
@@ -183,7 +193,7 @@ class Advice(NamedTuple):
             return [*lines, f"  no predicted error; I ≤ {QUASISTATIC:g} is quasi-static loading in the literature"]
         causes = [(self.geometry, "geometry"), (self.waves, "rate"), (self.coarse, "time step")]
         of = ", ".join(f"{name} {100 * error:.2g} %" for error, name in causes)
-        alone = "" if self.factor == 1.0 else f"; {100 * self.left_alone:.2g} % if only E is divided"
+        alone = f"; {100 * self.left_alone:.2g} % if only E is divided" if self.factor != 1.0 and self.scaling_helps else ""
         return [*lines, f"  predicted error of the packing's {self.what}: {100 * self.error:.2g} % ({of}){alone}"]
 
 

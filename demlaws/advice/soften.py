@@ -195,9 +195,9 @@ class Softening:
         s, overlap, step = self.factor, self.overlap, self.step
         return [
             (
-                "kept",
+                "kept at equal force",
                 "1",
-                "force, branch, α, plastic share of overlap and work, radius, density, friction, Poisson's ratio, Df",
+                "branch, α, plastic share of overlap and work, radius, density, friction, Poisson's ratio, Df",
             ),
             ("Young's modulus E, effective modulus E*", f"{1 / s:.4g}", "s^-1"),
             ("roughness Sq and σ", f"{overlap:.4g}", "s^(2/3)"),
@@ -206,6 +206,7 @@ class Softening:
             ("overlap, plastic and tangential ones too; energy", f"{overlap:.4g}", "s^(2/3)"),
             ("stiffness", f"{self.stiffness:.4g}", "s^(-2/3)"),
             ("stable time step", f"{step:.4g}", "s^(1/3)"),
+            ("speed of an impact with equal forces and restitution", f"{step:.4g}", "s^(1/3)"),
             ("geometric error, of the order of overlap over diameter", f"{overlap:.4g}", "s^(2/3)"),
         ]
 
@@ -288,6 +289,10 @@ class Report:
         lines.append(
             f"stiffness times s^(2/3) against the unsoftened contact: {self.stiffness_error:+.1e} with all scaled, "
             f"{100 * self.left_alone_error:+.1f} % if only E is divided"
+        )
+        lines.append(
+            f"all this is at equal force: impacts at equal speed are not similar, those at {self.softening.step:.4g} times the "
+            "speed are"
         )
         if self.too_deep:
             end = "laws are undefined above R" if self.after.over_radius > LARGEST_OVERLAP else "large geometric error"

@@ -96,6 +96,22 @@ def test_the_stable_step_grows_by_the_cube_root():
         assert steps[1] == pytest.approx(3.0 * steps[0], rel=1e-12)
 
 
+def test_similar_impacts_are_faster():
+    """At equal force: an impact is similar at s^(1/3) times the speed, not at the same speed."""
+    law, mass = dl.law("pohrt-popov", GRANITE, "hertz"), 3.7e-3
+    softer = dl.soften(law, 10.0)
+    whole, same, similar = (
+        dl.driver.impact(one, mass, speed) for one, speed in ((law, 0.1), (softer, 0.1), (softer, 0.1 * 10.0 ** (1 / 3)))
+    )
+    assert similar.restitution == pytest.approx(whole.restitution, rel=1e-6)
+    assert similar.peak_force == pytest.approx(whole.peak_force, rel=1e-6)
+    assert same.restitution < 0.95 * whole.restitution
+    effects = {quantity: times for quantity, times, _ in Softening(10.0).effects()}
+    assert float(effects["speed of an impact with equal forces and restitution"]) == pytest.approx(10.0 ** (1 / 3), rel=1e-3)
+    assert "force" in next(quantity for quantity, times in effects.items() if times == "1")
+    assert any("2.154" in line and "speed" in line for line in Softening(10.0).report(law, 10.0).lines())
+
+
 def test_roughness_left_alone_leaves_the_branch():
     """What users do: a rough contact slides towards Hertz, its stiffness times s^(2/3) rises by tens of per cent."""
     report = Softening(100.0).report(make("pohrt-popov"), 5.0)
