@@ -32,7 +32,7 @@ HERTZ = counted("""
 def hertz(folder=PACKAGE.parent, **changes):
     """Stiffness of Hertz's law and the number of functions compiled for it, from the package in `folder`."""
     # Python's own cache depends on the time of a file
-    stiffness, compiled, file = python(HERTZ, folder, PYTHONDONTWRITEBYTECODE=1, **changes).split()
+    stiffness, compiled, file = python(HERTZ, folder, PYTHONDONTWRITEBYTECODE=1, **changes).split(maxsplit=2)
     assert file.startswith(str(folder))
     return float(stiffness), int(compiled)
 
