@@ -178,7 +178,9 @@ class _Turn:
             self.first = np.cross(now, np.eye(3)[np.argmin(np.abs(now))])
             self.first /= np.linalg.norm(self.first)
         old = np.array([self.first, np.cross(before, self.first)])
-        self.first = crossed(self.first) / np.linalg.norm(crossed(self.first))
+        self.first = crossed(self.first)
+        self.first -= (self.first @ now) * now
+        self.first /= np.linalg.norm(self.first)
         new = np.array([self.first, np.cross(now, self.first)])
         return lambda a: new.T @ (old @ a)
 

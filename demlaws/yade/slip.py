@@ -155,6 +155,7 @@ def apply_to_springs(step, mode, context, contact, row, stiffness):
         return keep
     displacement = scaled(-1.0, vector(geom.shearInc))  # positive along the force that it makes
     normal, first = vector(geom.normal), turned(context, geom, old_first)
+    first = minus_scaled(first, dot(first, normal), normal)  # `turned` leaves the plane by the square of the turn
     length = sqrt(dot(first, first))
     if length > 0.0:
         first = (first[0] / length, first[1] / length, first[2] / length)

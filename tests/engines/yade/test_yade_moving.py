@@ -19,9 +19,9 @@ WAYS = {
 }
 
 
-def prescribed(kind, law, motion, **physics):
+def prescribed(kind, law, motion, friction=FRICTION, between=lambda step: None, **physics):
     """Forces [N] and torques [N m] on both bodies along a motion: arrays (steps, 2, 3)."""
-    stone = material(young=YOUNG, poisson=POISSON, friction=np.arctan(FRICTION))
+    stone = material(young=YOUNG, poisson=POISSON, friction=np.arctan(friction))
     if kind == "facet":
         first = yade.utils.facet(CORNERS, fixed=True, material=stone)
     else:
@@ -40,7 +40,8 @@ def prescribed(kind, law, motion, **physics):
     yade.O.engines = [yade.ForceResetter(), yade.InsertionSortCollider(bounds), loop, yade.NewtonIntegrator()]
     yade.O.dt = motion.timestep
     places, turned, forces, torques = np.array(motion.start), yade.Quaternion.Identity, [], []
-    for velocities, spins in zip(motion.velocity, motion.spin, strict=True):
+    for step, (velocities, spins) in enumerate(zip(motion.velocity, motion.spin, strict=True)):
+        between(step)
         places += motion.timestep * velocities
         for body, place, velocity, spin in zip(yade.O.bodies, places, velocities, spins, strict=True):
             body.state.pos, body.state.vel, body.state.angVel = place, velocity, spin
@@ -53,7 +54,7 @@ def prescribed(kind, law, motion, **physics):
     return np.array(forces, float), np.array(torques, float)
 
 
-def expected(kind, motion, way, rule="hertz", **options):
+def expected(kind, motion, way, rule="hertz", friction=FRICTION, **options):
     """`reference.follow` of a granite contact."""
     first = FIRST.get(kind, FIRST["sphere"])
     radius = RADIUS * OTHER / (RADIUS + OTHER) if first.radius else RADIUS
@@ -61,7 +62,7 @@ def expected(kind, motion, way, rule="hertz", **options):
     contact = dl.Contact(radius, YOUNG / (1 - POISSON**2) / 2, surfaces.roughness, surfaces.fractal_dimension)
     ratio = 2 * (1 - POISSON) / (2 - POISSON)
     law = dl.law("pohrt-popov", contact, rule)
-    return reference.follow(first, RADIUS, motion, law, ratio=ratio, friction=FRICTION, way=way, **options)
+    return reference.follow(first, RADIUS, motion, law, ratio=ratio, friction=friction, way=way, **options)
 
 
 def motion_of(kind, steps=60):
@@ -99,3 +100,27 @@ def test_the_same_by_other_ways(omega, case):
         physics = {"betan": 0.01, "betas": 0.02}
         options = {"damping": (masses.prod() / masses.sum(), 0.01, 0.02)}
     assert_agree(prescribed("sphere", law, motion, **physics), expected("sphere", motion, way, **options))
+
+
+def test_partial_slip(omega):
+    """With a high μ and at constant overlap its springs are one level, but for the square of the turn of a step (3° here)."""
+    path = [reference.Leg(), *(leg._replace(overlap=1.0) for leg in reference.legs(FIRST["sphere"], RADIUS, OVERLAP)[1:9])]
+    motion = reference.motion(FIRST["sphere"], RADIUS, OVERLAP, 60, TIMESTEP, path=path)
+    found = prescribed("sphere", functor(shear="slip"), motion, friction=1e6)
+    assert_agree(found, expected("sphere", motion, WAYS["sphere"]._replace(turn="frame"), friction=1e6), 2e-3)
+
+
+@pytest.mark.parametrize("kind", ["sphere", "facet"])
+def test_a_saved_contact_goes_on(omega, kind, tmp_path):
+    """Saved and loaded between the turns of the path: the history is there, and how the surfaces turn."""
+    motion = motion_of(kind)
+    whole = prescribed(kind, functor(), motion)
+    omega.reset()
+    again = prescribed(kind, functor(), motion, between=lambda step: step == 330 and save_and_load(omega, tmp_path))
+    for one, other in zip(whole, again, strict=True):
+        assert np.abs(one - other).max() <= 1e-12 * np.abs(one).max()
+
+
+def save_and_load(omega, folder):
+    omega.save(str(folder / "scene.yade"))
+    omega.load(str(folder / "scene.yade"))
