@@ -288,7 +288,7 @@ def legs(first, radius, overlap):
         Leg(second=(0.0, 0.0, 0.7), first=(0.0, 0.0, twist), overlap=0.9),
         Leg(shift=(0.5 * roll, -0.3 * roll), second=(0.3 * spin, 0.5 * spin, 0.9), first=(0.0, 0.0, twist)),
         Leg(shift=(0.1, -0.1), whole=(0.12 * turns, 0.96 * turns, -np.sqrt(1.0 - 0.936) * turns)),
-        Leg(whole=(turns, 0.0, 0.0)),
+        Leg(whole=(turns, 0.0, 0.0), second=(0.0, 0.0, 0.6)),
         Leg(shift=(-1.0, 0.5), overlap=0.4),
         Leg(shift=(-roll, 0.2 * roll), second=(-0.2 * spin, -1.001 * spin, -0.4), overlap=1.3),
         Leg(shift=(0.0, -3.0), overlap=0.6),
