@@ -16,8 +16,8 @@ struct Pair {
   double length = 0.;         // [m]; 0: length_per_radius * R
   double inverse_length = 0.; // [1/m]; where length is 0, of length_per_radius
   double length_per_radius = 0.;
-  double only_radius = 0.; // > 0: the only R that the table is valid for (see checked)
-  double sigma = 0.;       // roughness [m]; of the table's contact by default
+  double only_radius = 0.;        // > 0: the only R that the table is valid for (see checked)
+  double sigma = 0.;              // roughness [m]; of the table's contact by default
   double metre = 1., pascal = 1.; // in the units of the lengths and moduli given here, for messages in SI
 
   Pair() {}
@@ -39,6 +39,12 @@ struct Pair {
   // As the constructor; a law that does not collapse is refused for another modulus or roughness than its table's, and
   // only_radius is set.
   static Pair checked(const Table &t, double effective_modulus, double roughness = 0.) {
+    std::ostringstream wrong;
+    if (!std::isfinite(effective_modulus) || !(effective_modulus > LEAST_MODULUS))
+      wrong << "modulus = " << effective_modulus
+            << " Pa: the effective modulus E* is above 1000 Pa; did you mean GPa (1 GPa = 1e9 Pa)?";
+    else if (!(roughness >= 0.)) wrong << "roughness = " << roughness << " m: must not be negative";
+    if (!wrong.str().empty()) throw std::runtime_error(wrong.str());
     Pair pair(t, effective_modulus, t.collapses() ? roughness : 0.);
     if (t.collapses()) return pair;
     const double made_for = t.of_contact("modulus", 0.);

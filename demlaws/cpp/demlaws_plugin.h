@@ -96,8 +96,8 @@ struct Law {
   // the modulus, or ""; throws for a pair that the table does not serve.
   std::string set(const Table &table, double modulus, double roughness, Shear shear, double metre = 1.,
                   double pascal = 1.) {
-    const std::string doubt = judge_modulus(table, modulus / pascal);
     pair = Pair::checked(table, modulus / pascal, roughness);
+    const std::string doubt = judge_modulus(table, modulus / pascal);
     pair.in_units(modulus, metre, pascal);
     watch = Watch(pair);
     // as float: another computer may round a mixed modulus otherwise
@@ -125,6 +125,10 @@ inline std::string other_law() {
          "give bodies another law while they do not touch, or " +
          FROM_POSITIONS;
 }
+
+// Behind it.
+static const std::string OR_CHECK_OFF =
+    "; or say 'restart_check off', then its overlaps are taken for those of this law";
 
 // Of a restart file with other numbers per contact.
 inline std::string former_version() {

@@ -62,14 +62,10 @@ private:
   }
 };
 
-// Text about the modulus of a pair, "" for a plausible value; throws for an inadmissible one.
+// Text about the modulus of a pair, "" for a plausible value.
 inline std::string judge_modulus(const Table &table, double modulus) {
   std::ostringstream what;
   what << "modulus = " << modulus << " Pa";
-  if (!std::isfinite(modulus) || !(modulus > LEAST_MODULUS)) {
-    what << ": the effective modulus E* is above 1000 Pa; did you mean GPa (1 GPa = 1e9 Pa)?";
-    throw std::runtime_error(what.str());
-  }
   const double made_for = table.of_contact("modulus", modulus);
   if (modulus >= SOFTENED * made_for && modulus <= STIFFENED * made_for) return "";
   what << " is " << modulus / made_for << " times the effective modulus of " << table.path() << ", " << made_for

@@ -18,7 +18,9 @@ namespace demlaws {
 
 // Number of doubles a contact must keep: the first so many of STATE_NAMES.
 constexpr int state_size(Unloading rule) { return STATE_SIZES[rule]; }
-constexpr bool keeps_radius(Unloading rule) { return state_size(rule) == 3; } // R_p/R, along whose Hertz curve it unloads
+constexpr bool keeps_radius(Unloading rule) {
+  return state_size(rule) == 3;
+} // R_p/R, along whose Hertz curve it unloads
 
 // CRC-32 of zlib (polynomial 0xEDB88320), continued from an earlier value.
 inline uint32_t crc32(uint32_t crc, const char *data, size_t size) {

@@ -70,6 +70,9 @@ int main(int count, char **words) {
     const Materials materials = {demlaws::Pair::checked(table, atof(words[2]), atof(words[4])), atof(words[5]),
                                  atof(words[6]), count > 8 ? atof(words[8]) : 0.,
                                  count > 7 ? atoi(words[7]) : demlaws::LEVELS};
+    if (materials.pair.sigma > demlaws::LARGEST_ROUGHNESS * radius)
+      throw std::runtime_error(std::string("roughness ") + words[4] + " m is of the size of the radius " + words[3] +
+                               " m: give both in m");
     if (!materials.pair.serves(radius, 0.01)) throw std::runtime_error("the table is for another effective radius");
     if (!demlaws::may_have_levels(materials.levels)) throw std::runtime_error("levels must be 1 to 8");
     Contact contact; // two bodies that do not touch

@@ -207,6 +207,13 @@ class _Conversion:
             return self._quoted(code)
         elif first == "read_restart" and self.engine == "lammps":
             self.restart = (self.line, other)
+        elif first == "read_restart":
+            self.note(
+                "a restart file of a stock run goes on with an elastic table and tangential history only; otherwise start from "
+                "positions (write_data, read_data)"
+            )
+        elif first == "rerun":
+            self.note("rerun: every contact of a frame is a first loading, without the history that it had in the run")
         elif first == "partition":  # yes|no N command
             before, command = re.match(r"(\s*(?:\S+\s+){3})(.*)", f"{code} ", re.S).groups()
             new = self.command(command)

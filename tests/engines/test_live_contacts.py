@@ -53,6 +53,23 @@ def test_a_change_of_type_that_keeps_the_law(engine, folder):
 def test_pair_coeff_gives_another_law(engine, folder, line):
     text = inputs_for_lammps.two_spheres(LAW, PRESS)
     assert REFUSED in refused(engine, folder, f"{text}pair_coeff * * {line}\n" + ON)
+    simulate(engine, folder, f"{text}pair_coeff * * {line.replace(' tangential', ' restart_check off tangential')}\n" + ON)
+
+
+@both
+def test_an_elastic_contact_keeps_nothing_of_its_law(engine, folder):
+    """Another modulus in the middle of a contact: the force of the new law. It stopped the run of LAMMPS."""
+    law = dl.law("hertz", ROUGH)
+    if engine == "lammps":
+        text = inputs_for_lammps.two_spheres(LINE.format("elastic.tbl", 60.6e9), PRESS)
+        change = f"pair_coeff * * {LINE.format('elastic.tbl', 50e9)}\n"
+    else:
+        text = of_types(engine, "elastic.tbl", "elastic.tbl")
+        change = "unfix m1\nfix m1 all property/global youngsModulus peratomtype 5e10 5e10\n"
+    log = simulate(engine, folder, text + change + ON)
+    assert log["Step"][-1] == 610
+    softer = law.bound_to(ROUGH.with_values(modulus=ROUGH.modulus * 50 / 60.6))
+    assert log["force"][-1] == pytest.approx(softer.force(log["overlap"][-1]), rel=1e-5)
 
 
 @pytest.mark.parametrize("engine", ["lammps"])

@@ -72,12 +72,12 @@ SLIP = "demlaws/table law.tbl 60.6e9 1.0 0.25 shear slip "
     [
         ("demlaws/table law.tbl 60.6e9", "FILE E eta nu"),
         (LAMMPS.replace("60.6e9", "sixty"), "E is 'sixty'"),
-        (LAMMPS.replace("60.6e9", "-60.6e9"), "Young's modulus must be positive"),
+        (LAMMPS.replace("60.6e9", "-60.6e9"), "E = -6.06e+10 Pa: Young's modulus must be positive"),
         (LAMMPS.replace("60.6e9", "60.6"), "did you mean GPa"),
         (LAMMPS.replace("0.25", "0.75", 1), "Poisson's ratio"),
         (LAMMPS.replace("1.0 0.25", "1.5 0.25"), "coefficient of restitution"),
         (LAMMPS.replace("1.0 0.25", "0.25 0.4"), "eta and nu are exchanged"),
-        (LAMMPS.replace("1.0 0.25", "1.0 0.25 roughness 0"), "roughness must be positive"),
+        (LAMMPS.replace("1.0 0.25", "1.0 0.25 roughness 0"), "roughness 0 m: must be positive"),
         (LAMMPS.replace("1.0 0.25", "1.0 0.25 roughness 2.4"), "did you mean µm"),
         (LAMMPS.replace("1.0 0.25", "1.0 0.25 against 1e9"), "against is"),
         (LAMMPS.replace("1.0 0.25", "1.0 0.25 extrapolation maybe"), "extrapolation is on or off, not maybe"),
@@ -88,7 +88,7 @@ SLIP = "demlaws/table law.tbl 60.6e9 1.0 0.25 shear slip "
             "demlaws/table law.tbl 60.6e9 1.0 0.25 shear_ratio 0.3 tangential mindlin NULL 0 0.5",
             "'shear_ratio' needs  tangential",
         ),
-        (SLIP + "springs 7 tangential demlaws 0.0 0.5 damping velocity", "springs must be an even number from 2 to 30"),
+        (SLIP + "springs 7 tangential demlaws 0.0 0.5 damping velocity", "springs = 7: an even number from 2 to 30"),
         (SLIP + "tangential demlaws 0.0", "needs XT MU"),
         (SLIP + "tangential demlaws 0.0 high", "friction of tangential demlaws is 'high'"),
         (SLIP + "tangential demlaws 0.0 -1 damping velocity", "must not be negative"),
@@ -114,7 +114,7 @@ def test_lammps(engine, folder, words, named):
         ("levels 2.5", "", "from 1 to 8"),
         ("shear slip levels 3", "", "springs, not levels"),
         ("shear_ratio 0", "", "at most 4/3"),
-        ("shear_ratio -0.3", "", "at most 4/3"),
+        ("shear_ratio -0.3", "", "-0.3"),
         ("shear_ratio 2", "", "at most 4/3"),
         ("", "compute e right demlaws/energy", "compute demlaws/energy"),  # of some contacts
     ],
@@ -151,3 +151,20 @@ def test_a_wall_left_with_a_stock_model_is_reported(engine, folder):
     said = said_in(engine, folder)
     named = {"liggghts": "fix old wall/gran has a model of LIGGGHTS", "lammps": "wall/gran has the stock model hertz/material"}
     assert said.count(named[engine]) == said.count(named[engine].partition(" has ")[2].rpartition(" ")[0]) == 1
+
+
+@both
+def test_walls_with_the_law_beside_stock_pairs_are_reported(engine, folder):
+    """The reverse: it was not."""
+    if engine == "liggghts":
+        line = "fix new all wall/gran model demlaws/table tangential history primitive type 1 zplane -0.01 table law.tbl\n"
+        text = spheres(engine, "", PRESS, more=line).replace(
+            "model demlaws/table tangential demlaws table law.tbl", "model hertz tangential history", 1
+        )
+    else:
+        line = f"fix new all wall/gran granular {LAMMPS} zplane -0.0086 NULL\n"
+        text = inputs_for_lammps.two_spheres(inputs_for_lammps.STOCK, PRESS, more=line)
+    simulate(engine, folder, text)
+    assert said_in(engine, folder).count("a fix wall/gran has demlaws/table") == 1
+    simulate(engine, folder, spheres(engine, "", PRESS, more=line))
+    assert "a fix wall/gran has demlaws/table" not in said_in(engine, folder)

@@ -170,6 +170,8 @@ int FixDemlaws::setmask() { return FixConst::PRE_FORCE | FixConst::MIN_PRE_FORCE
 void FixDemlaws::init() {
   Range &range = Range::of(lmp);
   range.of_restart = 0;
+  if (utils::strmatch(update->integrate_style, "^respa"))
+    error->all(FLERR, "demlaws/table: run_style respa is not served by the models built in: write run_style verlet");
   bool keeps = false;
   PairGranular *pair = nullptr, *last;
   for (int n = 1;; n++) { // of hybrid there may be several
@@ -186,6 +188,7 @@ void FixDemlaws::init() {
                              pair->models_list[0]->sub_models[type]->size_history;
     }
     if (ours && !equal) error->all(FLERR, MIXED_SIZES);
+    if (!ours && pair->nmodels) range.look_at_pairs(lmp, error);
   }
   if (keeps) range.look_across(lmp, error);
   // its lists mark no contacts: FixNeighHistory would drop all histories whenever lists are built

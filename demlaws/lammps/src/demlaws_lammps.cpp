@@ -276,12 +276,14 @@ void demlaws_pair_init(void *pair) {
   for (const std::vector<int> &sizes : kept.sizes)
     if (kept.ours && sizes != kept.sizes[0]) raise(error_of(pair), true, MIXED_SIZES);
   Stock::get().pair_init(pair);
+  if (!kept.ours && !kept.sizes.empty()) Range::of(instance_of(pair)).look_at_pairs(instance_of(pair), error_of(pair));
   Range::of(instance_of(pair)).of_restart = 0;
   if (kept.kept) Range::of(instance_of(pair)).look_across(instance_of(pair), error_of(pair));
 }
 
 void demlaws_pair_forces(void *pair, int eflag, int vflag) {
   Range::of(instance_of(pair)).check_positions(instance_of(pair), error_of(pair));
+  Range::of(instance_of(pair)).check_levels(instance_of(pair), error_of(pair));
   Ledger::of(instance_of(pair)).begin(NULL);
   Stock::get().pair_forces(pair, eflag, vflag);
 }
@@ -297,6 +299,7 @@ void demlaws_region_forces(void *wall, int vflag) { forces_of_wall(wall, vflag, 
 
 void demlaws_post_run(void *modify) {
   Stock::get().post_run(modify);
+  Range::of(instance_of(modify)).passed = -1; // the next run begins with this step
   Range::of(instance_of(modify)).tell(instance_of(modify), error_of(modify));
 }
 

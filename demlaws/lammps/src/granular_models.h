@@ -56,7 +56,7 @@ template <class ABI> struct Granular {
       POISSON,
       ROUGHNESS,
       TOLERANCE,
-      EXTRAPOLATE,
+      SWITCHES,
       SHEAR,
       SPRINGS,
       FINGERPRINT,
@@ -64,6 +64,8 @@ template <class ABI> struct Granular {
       RATIO,
       COEFFICIENTS
     };
+    enum { EXTRAPOLATION_ON = 1, RESTART_CHECK_OFF = 2 }; // of SWITCHES, a sum
+    bool switched(int which) const { return ((int)coeffs[SWITCHES] & which) != 0; }
     enum { MAXIMUM, PLASTIC, STORED, DISSIPATED, STIFFNESS, OUTPUTS }; // p13 to p17 of compute pair/local
     // LAMMPS writes a sub-model's numbers into restart files, and nothing else of it: after the coefficients comes the
     // name of the file, BYTES of it in each number, which are exact in a double.
@@ -108,15 +110,15 @@ template <class ABI> struct Granular {
       Emod = coeffs[YOUNG];
       damp = coeffs[ETA];
       poiss = coeffs[POISSON];
-      if (!(Emod > 0.) || !(damp >= 0.) || !(poiss > -1. && poiss <= 0.5) || !(coeffs[ROUGHNESS] >= 0.) ||
-          !(coeffs[TOLERANCE] >= 0.))
-        refuse(
-            "Young's modulus must be positive, eta, roughness and radius_tolerance not negative, Poisson's ratio from "
-            "-1 to 0.5");
-      if (!demlaws::SpringRow::may_have(coeffs[SPRINGS])) refuse("springs must be an even number from 2 to 30");
-      if (!demlaws::may_have_levels(coeffs[LEVELS])) refuse("levels must be a whole number from 1 to 8");
-      if (!(coeffs[RATIO] >= 0. && coeffs[RATIO] <= demlaws::LARGEST_SHEAR_RATIO))
-        refuse("shear_ratio must be above 0, at most 4/3");
+      check(Emod > 0., "E", Emod, " Pa: Young's modulus must be positive");
+      check(damp >= 0., "eta", damp, ": must not be negative");
+      check(poiss > -1. && poiss <= 0.5, "nu", poiss, ": Poisson's ratio is from -1 to 0.5");
+      check(coeffs[ROUGHNESS] >= 0., "roughness", coeffs[ROUGHNESS], " m: must be positive");
+      check(coeffs[TOLERANCE] >= 0., "radius_tolerance", coeffs[TOLERANCE], ": must not be negative");
+      check(demlaws::SpringRow::may_have(coeffs[SPRINGS]), "springs", coeffs[SPRINGS], ": an even number from 2 to 30");
+      check(demlaws::may_have_levels(coeffs[LEVELS]), "levels", coeffs[LEVELS], ": a whole number from 1 to 8");
+      check(coeffs[RATIO] >= 0. && coeffs[RATIO] <= demlaws::LARGEST_SHEAR_RATIO, "shear_ratio", coeffs[RATIO],
+            ": K_t/K is above 0, at most 4/3");
       this->num_coeffs = NUMBERS;
       if (coeffs[FINGERPRINT] != (double)table_.fingerprint())
         refuse("this is not the table that the restart file was written with: bring that file back, or " +
@@ -140,7 +142,7 @@ template <class ABI> struct Granular {
         refuse("either both types or none must have a roughness to be mixed");
       coeffs[ROUGHNESS] = sqrt(0.5 * (a[ROUGHNESS] * a[ROUGHNESS] + b[ROUGHNESS] * b[ROUGHNESS]));
       coeffs[TOLERANCE] = std::min(a[TOLERANCE], b[TOLERANCE]);
-      coeffs[EXTRAPOLATE] = std::min(a[EXTRAPOLATE], b[EXTRAPOLATE]);
+      coeffs[SWITCHES] = (int)a[SWITCHES] & (int)b[SWITCHES];
       for (int word : {SHEAR, SPRINGS, LEVELS, RATIO})
         if (a[word] != b[word])
           refuse("both types must have the same 'shear', 'shear_ratio', 'levels' and 'springs' to be mixed; write "
@@ -275,6 +277,11 @@ template <class ABI> struct Granular {
     __attribute__((noinline, cold)) void refuse(const std::string &what) const {
       raise(*of.error, true, title() + ": " + what);
     }
+    void check(bool good, const char *name, double value, const char *why) const {
+      std::ostringstream what;
+      what << name << " = " << value << why;
+      if (!good) refuse(what.str());
+    }
     // The number of body 0 or 1, as far as it is known: a wall's model knows its particle's velocity alone; -1: a wall.
     __attribute__((noinline, cold)) long body(int which) const {
       const bool wall = gm->contact_type != PAIR;
@@ -300,12 +307,15 @@ template <class ABI> struct Granular {
     };
     __attribute__((noinline, cold)) void examine(const demlaws::Force &now) const {
       Report report(*this);
-      law_.watch.examine(law_.pair, gm->Reff, gm->delta, now, coeffs[EXTRAPOLATE] > 0., !gm->history_update, report);
+      law_.watch.examine(law_.pair, gm->Reff, gm->delta, now, switched(EXTRAPOLATION_ON), !gm->history_update, report);
     }
-    // A contact that begins, or that another law has marked.
+    // A contact that begins, or that another law has marked, of which an elastic one without springs keeps nothing.
     __attribute__((noinline, cold)) void claim() const {
-      double &mark = gm->history[history_index + demlaws::MOST_STATE];
-      if (mark != 0.) raise(*of.error, false, who() + demlaws::other_law());
+      double *const state = gm->history + history_index, &mark = state[demlaws::MOST_STATE];
+      const bool kept =
+          unloads_otherwise() || slips() || std::count(state, state + demlaws::MOST_STATE, 0.) < demlaws::MOST_STATE;
+      if (mark != 0. && kept && !switched(RESTART_CHECK_OFF))
+        raise(*of.error, false, who() + demlaws::other_law() + demlaws::OR_CHECK_OFF);
       if (gm->history_update) mark = law_.mark;
     }
     __attribute__((noinline, cold)) void refuse_radius() const {
@@ -355,7 +365,8 @@ template <class ABI> struct Granular {
         raise(*this->of.error, true, "damping demlaws/tangent goes with the normal model demlaws/table only");
       const double e = normal_->damp, logarithm = e > 0. ? log(e) : 0.;
       if (!(e > 0. && e <= 1.))
-        raise(*this->of.error, true, "damping demlaws/tangent: eta is a coefficient of restitution, above 0 to 1");
+        raise(*this->of.error, true,
+              "damping demlaws/tangent: eta = " + std::to_string(e) + " is a coefficient of restitution, above 0 to 1");
       this->damp = -2. * sqrt(5. / 6.) * logarithm / sqrt(M_PI * M_PI + logarithm * logarithm);
     }
     double calculate_forces() {
@@ -381,7 +392,9 @@ template <class ABI> struct Granular {
     void coeffs_to_local() {
       this->mu = coeffs[FRICTION];
       if (!(coeffs[DAMPING_RATIO] >= 0.) || !(this->mu >= 0.))
-        raise(*this->of.error, true, "tangential demlaws XT MU: damping and friction must not be negative");
+        raise(*this->of.error, true,
+              "tangential demlaws " + std::to_string(coeffs[DAMPING_RATIO]) + " " + std::to_string(this->mu) +
+                  ": damping XT and friction MU must not be negative");
     }
     void mix_coeffs(double *a, double *b) {
       for (int k = 0; k < COEFFICIENTS; k++) coeffs[k] = sqrt(a[k] * b[k]);
@@ -497,6 +510,7 @@ template <class ABI> struct Granular {
     void coeffs_to_local() {
       Table *const made = set_table(this->gm, this->of.lmp, *this->of.error, Table::file_of(this->coeffs), outputs_);
       std::copy(this->coeffs, this->coeffs + Table::NUMBERS, made->coeffs);
+      made->coeffs[Table::SWITCHES] = (int)made->coeffs[Table::SWITCHES] & ~Table::RESTART_CHECK_OFF; // of one run
       made->coeffs_to_local();
       delete this;
     }
@@ -521,9 +535,10 @@ template <class ABI> struct Granular {
   // The words FILE E eta nu from arg[at] on; goes behind them.
   static std::string read_material(void *error, char **arg, int &at, int count, double *into) {
     if (at + 4 > count)
-      raise(error, true,
-            "demlaws/table needs FILE E eta nu, then [roughness SIGMA] [against E2 nu2] [radius_tolerance X] "
-            "[extrapolation on] [shear elastic|loading|slip] [shear_ratio X] [levels N] [springs N]");
+      raise(
+          error, true,
+          "demlaws/table needs FILE E eta nu, then [roughness SIGMA] [against E2 nu2] [radius_tolerance X] "
+          "[extrapolation on] [restart_check off] [shear elastic|loading|slip] [shear_ratio X] [levels N] [springs N]");
     const std::string file = arg[at++];
     static const char *const names[3] = {"E", "eta", "nu"};
     for (int k = 0; k < 3; k++, at++) into[k] = number(error, std::string("(in FILE E eta nu) ") + names[k], arg[at]);
@@ -540,21 +555,29 @@ template <class ABI> struct Granular {
           raise(error, true, "demlaws/table: " + word + (values == 2 ? " needs two numbers" : " needs a number"));
         return number(error, word, arg[at + n]);
       };
+      const auto set = [&](int which, bool on) {
+        into[Table::SWITCHES] = on ? (int)into[Table::SWITCHES] | which : (int)into[Table::SWITCHES] & ~which;
+      };
       demlaws::Shear shear;
       if (word == "extrapolation") {
         if (value != "on" && value != "off")
           raise(error, true, "demlaws/table: extrapolation is on or off, not " + value);
-        into[Table::EXTRAPOLATE] = value == "on";
+        set(Table::EXTRAPOLATION_ON, value == "on");
+      } else if (word == "restart_check") {
+        if (value != "on" && value != "off")
+          raise(error, true, "demlaws/table: restart_check is on or off, not " + value);
+        set(Table::RESTART_CHECK_OFF, value == "off");
       } else if (word == "shear") {
         if (!demlaws::shear_from_name(value, shear))
           raise(error, true, "demlaws/table: shear is elastic, loading or slip, not " + value);
         into[Table::SHEAR] = shear;
       } else if (word == "roughness") {
         into[Table::ROUGHNESS] = given(1);
-        if (!(given(1) > 0.)) raise(error, true, "demlaws/table: roughness must be positive [m]");
+        if (!(given(1) > 0.)) raise(error, true, "demlaws/table: roughness " + value + " m: must be positive");
       } else if (word == "shear_ratio") {
         into[Table::RATIO] = given(1);
-        if (!(given(1) > 0.)) raise(error, true, "demlaws/table: shear_ratio must be above 0, at most 4/3");
+        if (!(given(1) > 0.))
+          raise(error, true, "demlaws/table: shear_ratio " + value + ": K_t/K is above 0, at most 4/3");
       } else if (word == "springs") into[Table::SPRINGS] = given(1);
       else if (word == "levels") {
         into[Table::LEVELS] = given(1);
@@ -564,7 +587,9 @@ template <class ABI> struct Granular {
         const double E = given(1), nu = given(2);
         if (!(E > 0.) || !(nu > -1. && nu <= 0.5) || !(into[0] > 0.) || !(into[2] > -1. && into[2] <= 0.5))
           raise(error, true,
-                "demlaws/table: against needs a positive Young's modulus and a Poisson's ratio from -1 to 0.5");
+                std::string("demlaws/table: E ") + std::to_string(into[0]) + " Pa against " + value + " Pa, nu " +
+                    std::to_string(into[2]) + " against " + arg[at + 2] +
+                    ": Young's moduli must be positive, Poisson's ratios are from -1 to 0.5");
         join(into[0], into[2], E, nu, into[0], into[2]);
       } else break;
     }

@@ -11,7 +11,8 @@ namespace {
 const char *const MIXED_SIZES =
     "demlaws/table: the pair_coeff lines, those of a restart file included, keep different numbers of history values, "
     "which LAMMPS mixes up whenever neighbour lists are rebuilt; give every pair of types demlaws/table (Hertz is a "
-    "table, too) and the same tangential, rolling and twisting models; after a restart file of other models start again "
+    "table, too) and the same tangential, rolling and twisting models; after a restart file of other models start "
+    "again "
     "from positions (write_data, read_data)";
 
 // The number of this rank's particle at place i.
@@ -35,6 +36,7 @@ struct Range {
   bool used = false;         // there is a table
   bool has_contacts = false; // forces were computed, or a restart file was read
   long long checked = -1;    // the step in which positions were checked
+  long long passed = -1;     // the step of the last pass over pairs under run_style respa
   int of_restart = 0;        // until the first run: values per contact of the tangential models of a restart file
 
   static Range &of(void *lmp) {
@@ -66,6 +68,29 @@ struct Range {
            "a fix wall/gran has the stock model " + model +
                ", other contacts demlaws/table: contacts with this wall do not follow the law; write "
                "'granular demlaws/table FILE E eta nu ...' at the wall, too (`demlaws lammps convert`)");
+  }
+
+  // A pair style of granular models without one of ours.
+  void look_at_pairs(void *lmp, void *error) {
+    if (used)
+      announce(
+          lmp, error, "stock pairs",
+          "a fix wall/gran has demlaws/table, the pairs stock models: contacts between particles do not follow the "
+          "law; write 'pair_coeff * * demlaws/table FILE E eta nu ...', too (models of a restart file are those of "
+          "the run that wrote it)");
+  }
+  // run_style respa: LAMMPS computes displacements of shear with the step of the outermost level. calls: passes over
+  // the pairs in this step of it, of which a pair style on that level has one.
+  void check_levels(void *lmp, void *error) {
+    const Stock &stock = Stock::get();
+    const int *const levels = used ? (const int *)stock.global(lmp, "respa_levels") : NULL;
+    if (!levels || *levels < 2) return;
+    const long long now = *(const long long *)stock.global(lmp, "ntimestep");
+    if (now == passed)
+      raise(error, true,
+            "demlaws/table: run_style respa has the pair style on an inner level, where LAMMPS would multiply shear by "
+            "the number of its steps: write 'pair LEVEL' with the outermost level, or run_style verlet");
+    passed = now;
   }
 
   // A position that is not a number touches nothing: a particle with one would drop out of the model silently.

