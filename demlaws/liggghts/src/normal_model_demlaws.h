@@ -67,7 +67,9 @@ public:
     own_.files = instance_->line.files;
     own_.shear = instance_->line.shear;
     if (given_.count("shear_ratio") && !(own_.shear_ratio > 0. && own_.shear_ratio <= demlaws::LARGEST_SHEAR_RATIO))
-      error->all(FLERR, "model demlaws/table: shear_ratio must be above 0, at most 4/3");
+      error->all(FLERR, ("model demlaws/table: shear_ratio " + std::to_string(own_.shear_ratio) +
+                         ": K_t/K is above 0, at most 4/3")
+                            .c_str());
     if (!wall_) {
       if (own_.files.empty())
         error->all(FLERR, "model demlaws/table: no table; add 'table FILE' to the line (`demlaws table` writes one)");
@@ -318,7 +320,9 @@ private:
     double sigma = 0.; // [m]
     if (now_.use_roughness) {
       sigma = sqrt(roughness_[i] * roughness_[i] + roughness_[j] * roughness_[j]) / units_.length;
-      if (!(sigma > 0.)) error->all(FLERR, (who.str() + "surfaceRoughness must be positive").c_str());
+      if (!(sigma > 0.))
+        error->all(FLERR,
+                   (who.str() + "combined surfaceRoughness " + std::to_string(sigma) + " m: must be positive").c_str());
     }
     std::string doubt;
     try {
