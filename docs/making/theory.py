@@ -92,8 +92,8 @@ def rounding(definition, law):
 
 
 def kept_costs():
-    """(machine, date, {(law, rule, evaluation): ratio to a copy}) of tests/benchmarks/ratios.json, the newest machine there."""
-    kept = json.loads((ROOT / "tests" / "benchmarks" / "ratios.json").read_text())
+    """(machine, date, {(law, rule, evaluation): ratio to a copy}) of tools/benchmarks/ratios.json, the newest machine there."""
+    kept = json.loads((ROOT / "tools" / "benchmarks" / "ratios.json").read_text())
     machine, record = max(kept.items(), key=lambda item: item[1]["measured"])
     costs = {}
     for key, (ratio, *_) in record["ratios"].items():

@@ -1,4 +1,4 @@
-"""`demlaws lammps source`, `demlaws liggghts source`: files that the engines are built with (tests/machines builds LAMMPS)."""
+"""`demlaws lammps source`, `demlaws liggghts source`: files that the engines are built with (tools/machines builds LAMMPS)."""
 
 import pytest
 

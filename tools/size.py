@@ -1,8 +1,8 @@
-"""`make size`: how heavy the package is, as printed on the first screen of CONTRIBUTING.
+"""`make size`: how much there is to learn: statements, functions and classes, mechanisms, what a YADE script loads.
 
-    python tests/size.py             # --write: also the lines by feature into CONTRIBUTING's table, whose rows name the files
+    python tools/size.py
 
-Lines are those of files that git knows; the wheel's kB are its Python files.
+Of files that git knows. Statements are those of Python's grammar without docstrings; the wheel's kB are its Python files.
 """
 
 import ast
@@ -17,13 +17,29 @@ from test_boundaries import circle, import_graph, layers, unit_graph
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "demlaws"
-CONTRIBUTING = ROOT / "CONTRIBUTING.md"
 LONGEST = 600
 LONGEST_FUNCTION = 60
 BY_HAND = r"\b(inttoptr|ptrtoint|builder\.load|builder\.store|carray|from_address|string_at|load_\w+|store_\w+|memmove)\("
 """Accesses to memory by address instead of by the name of a field."""
 BEHIND = r"\bos\.fork\b|[\"']fork[\"']|\brmtree\(|\bputenv\(|\benviron(\[[^]]+\] = |\.(setdefault|update|pop|clear)\()"
 """A process forked, a folder removed, the environment changed."""
+
+MECHANISMS = {
+    "dispatch on types": "core/dispatch.py",
+    "machine code on disk": "core/cache.py core/content.py",
+    "tables: cells, files, certificates": "core/curve.py core/grid.py curves/t*.py curves/saved.py",
+    "solver of Gaussian asperities": "laws/family.py solvers/axisymmetric.py solvers/influence.py",
+    "measured points as a law": "curves/points.py curves/given.py",
+    "functions as a law": "curves/function.py user_laws/*.py laws/registry.py curves/soundness.py",
+    "user rules in engines": "curves/rule_object.py",
+    "shear: levels, partial slip": "core/shear.py core/levels.py core/slip.py yade/shear.py yade/slip.py",
+    "YADE: native bridge": "yade/native.py yade/search.py yade/obj*.py yade/rec*.py yade/tuples.py yade/layout.py yade/kernel.py",
+    "YADE: public way": "yade/public.py",
+    "height maps": "surfaces/*.py solvers/contact.py solvers/scan.py solvers/ellipsoid.py solvers/summits.py laws/asperity.py",
+    "choose, soften, fit": "advice/*.py",
+    "conversion of inputs": "plugins/convert.py",
+}
+"""Mechanism → its files below demlaws/; one that is gone has none."""
 
 SCRIPT = """
 import json, sys, yade
@@ -55,6 +71,15 @@ def files(*patterns):
     """Paths of files that git knows."""
     text = subprocess.run(["git", "ls-files", "--", *patterns], cwd=ROOT, capture_output=True, text=True, check=True).stdout
     return [ROOT / line for line in text.splitlines() if (ROOT / line).is_file()]
+
+
+def statements(paths):
+    """(statements without docstrings, functions and classes) of Python files."""
+    nodes = [node for path in paths for node in ast.walk(ast.parse(path.read_text()))]
+    named = [node for node in nodes if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef)]
+    documented = [*named, *(node for node in nodes if isinstance(node, ast.Module))]
+    docstrings = sum(ast.get_docstring(node) is not None for node in documented)
+    return sum(isinstance(node, ast.stmt) for node in nodes) - docstrings, len(named)
 
 
 def lines(paths):
@@ -106,12 +131,14 @@ def figures():
     modules, loaded, wrapped = under_yade()
     graphs = [import_graph(PACKAGE), import_graph(ROOT / "studies")]
     units = unit_graph(graphs[0])
+    of_wheel, functions = statements(wheel)
     return [
-        ("Python in the wheel: lines", lines(wheel), 25_500),
+        ("Python in the wheel: statements", of_wheel, 14_800),
+        ("functions and classes", functions, 1_850),
         ("Python in the wheel: kB", round(sum(path.stat().st_size for path in wheel) / 1000), 900),
-        ("C++: lines", lines(path for path in source if "tests" not in path.parts), 5_300),
-        ("tests: lines of Python", lines(tests), 16_000),
-        ("studies: lines of Python", lines(studies), 8_000),
+        ("C++: lines", lines(path for path in source if "tests" not in path.parts), 6_100),
+        ("tests: statements", statements(tests)[0], "-"),
+        ("studies: statements", statements(studies)[0], "-"),
         ("a YADE script with one law: modules", modules, 45),
         ("a YADE script with one law: lines", loaded, 9_000),
         ("modules directly in demlaws", len(list(PACKAGE.glob("*.py"))), 14),
@@ -127,36 +154,15 @@ def figures():
     ]
 
 
-ROW = re.compile(r"^\| (?P<feature>[^|]+) \| `(?P<files>[^|]+)` \| *\d+ \| *\d+ \| (?P<why>[^|]*)\|$", re.MULTILINE)
-"""A feature in CONTRIBUTING's tables: its files, as patterns below demlaws/, tests/ or studies/ (with that name), its lines of
-Python and C++, why it is kept."""
-
-
-def by_feature():
-    """CONTRIBUTING with the lines of each feature counted again. SystemExit if a file belongs to no feature."""
-    wheel = set(files("demlaws/*.py", "demlaws/*.cpp", "demlaws/*.h"))
-    left = wheel | set(files("tests/*.py", "studies/*.py"))
-
-    def counted(row):
-        places = [(ROOT if p.startswith(("tests/", "studies/")) else PACKAGE, p) for p in row["files"].split()]
-        mine = wheel if row["files"] == "*" else {path for folder, p in places for path in folder.glob(p)} & left
-        left.difference_update(mine)
-        python = {path for path in mine if path.suffix == ".py"}
-        return f"| {row['feature']} | `{row['files']}` | {lines(python)} | {lines(mine - python)} | {row['why']}|"
-
-    text = ROW.sub(counted, CONTRIBUTING.read_text())
-    if left:
-        raise SystemExit(f"CONTRIBUTING's table has no feature for {', '.join(str(path) for path in left)}")
-    return text
-
-
 def main():
     """Print the figures, and which of them are above their goal."""
-    if "--write" in sys.argv:
-        CONTRIBUTING.write_text(by_feature())
     for what, figure, goal in figures():
-        above = isinstance(figure, int) and figure > goal
+        above = isinstance(figure, int) and isinstance(goal, int) and figure > goal
         print(f"{what:38}{figure:>9}   goal {goal:>6}{'   above' if above else ''}")
+    print(f"\n{'mechanism':38}{'statements':>11}{'names':>7}")
+    for mechanism, patterns in MECHANISMS.items():
+        paths = [path for pattern in patterns.split() for path in PACKAGE.glob(pattern)]
+        print(f"{mechanism:38}{statements(paths)[0]:>11}{statements(paths)[1]:>7}" if paths else f"{mechanism:38}{'gone':>11}")
 
 
 if __name__ == "__main__":

@@ -6,7 +6,7 @@ A number is marked by a comment behind it, which no reader sees:
     1.2–4.1 µm<!-- check: granite.seating 0.05 --> per decade
 
 The name stands for one value or for several, in which case the mark speaks of as many numbers before it; the tolerance is
-absolute, or with % relative to the number stated. `python tests/readme_check.py --list` prints names, values and commands.
+absolute, or with % relative to the number stated. `python tools/readme_check.py --list` prints names, values and commands.
 """
 
 import argparse
@@ -165,7 +165,7 @@ def fault(mark, known):
     """Why a mark cannot be read; empty if it can."""
     if not re.fullmatch(r"\d+(\.\d+)?(e-?\d+)?%?", mark.tolerance):
         return "write <!-- check: NAME TOLERANCE -->, the tolerance a number or a percentage"
-    return "" if mark.name in known else f"there is no check {mark.name!r}: see python tests/readme_check.py --list"
+    return "" if mark.name in known else f"there is no check {mark.name!r}: see python tools/readme_check.py --list"
 
 
 def deviation(mark, values):

@@ -1,8 +1,8 @@
 """Cost of a step in LIGGGHTS or LAMMPS: demlaws/table against the engine's own Hertz and shear, in a block of touching spheres.
 
-    python tests/benchmarks/bench_engines.py liggghts [--ranks 1 2] [--rounds 9] [--steps 300] [--sides 22 46] [--portable]
-    python tests/benchmarks/bench_engines.py lammps --laws "pohrt-popov, hertz unloading" --sides 46 --weak --ranks 1 2 4
-    python tests/benchmarks/bench_engines.py liggghts --sides 100 --ranks 2 --rounds 1        a million spheres
+    python tools/benchmarks/bench_engines.py liggghts [--ranks 1 2] [--rounds 9] [--steps 300] [--sides 22 46] [--portable]
+    python tools/benchmarks/bench_engines.py lammps --laws "pohrt-popov, hertz unloading" --sides 46 --weak --ranks 1 2 4
+    python tools/benchmarks/bench_engines.py liggghts --sides 100 --ranks 2 --rounds 1        a million spheres
 
 The block is a shaken simple cubic lattice in a periodic box (side³ spheres of three sizes, some 2 contacts each), so that no
 packing need settle first. Every sphere keeps its own velocity: contacts load, unload, open and close, the same ones under

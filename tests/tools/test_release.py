@@ -1,16 +1,12 @@
-"""`tests/machines/release.py`: files of a release, from made-up results of `make dist` and `make docs`."""
+"""`tools/machines/release.py`: files of a release, from made-up results of `make dist` and `make docs`."""
 
-import importlib.util
 import re
 import subprocess
 import zipfile
-from pathlib import Path
 
 import pytest
+import release
 
-SPEC = importlib.util.spec_from_file_location("release", Path(__file__).with_name("release.py"))
-release = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(release)
 NUMBER = release.version()
 
 

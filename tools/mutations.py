@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Mutation test: change one number or one condition of the package at a time and check that its tests notice.
 
-    python tests/mutations.py                           # all mutations: some twenty minutes on one core
-    python tests/mutations.py --only rms --only E*      # those whose names contain one of these texts
-    python tests/mutations.py --jobs 2
-    python tests/mutations.py --tests "test_report.py -k published_answer"  # is it noticed by the validation report?
-    python tests/mutations.py --list                    # the mutations, after a check that each matches its source
+    python tools/mutations.py                           # all mutations: some twenty minutes on one core
+    python tools/mutations.py --only rms --only E*      # those whose names contain one of these texts
+    python tools/mutations.py --jobs 2
+    python tools/mutations.py --tests "test_report.py -k published_answer"  # is it noticed by the validation report?
+    python tools/mutations.py --list                    # the mutations, after a check that each matches its source
 
 mutations.txt lists them. Most are 2 % of a coefficient, an exponent or a factor; the last group changes logic. Each names a
 source file, the changed expression in its context and the tests that must fail. Files and tests are looked up by name, so that

@@ -1,6 +1,6 @@
 """How often a fit's 95 % intervals hold the truth, and how often a law finds itself: 200 made-up sets of points per case.
 
-    python tests/benchmarks/bench_fit.py [--recovery] [--quick] [--sets N] [--only WORD]
+    python tools/benchmarks/bench_fit.py [--recovery] [--quick] [--sets N] [--only WORD]
 
 Also the cases of tests/advice/test_fit.py, which asks for the same of fewer sets.
 """

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Wheel and sdist in dist/, each installed and tried in clean environments outside the checkout: `make dist`.
 
-    python tests/machines/dist.py                     # build, then try on Python 3.10 and the newest that this machine has
-    python tests/machines/dist.py --python 3.12       # on others
+    python tools/machines/dist.py                     # build, then try on Python 3.10 and the newest that this machine has
+    python tools/machines/dist.py --python 3.12       # on others
 
 Pythons are looked for in the folders of pyenv, uv, GitHub and the system; one that is missing makes the exit status 1.
 Tried: versions agree, every file of the package that git knows is inside, a law, a table and an impact are computed, the

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What a maintainer with accounts uploads, in an empty folder: `make release`, after `make dist` and `make docs`.
 
-    python tests/machines/release.py --out release    # from dist/ and build/site
+    python tools/machines/release.py --out release    # from dist/ and build/site
 
 Wheel, sdist, site, tutorials as notebooks and scripts, release notes, CITATION.cff with version and date, SHA256SUMS. The
 version is that of demlaws/__init__.py; the notes are its section of CHANGELOG.md, or, with a warning, [Unreleased]. Nothing is

@@ -1,6 +1,6 @@
 """Cost of a batch compiled for processors of three generations, as CSV: `law.evaluate` over a copy kernel (batch.py).
 
-    python tests/benchmarks/targets.py [--targets x86-64-v2 haswell x86-64-v4] [--contacts 4000 4e6] [--rounds 5]
+    python tools/benchmarks/targets.py [--targets x86-64-v2 haswell x86-64-v4] [--contacts 4000 4e6] [--rounds 5]
 
 Columns: the case, then for each target and number of contacts the ratio of the fastest rounds, of a random mixture of virgin,
 unloading and separated contacts. 4,000 contacts stay in the processor's cache, 4e6 come from memory. A process for each target,
@@ -22,7 +22,7 @@ TARGETS = {"x86-64-v2": "sse4.2", "haswell": "avx2", "x86-64-v4": "avx512f"}
 def measure(sizes, rounds):
     """Case → ratio for each number of contacts, with this process's compiler."""
     here = Path(__file__).parent
-    sys.path[:0] = [str(here), str(here.parent)]
+    sys.path[:0] = [str(here), str(here.parents[1] / "tests")]
     import warnings
 
     import batch

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Another Debian release in a folder of this machine: README's commands and the engine tests there.
 
-    sudo python3 tests/machines/run.py debian-13                    # everything
-    sudo python3 tests/machines/run.py debian-sid --do granite      # only `make granite` on the bare system
-    sudo python3 tests/machines/run.py debian-sid --do granite make-test     # README's two commands, nothing else
-    sudo python3 tests/machines/run.py debian-13 --keep --do tests -- tests/engines/yade -k wall
+    sudo python3 tools/machines/run.py debian-13                    # everything
+    sudo python3 tools/machines/run.py debian-sid --do granite      # only `make granite` on the bare system
+    sudo python3 tools/machines/run.py debian-sid --do granite make-test     # README's two commands, nothing else
+    sudo python3 tools/machines/run.py debian-13 --keep --do tests -- tests/engines/yade -k wall
 
 A root is made by mmdebstrap with what `apt-get install git make` brings, the last commit is cloned in, and the steps run
 in a chroot: granite, then the engines' packages and the test venv, checks (`demlaws yade check`, … of
@@ -191,7 +191,7 @@ class Root:
     def make(self):
         """Make the bare system: mmdebstrap, then the one apt line of the README."""
         if os.geteuid():
-            raise NoRoot("this needs root: sudo python3 tests/machines/run.py …")
+            raise NoRoot("this needs root: sudo python3 tools/machines/run.py …")
         for tool, package in (("mmdebstrap", "mmdebstrap"), ("unshare", "util-linux"), ("git", "git")):
             if not shutil.which(tool):
                 raise NoRoot(f"no {tool} here: apt-get install {package}")
@@ -292,7 +292,7 @@ def steps(root, wanted, pytest_arguments):
     if "checks" in wanted:
         for engine in ("yade", "liggghts", "lammps"):
             plan.append((f"demlaws {engine} check", functools.partial(must, root, ".venv/bin/demlaws", engine, "check")))
-        row = functools.partial(must, root, ".venv/bin/python", "tests/machines/versions.py")
+        row = functools.partial(must, root, ".venv/bin/python", "tools/machines/versions.py")
         plan.append(("versions, first plot of the wheel", row))
     if "tests" in wanted:
         tests = pytest_arguments or ["tests/engines"]

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """A row of the table of tested systems in docs/machines.md: versions, and whether a wheel draws its first plot.
 
-    .venv/bin/python tests/machines/versions.py                       # the venv's numpy and numba, the installed engines
-    python3.13 tests/machines/versions.py --newest                    # newest numpy and numba of PyPI instead, without engines
+    .venv/bin/python tools/machines/versions.py                       # the venv's numpy and numba, the installed engines
+    python3.13 tools/machines/versions.py --newest                    # newest numpy and numba of PyPI instead, without engines
 
 The wheel is built from this checkout, installed into a fresh environment with matplotlib, and docs/gallery/quickstart.py is run
 there. Exit status 1 if it draws no picture. Standard library only.

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """LAMMPS built statically from Debian's source package with the models in it, and the engine tests with that program.
 
-    python3 tests/machines/lammps_source.py                   # make lammps-source
-    python3 tests/machines/lammps_source.py --shared          # the plugin is tested beside it in the same release
-    python3 tests/machines/lammps_source.py --only-build      # prints the path of the program
-    python3 tests/machines/lammps_source.py -- -k restart     # further arguments of pytest
+    python3 tools/machines/lammps_source.py                   # make lammps-source
+    python3 tools/machines/lammps_source.py --shared          # the plugin is tested beside it in the same release
+    python3 tools/machines/lammps_source.py --only-build      # prints the path of the program
+    python3 tools/machines/lammps_source.py -- -k restart     # further arguments of pytest
 
 The source is that of Debian sid, found with apt's own signatures and without a change to this system's lists. It is kept
 with the build in a folder of the cache: the first build takes 5 to 10 minutes on one core, one after a change here half a

@@ -1,9 +1,9 @@
 """Ratios of interleaved timings, compared with the stored ones: `make bench`.
 
-    python tests/benchmarks/ratios.py [--only kernels start ...] [--every] [--keep] [--contacts 4e6] [--rounds 9]
+    python tools/benchmarks/ratios.py [--only kernels start ...] [--every] [--keep] [--contacts 4e6] [--rounds 9]
 
 Times depend on the machine and on what else it does, ratios to a peer in the same run much less. Each ratio comes with its
-noise: by how much the first and the second half of the rounds disagree. tests/benchmarks/ratios.json holds, by machine, what
+noise: by how much the first and the second half of the rounds disagree. tools/benchmarks/ratios.json holds, by machine, what
 was measured last with --keep; a ratio that is larger by more than 3 % beyond the noise of both is printed as SLOWER, one
 above its goal as a miss. Nothing here fails: the suite has no timing in it.
 
@@ -46,6 +46,7 @@ import bench_engines
 import bench_fit
 
 FILE = Path(__file__).with_name("ratios.json")
+BALLAST = FILE.parents[2] / "tests" / "data" / "ballast.toml"
 ALLOWED = 0.03
 
 
@@ -155,7 +156,11 @@ def waits(contacts, rounds, every=False):
         commands = {
             "a force and a plot": (8.0, 1.5, ["-c", PLOT]),
             "fit of all laws to 60 points": (6.0, 2.0, ["-c", FIT.format(file=str(file))]),
-            "choose on ballast.toml": (8.0, 2.0, ["-m", "demlaws", "choose", str(FILE.parents[1] / "data" / "ballast.toml")]),
+            "choose on ballast.toml": (
+                8.0,
+                2.0,
+                ["-m", "demlaws", "choose", str(BALLAST)],
+            ),
         }
         for name, (cold, warm, command) in commands.items():
             taken = []
