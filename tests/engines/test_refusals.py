@@ -8,6 +8,8 @@ from spheres import ROUGH, both, save_law, spheres
 
 import demlaws as dl
 
+pytestmark = pytest.mark.releases
+
 PRESS = [(-0.2, 0, 1000)]
 GRAN = "model demlaws/table tangential history"
 WALL = f"fix floor all wall/gran {GRAN} primitive type 1 zplane -0.01 "

@@ -11,6 +11,8 @@ from spheres import ROUGH, SHEARED, save_law, sheared_along
 import demlaws as dl
 from demlaws.lammps.check import WALL, follow
 
+pytestmark = pytest.mark.releases
+
 
 @pytest.mark.parametrize(
     "wall, caps, side, curved",

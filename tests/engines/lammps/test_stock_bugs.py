@@ -5,6 +5,8 @@ import pytest
 from inputs import LOAD_UNLOAD, moves_of
 from inputs_for_lammps import HEAD, STOCK, TABLE, continued, refused, simulate, two_spheres
 
+pytestmark = pytest.mark.releases
+
 
 @pytest.mark.slow
 def test_cut_off_after_a_restart(folder, monkeypatch):

@@ -10,6 +10,8 @@ from inputs_for_liggghts import simulate, two_spheres
 import demlaws as dl
 from demlaws.make import example
 
+pytestmark = pytest.mark.releases
+
 LOAD_UNLOAD = [(-0.2, 0, 5000), (0.2, 0, 3000), (-0.2, 0, 4000), (0.2, 0, 9000), (-0.2, 0, 4000)]
 GRAN = "pair_style gran model demlaws/table tangential history "
 

@@ -13,6 +13,8 @@ from demlaws import yade as dy
 from demlaws.errors import DemlawsError
 from demlaws.solvers.ellipsoid import shape_factors
 
+pytestmark = pytest.mark.releases
+
 R = 0.01
 
 

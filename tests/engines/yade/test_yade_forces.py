@@ -28,6 +28,8 @@ from demlaws.core.unloading import GIVEN, RULES
 from demlaws.laws.registry import find
 from demlaws.make import example
 
+pytestmark = pytest.mark.releases
+
 TOLERANCE = 1e-14
 REFUSED = [("bahrami", rule) for rule in RULES if rule != "elastic"]
 SLOW = [("asperity", GIVEN)]  # to make, not to run

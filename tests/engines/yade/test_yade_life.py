@@ -26,6 +26,8 @@ from yade_scenes import (
 
 import demlaws as dl
 
+pytestmark = pytest.mark.releases
+
 HERE = Path(__file__).parent
 ROUNDING = 1e-13
 """Positions [m] in a box of 0.1 m after 500 steps; loading changes the order in which forces are summed."""

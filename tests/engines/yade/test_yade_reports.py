@@ -30,6 +30,8 @@ import demlaws as dl
 from demlaws import yade as dy
 from studies.extremes import extremes, report
 
+pytestmark = pytest.mark.releases
+
 ROOT = Path(__file__).parents[3]
 
 

@@ -13,7 +13,7 @@ from yade_scenes import engine_list, functor, interaction_loop, material, sphere
 from demlaws import yade as dy
 
 RADIUS = 0.01
-pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")
+pytestmark = [pytest.mark.releases, pytest.mark.filterwarnings("ignore::UserWarning")]
 
 
 def _grid(corners, closed=False):

@@ -22,6 +22,8 @@ from demlaws.yade.shear import SPRINGS
 from studies.validation import engines
 from studies.validation.jobs import collision_jobs
 
+pytestmark = pytest.mark.releases
+
 CHOICES = ("elastic", "loading")
 RADIUS = 0.01
 MODULUS = YOUNG / (1 - POISSON**2) / 2
