@@ -6,7 +6,7 @@ import tempfile
 
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.output import output
-from studies.cases import ENGINES, ballast, compression, impact, waves
+from studies.cases import ENGINES, ballast, chain, compression, impact, waves
 
 
 def parser():
@@ -14,14 +14,14 @@ def parser():
     parser = Parser(
         prog="python -m studies.cases",
         description="Runs a case and prints its table: impact (in Python and each engine, 20 s), compression (LIGGGHTS, "
-        "2 minutes), ballast (4 minutes), waves (LAMMPS, a minute).",
+        "2 minutes), ballast (4 minutes), waves (LAMMPS, a minute), chain (each engine, a minute).",
         **example("  python -m studies.cases ballast --engine lammps -np 2 --rows settlement.csv"),
     )
-    parser.add_argument("case", choices=("impact", "compression", "ballast", "waves"))
+    parser.add_argument("case", choices=("impact", "compression", "ballast", "waves", "chain"))
     parser.add_argument("--engine", choices=ENGINES, default="liggghts", help="engine of ballast (default: liggghts)")
     parser.add_argument("--quick", action="store_true", help="a small bed or packing, one pressure")
     parser.add_argument("-np", type=int, default=1, help="number of MPI ranks of ballast and waves (default: 1)")
-    parser.add_argument("--rows", type=output, help="CSV of the curves, as docs/gallery draws them (not of impact)")
+    parser.add_argument("--rows", type=output, help="CSV of the curves, as docs/gallery draws them (not of impact, chain)")
     parser.set_defaults(func=run)
     return parser
 
@@ -38,6 +38,8 @@ def run(arguments):
         elif arguments.case == "waves":
             found = waves.waves(folder, (100,) if arguments.quick else (10, 100), arguments.np)
             lines, rows = waves.table(found), waves.rows(found)
+        elif arguments.case == "chain":
+            lines, rows = chain.table(chain.compare(folder)), None
         else:
             lines, rows = impact.table(impact.compare(folder)), None
         print("\n".join(lines))

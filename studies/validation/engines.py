@@ -1,10 +1,12 @@
 """Rows that engines compute: impacts, restitution, regular arrays."""
 
 import math
+import tempfile
 
 import numpy as np
 
 from demlaws.laws import HERTZ
+from studies.cases import chain
 from studies.engines import available, under_yade
 from studies.validation import lammps_tests
 from studies.validation.in_lammps import answer as in_lammps
@@ -208,6 +210,18 @@ def packing_rows(engine, jobs, found):
             yield between(what, 0.45, 0.60, float(np.mean(values)), "sands", note=note, where=engine)
 
 
+def chain_rows(engine, name):
+    """Rows of a small wave in a chain of beads in an engine: its speed, and the exponent of the speed over the force."""
+    with tempfile.TemporaryDirectory() as folder:
+        found = chain.measured(name, folder, (chain.FORCES[0], chain.FORCES[-1]))
+    for (first, slow), (last, fast) in zip(found[::2], found[1::2], strict=True):
+        label = f"chain of 80 beads, {first.law}"
+        wanted = math.log(last.expected / first.expected) / math.log(last.force / first.force)
+        exponent = math.log(fast / slow) / math.log(last.force / first.force)
+        yield near(f"{label}: speed at {first.force:g} N", first.expected, slow, 0.015, "coste", unit="m/s", where=engine)
+        yield near(f"{label}: exponent of the speed over the force", wanted, exponent, 0.01, "coste", where=engine)
+
+
 def rows(packing=True):
     """Group, row of every engine; a missing engine gives one row with the reason."""
     for engine, (name, ask) in ENGINES.items():
@@ -226,5 +240,6 @@ def rows(packing=True):
             asked += [("Random packing", packing_jobs(), packing_rows)] if packing else []
         for group, jobs, rows_of in asked:
             yield from ((group, row) for row in rows_of(engine, jobs, ask(jobs)))
+        yield from (("Wave in a chain", row) for row in chain_rows(engine, name))
         if name == "lammps":
             yield from (("LAMMPS's own tests", row) for row in lammps_tests.rows())

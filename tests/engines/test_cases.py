@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import demlaws as dl
-from studies.cases import ENGINES, ROOT, ballast, compression, impact, prepared, run_input, waves
+from studies.cases import ENGINES, ROOT, ballast, chain, compression, impact, prepared, run_input, waves
 
 GRANITE = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9)
 CASES = {engine: sorted(path.name for path in (ROOT / f"{engine}_inputs").iterdir() if path.is_dir()) for engine in ENGINES}
@@ -29,7 +29,7 @@ def check_path(log, path):
 
 
 def test_each_case_has_a_readme_and_is_listed():
-    assert {engine: len(cases) for engine, cases in CASES.items()} == {"liggghts": 9, "lammps": 9}
+    assert {engine: len(cases) for engine, cases in CASES.items()} == {"liggghts": 10, "lammps": 10}
     for engine, cases in CASES.items():
         listing = (ROOT / f"{engine}_inputs" / "README.md").read_text()
         for case in cases:
@@ -208,3 +208,14 @@ def test_waves(engine, tmp_path):
     for wave in found:
         assert wave.speed == pytest.approx(wave.static, rel=0.02)
     assert len(list(waves.table(found))) == 3 and {len(row) for row in waves.rows(found)} == {3 + found[0].places.size}
+
+
+@pytest.mark.parametrize("engine", ["yade", *ENGINES])
+def test_wave_in_a_chain(engine, tmp_path):
+    """Speed D √(K/m) at two forces, and so its exponent: 1/6 with hertz, 0.285 with pohrt-popov at Df 2.22."""
+    forces = (0.805, 8.05)
+    found = chain.measured(engine, tmp_path, forces)
+    assert all(speed == pytest.approx(one.expected, rel=5e-3) for one, speed in found)
+    speeds = [speed for _, speed in found]
+    slopes = [np.log(fast / slow) / np.log(10.0) for slow, fast in (speeds[:2], speeds[2:])]
+    assert slopes == pytest.approx([1 / 6, 0.5 * 0.2567 * 2.22], abs=1e-3)

@@ -18,6 +18,7 @@ SCRIPTS = Path(__file__).parents[3] / "yade_scripts"
 SAID = {
     "two_spheres": "largest error",
     "impact": "rebound/impact",
+    "chain": "pohrt-popov: speed ∝ F^0.28",
     "facet_and_wall": "combined roughness",
     "save_load": "O.load in a new process",
     "ballast": "exponent n of bulk stiffness",
