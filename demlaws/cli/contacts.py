@@ -3,8 +3,9 @@
 from pathlib import Path
 
 from demlaws.cli import example
+from demlaws.cli.contact import add_law_arguments, law_from
 from demlaws.cli.output import Output, record, say, write_csv
-from demlaws.cli.timestep import contacts_of_dump, frames
+from demlaws.cli.timestep import contacts_of_dump, frames, stiffness_of_dump
 from demlaws.errors import DemlawsError
 
 
@@ -12,10 +13,15 @@ def register(add):
     """Add this command."""
     parser = add(
         description="Lists the contacts of a dump: bodies, overlap, normal force, largest and plastic overlap, which have "
-        "yielded (keep a plastic overlap) and, of LAMMPS, stored and dissipated energy. GRAINS is a dump of the grains of "
+        "yielded (keep a plastic overlap) and, of LAMMPS, stored and dissipated energy; with --law and the contact without "
+        "radii also stiffness, contact radius and conductance over conductivity. GRAINS is a dump of the grains of "
         "LIGGGHTS or LAMMPS, CONTACTS the local dump of their contacts; the last frame is used. --vtk writes lines between the "
         'centres with these columns. In YADE: law.contacts().save("contacts.vtp").',
-        **example("  demlaws contacts post/grains.5000.txt post/contacts.5000.txt --vtk contacts.vtp"),
+        **example(
+            "  demlaws contacts post/grains.5000.txt post/contacts.5000.txt --vtk contacts.vtp\n"
+            "  demlaws contacts post/grains.5000.txt post/contacts.5000.txt --law pohrt-popov --unloading hertz \\\n"
+            "      --young 60.6GPa --poisson 0.25 --roughness 1.7um --fractal-dimension 2.22 --csv contacts.csv"
+        ),
     )
     parser.add_argument("snapshot", type=Path, metavar="GRAINS", help="dump with id x y z radius")
     parser.add_argument("contacts", type=Path, metavar="CONTACTS", help="local dump with ids and normal force")
@@ -30,6 +36,7 @@ def register(add):
     parser.add_argument("--plastic-overlap", type=int, metavar="N", help="column of the plastic overlap (p14)")
     parser.add_argument("--vtk", type=Output(), metavar="FILE", help="write lines for ParaView: .vtp, .vtu or .vtk")
     parser.add_argument("--csv", type=Output(), metavar="FILE", help="write all columns as CSV")
+    add_law_arguments(parser, law_required=False)
     parser.set_defaults(func=run)
 
 
@@ -82,6 +89,8 @@ def read(arguments):
     first = centres[pairs[:, 0]]
     bodies = atoms["id"].astype(int)[pairs]
     effective = 1.0 / np.sum(1.0 / radius, axis=1)
+    if arguments.law is not None and len(pairs):
+        known |= _stiffnesses(arguments, effective, force, known.get("maximum_overlap"), overlap, rounding)
     if "plastic_overlap" in known:
         known["yielded"] = known["plastic_overlap"] > 0.0
     if "maximum_overlap" in known:
@@ -89,3 +98,18 @@ def read(arguments):
     return Contacts(
         bodies[:, 0], bodies[:, 1], overlap, force, radius=effective, **known, centre1=first, centre2=first - between
     )
+
+
+def _stiffnesses(arguments, radius, force, largest, overlap, rounding):
+    """Stiffness and modulus of the contacts by the law that the arguments name; without them if the history is not known."""
+    import numpy as np
+
+    arguments.effective_radius = radius
+    law = law_from(arguments)
+    stiffness, history, note = stiffness_of_dump(arguments.contacts, law, force, largest, overlap, rounding)
+    if note:
+        say(note)
+    if history == "stiffest":
+        say("stiffness: not known without the largest overlap of each contact (--largest-overlap)")
+        return {}
+    return {"stiffness": stiffness, "modulus": np.broadcast_to(law.contact.modulus, stiffness.shape).copy()}

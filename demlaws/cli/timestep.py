@@ -249,9 +249,7 @@ def _from_dumps(arguments):
         return Snapshot(pairs, normals, np.zeros((0, 2)), mass, None, rayleigh, None, "none")
     arguments.effective_radius = 1.0 / np.sum(1.0 / radius[pairs], axis=1)
     law = law_from(arguments)
-    compared = _compare(arguments.contacts, law, force, largest, overlap, rounding)
-    stiffness, history, note = _stiffness(law, force, largest, overlap, rounding)
-    note = "; ".join(filter(None, (compared, note)))
+    stiffness, history, note = stiffness_of_dump(arguments.contacts, law, force, largest, overlap, rounding)
     blocked = np.zeros((len(mass), 6), bool)
     blocked[:, 3:] = arguments.no_rotation
     springs = np.stack([stiffness, ratio * stiffness], axis=1)
@@ -369,6 +367,13 @@ def _ratio_and_rayleigh(arguments, kinds):
     if arguments.friction is not None and number(arguments.friction, "--friction", "", 0.0, allow_low=True) == 0.0:
         ratio = 0.0
     return ratio, rayleigh
+
+
+def stiffness_of_dump(path, law, force, largest, overlap, rounding):
+    """Tangents [N/m] of the contacts of a dump, what is known of their history, and notes on contradictions."""
+    compared = _compare(path, law, force, largest, overlap, rounding)
+    stiffness, history, note = _stiffness(law, force, largest, overlap, rounding)
+    return stiffness, history, "; ".join(filter(None, (compared, note)))
 
 
 def _compare(path, law, force, largest, overlap, rounding):

@@ -31,6 +31,8 @@ COLUMNS = {
         "whether the bulk has yielded since the bodies touched; of a law without a yield point, whether the contact has "
         "dissipated energy",
     ),
+    "contact_radius": ("m", "radius a = K/(2E*) of the contact area, exact for elastic laws"),
+    "conductance": ("m", "conductance of heat or current between the bodies over their conductivity, K/E* = 2a"),
     "sliding": ("", "whether the shear force is at Coulomb's limit"),
     "shear_force": ("N", "shear force"),
     "shear_stored": ("J", "energy that the springs of shear return"),
@@ -73,6 +75,22 @@ class Contacts(Tabular):
     viscous: np.ndarray | None = None
     centre1: np.ndarray | None = None
     centre2: np.ndarray | None = None
+
+    @property
+    def contact_radius(self) -> np.ndarray | None:
+        """a = K/(2E*) [m] of the contact area: exact for elastic contacts of axisymmetric bodies, rough ones included.
+
+        None where stiffness or modulus is not known.
+        """
+        return None if self.stiffness is None or self.modulus is None else 0.5 * self.stiffness / self.modulus
+
+    @property
+    def conductance(self) -> np.ndarray | None:
+        """Conductance of the contact over the conductivity k of the bodies [m]: K/E* (Barber 2003, Proc. R. Soc. A 459, 53).
+
+        Times k [W/(m K)] it is W/K; k of two materials is 2 k1 k2/(k1 + k2). None where stiffness or modulus is not known.
+        """
+        return None if self.stiffness is None or self.modulus is None else self.stiffness / self.modulus
 
     def __len__(self) -> int:
         return len(self.body1)

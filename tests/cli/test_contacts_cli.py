@@ -2,14 +2,19 @@
 
 import csv
 import json
+from pathlib import Path
 
+import numpy as np
 import pytest
 
+import demlaws as dl
 from demlaws.cli import main
 from demlaws.cli.output import Output
 from demlaws.cli.timestep import LAMMPS_CASE, LIGGGHTS_CASE
 from demlaws.errors import DemlawsError
+from demlaws.responses.contacts import Contacts
 
+DATA = Path(__file__).parents[1] / "data" / "dumps"
 RADIUS, FIRST, BOX = 4e-3, 0.123456789012, "-1 1\n-1 1\n-1 1"
 
 
@@ -98,3 +103,40 @@ def test_lines_of_this_command_are_overwritten_and_no_others(tmp_path):
     file.write_text('<VTKFile type="PolyData"><DataArray Name="pressure">')
     with pytest.raises(DemlawsError):
         Output().check(file)
+
+
+def test_stiffness_and_conductance_by_the_law(tmp_path, capsys):
+    """K of the law at the dump's forces; a = K/(2E*), conductance over conductivity K/E*."""
+    grains, contacts = (str(DATA / name) for name in ("grains.txt", "contacts-lammps.txt"))
+    contact = ["--young", "60.6GPa", "--poisson", "0.25"]
+    assert main(["contacts", grains, contacts, "--law", "hertz", *contact, "--csv", str(tmp_path / "x.csv")]) == 0
+    found, modulus = table(tmp_path / "x.csv"), 0.5 * 60.6e9 / (1 - 0.25**2)
+    force, radius = np.array(found["force (N)"]), np.array(found["radius (m)"])
+    expected = (6.0 * force * radius * modulus**2) ** (1 / 3)
+    assert len(force) > 100 and found["modulus (Pa)"] == pytest.approx([modulus] * len(force), rel=1e-6)
+    assert found["stiffness (N/m)"] == pytest.approx(expected, rel=1e-6)
+    assert found["contact_radius (m)"] == pytest.approx((0.75 * force * radius / modulus) ** (1 / 3), rel=1e-6)
+    assert found["conductance (m)"] == pytest.approx(expected / modulus, rel=1e-6)
+    capsys.readouterr()
+    rough = ["--law", "pohrt-popov", *contact, "--csv", str(tmp_path / "y.csv")]
+    assert main(["contacts", grains, contacts, *rough]) == 2  # without a fractal dimension
+    assert "fractal" in capsys.readouterr().err and not (tmp_path / "y.csv").exists()
+
+
+def test_conductance_is_that_of_the_heat_model_of_lammps():
+    """Two rough beads of 17.4 mm at 8 N, k = 3 W/(m K): 3.503e-4 W/K; of contacts of which no stiffness is known none."""
+    law = dl.law("pohrt-popov", dl.Contact(4.35e-3, 32.32e9, 1.7e-6 * 2**0.5, 2.22))
+    overlap = law.overlap(8.0)
+    one = Contacts(
+        np.array([1]),
+        np.array([2]),
+        np.array([overlap]),
+        np.array([8.0]),
+        stiffness=np.array([law.stiffness(overlap)]),
+        modulus=np.array([32.32e9]),
+    )
+    assert 3.0 * one.conductance == pytest.approx([3.503e-4], rel=1e-3)
+    assert one[0].contact_radius == pytest.approx(0.5 * one.conductance)
+    assert {"conductance (m)", "contact_radius (m)"} <= set(one.columns())
+    bare = Contacts(one.body1, one.body2, one.overlap, one.force)
+    assert bare.conductance is None and "contact_radius (m)" not in bare.columns()

@@ -291,6 +291,7 @@ def test_right_at_once_after_loading(omega, tmp_path):
     omega.load(str(tmp_path / "x.yade"))
     assert law.totals() == totals
     assert law.contacts().force == pytest.approx(state.force, rel=1e-14)
+    assert state.conductance == pytest.approx(state.stiffness / state.modulus)
     assert builtins.demlaws is law and type(omega.engines[2].lawDispatcher.functors[0]) is type(law)
     again = functor()
     set_engines(again, 1e-9)  # load, then define the engines: YADE's standard way
