@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from demlaws.errors import DemlawsError, did_you_mean, refuses_unknown_keywords, warn
+from demlaws.errors import DemlawsError, MissingQuantity, did_you_mean, refuses_unknown_keywords, warn
 from demlaws.units import RANGES, as_float, judge, number, outside, positive, refuse, refuse_plain_radius
 
 PER_CONTACT = ("radius", "modulus", "roughness")
 """Fields of a `Contact` that may have one entry per contact."""
-_OPTIONAL = ("fractal_dimension", "hardness", "density", "edge_radius")
+SIZES = ("radius", "modulus", "sigma")
+"""Of a contact, on which the curve of a law with given options depends besides Df and hardness."""
+_OPTIONAL = ("roughness", "fractal_dimension", "hardness", "density", "edge_radius")
 LOWEST_HARDNESS = 1e-6
 """Hardness or yield pressure over effective modulus below which one of them is in another unit: sodium's 1e-4 is the least."""
 HIGHEST_HARDNESS = 10.0
@@ -65,8 +67,8 @@ def effective_radius(radius1: Any, radius2: Any) -> Any:
 
 
 def combined_roughness(roughness1: Any, roughness2: Any) -> Any:
-    """σ = √(Sq1² + Sq2²) [m]."""
-    return np.hypot(roughness1, roughness2)
+    """σ = √(Sq1² + Sq2²) [m]; None where one of them is not given."""
+    return None if roughness1 is None or roughness2 is None else np.hypot(roughness1, roughness2)
 
 
 class Unknown(str):
@@ -89,7 +91,7 @@ class Material:
     density : float or str, optional
         Density [kg/m³], required where mass matters.
     surface : Surface, optional
-        Usual surface of bodies of this material, taken where no other is given (default: smooth).
+        Usual surface of bodies of this material, taken where no other is given.
 
     Raises
     ------
@@ -138,8 +140,8 @@ class Surface:
 
     Parameters
     ----------
-    roughness : float or str
-        Rms roughness Sq of this surface [m]; 0 is smooth.
+    roughness : float or str, optional
+        Rms roughness Sq of this surface [m], required by laws of rough contacts; 0 is smooth.
     fractal_dimension : float, optional
         Fractal dimension Df, 2 to 3; Hurst exponent H = 3 - Df.
     hardness : float or str, optional
@@ -160,7 +162,7 @@ class Surface:
     (5.0, 2.3, 5000000000.0)
     """
 
-    roughness: float = 0.0
+    roughness: float | None = None
     fractal_dimension: float | None = None
     hardness: float | None = None
     edge_radius: float | None = None
@@ -169,7 +171,7 @@ class Surface:
 
         def __init__(
             self,
-            roughness: float | str = 0.0,
+            roughness: float | str | None = None,
             fractal_dimension: float | None = None,
             hardness: float | str | None = None,
             edge_radius: float | str | None = None,
@@ -181,7 +183,8 @@ class Surface:
     def combined(self, other: "Surface") -> "Surface":
         """The surface that, against a smooth flat, is equivalent to this one against `other`.
 
-        σ = √(Sq1² + Sq2²); Df is the mean of the two (our choice: the papers do not say), the hardness the lower one.
+        σ = √(Sq1² + Sq2²) where both are given, Df is the mean of the two (our choice: the papers do not say), the hardness the
+        lower one.
 
         Parameters
         ----------
@@ -238,7 +241,7 @@ class Contact:
 
     radius: float | np.ndarray
     modulus: float | np.ndarray
-    roughness: float | np.ndarray = 0.0
+    roughness: float | np.ndarray | None = None
     fractal_dimension: float | None = None
     hardness: float | None = None
 
@@ -248,7 +251,7 @@ class Contact:
             self,
             radius: ArrayLike,
             modulus: ArrayLike,
-            roughness: ArrayLike = 0.0,
+            roughness: ArrayLike | None = None,
             fractal_dimension: float | None = None,
             hardness: float | str | None = None,
         ) -> None: ...
@@ -266,7 +269,7 @@ class Contact:
                 "(0.42 E* where a = R), so that nothing deforms plastically; give the hardness of the softer body in Pa"
             )
         # the relatively roughest contact and the largest one
-        radius, roughness = (np.atleast_1d(v) for v in np.broadcast_arrays(self.radius, self.roughness))
+        radius, roughness = (np.atleast_1d(v) for v in np.broadcast_arrays(self.radius, self.sigma))
         for place in {int(np.argmax(roughness / radius)), int(np.argmax(radius))} if radius.size else ():
             for text in refuse(radius=float(radius[place]), roughness=float(roughness[place])):
                 warn(text)
@@ -298,7 +301,8 @@ class Contact:
         radius1, radius2 : float, str or ndarray
             Radii of the spheres [m]; inf is a flat.
         roughness1, roughness2 : float, str or ndarray, optional
-            Rms roughness Sq of each surface [m]; default: that of the material's `surface`, 0 if it has none.
+            Rms roughness Sq of each surface [m]; default: that of the material's `surface`. Where one of the two is not known,
+            the contact has no roughness: a law that uses it raises an error.
         fractal_dimension : float, optional
             Fractal dimension Df, 2 to 3; default: the mean of the materials' surfaces.
         hardness : float or str, optional
@@ -318,7 +322,7 @@ class Contact:
         roughness1 = first.roughness if roughness1 is None else roughness1
         roughness2 = second.roughness if roughness2 is None else roughness2
         values = _lengths_of(radius1=radius1, radius2=radius2, roughness1=roughness1, roughness2=roughness2)
-        radius1, radius2, roughness1, roughness2 = values.values()
+        radius1, radius2 = values["radius1"], values["radius2"]
         if np.any(np.isinf(radius1) & np.isinf(radius2)):
             raise DemlawsError("radius1 and radius2 are both inf: two flats have no Hertz contact; give one a radius in m")
         if fractal_dimension is None:
@@ -328,7 +332,7 @@ class Contact:
         combined = {
             "radius": effective_radius(radius1, radius2),
             "modulus": effective_modulus(material1, material2),
-            "roughness": combined_roughness(roughness1, roughness2),
+            "roughness": combined_roughness(values.get("roughness1"), values.get("roughness2")),
         }
         try:
             return cls(**combined, fractal_dimension=fractal_dimension, hardness=hardness)
@@ -341,22 +345,27 @@ class Contact:
     @property
     def size(self) -> int | None:
         """Number of contacts, or None for a single one."""
-        shape = np.broadcast_shapes(np.shape(self.radius), np.shape(self.modulus), np.shape(self.roughness))
+        shape = np.broadcast_shapes(np.shape(self.radius), np.shape(self.modulus), np.shape(self.sigma))
         return shape[0] if shape else None
 
     @property
+    def sigma(self) -> float | np.ndarray:
+        """σ [m] for laws of smooth contacts, whose curve does not depend on it: the roughness, 0 where none is given."""
+        return 0.0 if self.roughness is None else self.roughness
+
+    @property
     def is_smooth(self) -> bool | np.ndarray:
-        """Whether the roughness is at most SMOOTHEST times the radius: no effect in double precision; one entry per contact."""
+        """Whether the roughness is at most SMOOTHEST times the radius, or not given: no effect in double precision."""
         from demlaws.core.loops import SMOOTHEST
 
-        smooth = np.asarray(self.roughness) <= SMOOTHEST * np.asarray(self.radius)
+        smooth = np.asarray(self.sigma) <= SMOOTHEST * np.asarray(self.radius)
         return bool(smooth) if smooth.ndim == 0 else smooth
 
     def representatives(self) -> list[int]:
         """Indices of the contacts used by checks: the relatively smoothest, the roughest and the middle one of an array."""
         if self.size is None:
             return [0]
-        order = np.argsort(np.broadcast_to(self.roughness, self.size) / self.radius)
+        order = np.argsort(np.broadcast_to(self.sigma, self.size) / self.radius)
         return sorted({int(order[0]), int(order[order.size // 2]), int(order[-1])})
 
     def with_values(self, **changes: Any) -> "Contact":
@@ -390,6 +399,8 @@ class Contact:
         -------
         float or ndarray
         """
+        if self.roughness is None:
+            raise MissingQuantity("the roughness parameter α", "roughness")
         return self.roughness / smooth_overlap(self, positive(force, "force", "N"))
 
 
@@ -411,7 +422,7 @@ def pressure_of(contact: Contact, value: Any, name: str) -> float:
 
 
 def surface_of(material: Material) -> Surface:
-    """The material's surface; smooth if it has none. DemlawsError if its roughness is not known."""
+    """The material's surface, of which nothing is known if it has none. DemlawsError if no text gives its roughness."""
     if isinstance(material.surface, Unknown):
         raise DemlawsError(str(material.surface))
     return material.surface or Surface()
@@ -431,9 +442,11 @@ def _surface_in(name: str, material: Any, roughness: Any) -> Surface:
 
 
 def _lengths_of(**lengths: Any) -> dict[str, np.ndarray]:
-    """Radii and roughnesses [m] of two bodies as arrays; DemlawsError for inadmissible values."""
+    """Radii and roughnesses [m] of two bodies as arrays, without those not given; DemlawsError for inadmissible values."""
     values = {}
     for name, length in lengths.items():
+        if length is None and not name.startswith("radius"):
+            continue
         is_radius = name.startswith("radius")
         if is_radius:
             refuse_plain_radius(name, length)

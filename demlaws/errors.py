@@ -24,6 +24,29 @@ class NotPassive(DemlawsError):
     """A law and an unloading rule that would return more work than was done on loading."""
 
 
+class MissingQuantity(DemlawsError):
+    """A law, or a criterion, uses a quantity of the contact that is not given; for a roughness 0 is a value, too: smooth.
+
+    >>> dl.law("rms", dl.Contact(radius=4e-3, modulus=32e9))
+    Traceback (most recent call last):
+    demlaws.errors.MissingQuantity: law 'rms' needs the contact's roughness, which is not given: give ...
+    """
+
+    def __init__(self, user: str, quantity: str) -> None:
+        super().__init__(user, quantity)
+        self.user, self.quantity = user, quantity
+
+    def __str__(self) -> str:
+        """For Python: what is missing and where it is given."""
+        both = " (Contact.between: roughness1=... and roughness2=...)" if self.quantity == "roughness" else ""
+        return self.given_by(f"Contact(..., {self.quantity}=...){both}")
+
+    def given_by(self, place: str) -> str:
+        """The message for users who give the quantity by `place`: an option, a line of a file."""
+        smooth = ", 0 for smooth surfaces" if self.quantity == "roughness" else ""
+        return f"{self.user} needs the contact's {self.quantity}, which is not given: give {place}{smooth}"
+
+
 class EngineStopped(DemlawsError):
     """An engine stopped with an error while it ran an input."""
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from demlaws.contact import PER_CONTACT, Contact, as_contact
+from demlaws.contact import SIZES, Contact, as_contact
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.curves.closed import ClosedForm
 from demlaws.errors import DemlawsError, did_you_mean
@@ -52,9 +52,6 @@ def law(name: str, contact: Contact, unloading: str | os.PathLike | Law | None =
     """
     definition = find(name)
     as_contact(contact)
-    for field in definition.needs:
-        if getattr(contact, field) is None:
-            raise DemlawsError(f"law {name!r} needs the contact's {field}: give Contact(..., {field}=...)")
     rule = definition.default_unloading if unloading is None else unloading
     return join(contact, ClosedForm(definition, contact, options), rule)
 
@@ -75,7 +72,7 @@ def rebound(unloading, contact):
     """Unloading for another contact: a rule as it is, a law as the same law there, a table that collapses likewise."""
     if not isinstance(unloading, Law):
         return unloading
-    if all(np.allclose(getattr(unloading.contact, n), getattr(contact, n), rtol=1e-6, atol=0.0) for n in PER_CONTACT):
+    if all(np.allclose(*(getattr(c, n) for c in (unloading.contact, contact)), rtol=1e-6, atol=0.0) for n in SIZES):
         return unloading
     return unloading.for_unloading(contact)
 
@@ -92,7 +89,7 @@ def example_curve(name, contact, **options):
     The law itself on surfaces a quarter as rough (what first loading has flattened), with its definition's own changes.
     """
     options = {**find(name).example, **options, **find(name).example_curve}
-    return law(name, contact.with_values(roughness=0.25 * np.asarray(contact.roughness)), "elastic", **options)
+    return law(name, contact.with_values(roughness=0.25 * np.asarray(contact.sigma)), "elastic", **options)
 
 
 def example(name: str, contact: Contact, unloading: str | Law = "elastic", **options: Any) -> Law:

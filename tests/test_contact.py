@@ -39,7 +39,7 @@ def test_surface_combined():
     assert pair.roughness == pytest.approx(5e-6)
     assert pair.fractal_dimension == pytest.approx(2.25)
     assert pair.hardness == 5e9
-    assert dl.Surface(3e-6, 2.2).combined(dl.Surface()) == dl.Surface(3e-6, 2.2, None)
+    assert dl.Surface(3e-6, 2.2).combined(dl.Surface(0)) == dl.Surface(3e-6, 2.2, None)
 
 
 @pytest.mark.parametrize(
@@ -106,6 +106,8 @@ PREFIXES = {"p": 1e-12, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "m": 1e-3, "c": 1e-2, 
 OTHERS = {"inch": 0.0254, "N/mm²": 1e6, "N/mm2": 1e6, "kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3, "deg": math.pi / 180}
 OTHERS |= {"g/cm³": 1e3, "g/cm3": 1e3, "°": math.pi / 180, "rad": 1.0, "kg/m³": 1.0, "kg/m3": 1.0, "m/N": 1.0}
 OTHERS |= {"mm/N": 1e-3, "um/N": 1e-6, "nm/N": 1e-9, "mm/kN": 1e-6, "um/kN": 1e-9, "m/s": 1.0, "mm/s": 1e-3, "um/s": 1e-6}
+OTHERS |= {"N/m": 1.0, "N/mm": 1e3, "N/um": 1e6, "kN/m": 1e3, "kN/mm": 1e6, "MN/m": 1e6, "1/m": 1.0, "1/mm": 1e3, "1/um": 1e6}
+OTHERS |= {"1/m²": 1.0, "1/m2": 1.0, "1/mm²": 1e6, "1/mm2": 1e6, "1/um²": 1e12, "1/um2": 1e12, "1/s": 1.0, "/s": 1.0}
 
 OTHERS |= {"in": 0.0254, "micron": 1e-6, "Å": 1e-10, "gf": 9.80665e-3, "kgf": 9.80665, "lbf": 0.45359237 * 9.80665}
 
@@ -117,7 +119,7 @@ OTHERS |= {"1/m²": 1.0, "1/m2": 1.0, "1/mm²": 1e6, "1/mm2": 1e6, "1/um²": 1e1
 def test_every_spelling_of_a_unit(unit):
     """Text with each spelling is the number in the SI unit."""
     for symbol, factor in UNITS[unit].items():
-        expected = OTHERS.get(symbol, PREFIXES[symbol.removesuffix(unit)] if symbol.endswith(unit) else None)
+        expected = OTHERS[symbol] if symbol in OTHERS else PREFIXES[symbol.removesuffix(unit)]
         assert factor == pytest.approx(expected, rel=1e-15)
         assert quantity(f"2.5 {symbol}", "x", unit) == pytest.approx(2.5 * expected, rel=1e-15)
 

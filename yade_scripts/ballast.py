@@ -167,7 +167,7 @@ class Box:
         O.bodies.append(utils.aabbWalls([tuple(low - 1e-4), tuple(high + 1e-4)], thickness=0, material="walls"))
         add_grains(drawn, "ballast")
         self.law = Law2_ScGeom_MindlinPhys_Demlaws(
-            name, unloading, {"ballast": SURFACE, "walls": dl.Surface()}, flats="yade", **options
+            name, unloading, {"ballast": SURFACE, "walls": dl.Surface(0)}, flats="yade", **options
         )
         self.name, self.unloading, self.contacts_seen = name, unloading, 0
         self.make_servo()

@@ -30,7 +30,7 @@ GRANITE = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9)
 
 def synthetic_table():
     heights = self_affine(512, 3e-6, 0.78, roughness=2.4e-6, seed=1, longest=200e-6)
-    pair = dl.Contact.between(GRANITE, GRANITE, radius1=8e-3, radius2=8e-3, roughness1=heights.sq)
+    pair = dl.Contact.between(GRANITE, GRANITE, radius1=8e-3, radius2=8e-3, roughness1=heights.sq, roughness2=0)
     return dl.law("asperity", pair, unloading="hertz", surface=heights, poisson=0.25).tabulate(1e-5)
 
 

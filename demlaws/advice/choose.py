@@ -22,7 +22,7 @@ from demlaws.advice.processes import results
 from demlaws.advice.scene import Scene, samples, stable_step, unloading_rule
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
-from demlaws.errors import DemlawsError, NeedsClasses, NotPassive, quiet
+from demlaws.errors import DemlawsError, NeedsClasses, NotPassive, quiet, warn
 from demlaws.law import Law, Table
 from demlaws.laws import HERTZ
 from demlaws.laws.definition import bulk_yield
@@ -165,7 +165,7 @@ class Choice:
                 names = [f'("kind{i}", "kind{j}"): "{table_name(table, self.scene, (i, j))}"' for i, j in self.scene.kinds()]
                 source = f'"{table}"' if len(names) == 1 else f"{{{', '.join(names)}}}"
             surfaces = ", ".join(
-                f'"kind{i}": dl.Surface({s.roughness:g}, {s.fractal_dimension!r}, {s.hardness or m.hardness!r})'
+                f'"kind{i}": dl.Surface({s.roughness!r}, {s.fractal_dimension!r}, {s.hardness or m.hardness!r})'
                 for i, (m, s) in enumerate(zip(self.scene.materials, self.scene.surfaces, strict=True))
             )
             extra = "" if self.evaluation == "table" else options + unloading
@@ -237,7 +237,7 @@ def _reaches(definition, scene, options):
     contacts = [c for r in dict.fromkeys(scene.effective_radii()) for c in scene.contacts(r)]
     if "seating_share" in definition.options and "seating_share" not in options:
         default = inspect.signature(definition.prepare).parameters["seating_share"].default
-        unit = max(float(np.max(c.modulus * np.sqrt(c.radius) * c.roughness**1.5)) for c in contacts)
+        unit = max(float(np.max(c.modulus * np.sqrt(c.radius) * c.sigma**1.5)) for c in contacts)
         share = max(0.5 * _smallest_load(scene) / unit, 1e-7) if unit else default
         if share < default:
             options = {**options, "seating_share": float(f"{share:.1g}")}
@@ -256,7 +256,13 @@ def reference_plan(scene):
     if scene.reference is not None:
         definition = find(scene.reference)
     else:
-        rough = contact.with_values(roughness=max(c.roughness for c in scene.contacts(scene.effective_radii()[0])))
+        contacts = scene.contacts(scene.effective_radii()[0])
+        if any(c.roughness is None for c in contacts):
+            warn(
+                "the scene's surfaces have no roughness: the reference is a law of smooth contacts; give the roughness of each "
+                "surface, 0 for a smooth one"
+            )
+        rough = contact.with_values(roughness=max(c.sigma for c in contacts))
         candidates = [d for d in _determined(rough) if d.advice.rank]
         for definition in candidates:
             extra = _reaches(definition, scene, {})

@@ -145,7 +145,7 @@ class Softening:
             value = getattr(thing, name)
             if exponent and value is not None:
                 changes[name] = value * power_of(self.factor, exponent)
-        if isinstance(thing, Contact) and np.any(changes["roughness"] > np.asarray(thing.radius)):
+        if isinstance(thing, Contact) and np.any(changes.get("roughness", 0.0) > np.asarray(thing.radius)):
             raise DemlawsError(
                 f"factor = {self.factor:g} makes the roughness {float(np.max(changes['roughness'])):g} m, more than the "
                 f"effective radius of {float(np.min(thing.radius)):g} m: use a smaller factor"

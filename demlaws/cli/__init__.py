@@ -10,7 +10,7 @@ import warnings
 
 from demlaws.cli.output import Output, arranged
 from demlaws.core import notice
-from demlaws.errors import DemlawsError, ValidityWarning, most_similar
+from demlaws.errors import DemlawsError, MissingQuantity, ValidityWarning, most_similar
 
 COMMANDS = {
     "granite": ("granite", "reproduce the granite contact tests with every law"),
@@ -42,11 +42,9 @@ def in_options(text, arguments):
     """
     for name in vars(arguments):
         option = f"--{name.replace('_', '-')}"
-        text = re.sub(rf"Contact\(\.\.\., {name}=\.\.\.\)", option, text)
         text = re.sub(rf"\b{name}='([\w.-]+)'", rf"{option} \1", text)
         if "_" in name:
             text = re.sub(rf"(?<!, )(?<![-\w]){name}\b(?!,)", option, text)
-    text = re.sub(r"the contact's (--[\w-]+): give \1", r"\1", text)
     return re.sub(r"\b(give|and) (\w+)=\.\.\.", r"\1 --option \2=VALUE", text) if hasattr(arguments, "option") else text
 
 
@@ -212,7 +210,7 @@ def execute(parser, arguments):
             sys.stdout.flush()
         return status
     except DemlawsError as error:
-        return _failed(in_options(str(error), parsed))
+        return _failed(in_options(_as_typed(error, parsed), parsed))
     except OverflowError:
         return _failed("a value exceeds the range of numbers: check the units")
     except MemoryError:
@@ -230,6 +228,17 @@ def execute(parser, arguments):
             _drop_output(sys.stdout)
         place = f"{error.filename}: " if error.filename else "output: "
         return _failed(f"{place}{error.strerror or error}")
+
+
+def _as_typed(error, arguments):
+    """The text of an error, a missing quantity by the option, or the line of the scene file, that gives it."""
+    if not isinstance(error, MissingQuantity):
+        return str(error)
+    if hasattr(arguments, "scene"):
+        return error.given_by(f"{error.quantity} = ... below [surface] or [material] of the scene")
+    other = f"combined_{error.quantity}"
+    either = f" (or --{other.replace('_', '-')})" if hasattr(arguments, other) else ""
+    return error.given_by(f"--{error.quantity.replace('_', '-')}{either}")
 
 
 def _failed(reason):

@@ -39,10 +39,13 @@ def add_contact_arguments(parser, test=True, modulus=True):
         contact.add_argument("--modulus", type=pressure, help="effective modulus E* in Pa, in place of --young and --poisson")
     else:
         parser.set_defaults(modulus=None)
-    contact.add_argument("--roughness", type=length, **pair, help="rms roughness Sq of each surface in m (default 0)")
     contact.add_argument(
-        "--combined-roughness", type=length, help="σ = √(Sq1² + Sq2²) in m, in place of --roughness (default 0)"
+        "--roughness",
+        type=length,
+        **pair,
+        help="rms roughness Sq of each surface in m, required by laws of rough contacts; 0 is smooth",
     )
+    contact.add_argument("--combined-roughness", type=length, help="σ = √(Sq1² + Sq2²) in m, in place of --roughness")
     contact.add_argument("--fractal-dimension", type=plain, help="fractal dimension Df, from 2 to 3")
     contact.add_argument("--hardness", type=pressure, help="hardness of the softer body in Pa")
 
@@ -108,7 +111,7 @@ def law_from(arguments):
 def describe(contact):
     """One line with the effective quantities of a contact."""
     text = f"contact: R = {contact.radius * 1e3:.5g} mm, E* = {contact.modulus / 1e9:.5g} GPa"
-    return text + f", σ = {contact.roughness * 1e6:.4g} µm"
+    return text if contact.roughness is None else text + f", σ = {contact.roughness * 1e6:.4g} µm"
 
 
 def _unloading_from(arguments, contact):

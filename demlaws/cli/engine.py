@@ -27,7 +27,7 @@ RUN_EXAMPLE = """\
   demlaws {name} run -in in.case -log case.log -screen none
   demlaws {name} run in.case -echo screen -var radii 0.004 0.005 0.006    (unknown options go to {engine})"""
 PROPERTIES = (
-    ("roughness", length, [0.0], "rms roughness Sq of a grain's own surface [m]; two grains have σ² = Sq1² + Sq2²"),
+    ("roughness", length, [None], "rms roughness Sq of a grain's own surface [m], 0: smooth; two grains have σ² = Sq1² + Sq2²"),
     ("fractal-dimension", plain, [None], "fractal dimension of the surface, 2 to 3"),
     ("young", pressure, [60.6e9], "Young's modulus [Pa]"),
     ("poisson", plain, [0.25], "Poisson's ratio"),

@@ -139,7 +139,7 @@ def first_loading(params, overlap):
 
 def clamped_roughnesses(contact):
     """The same for a contact or an array of contacts."""
-    return np.maximum(contact.roughness, SMOOTHEST * np.asarray(contact.radius))
+    return np.maximum(contact.sigma, SMOOTHEST * np.asarray(contact.radius))
 
 
 def bind_params(shape, contact):

@@ -30,7 +30,7 @@ constexpr const char *const FORMAT = "# demlaws-table 3";
 enum class Kind { NAME, BITS, ROWS, POSITIVE, NOT_NEGATIVE, BELOW, RULE, YES_OR_NO };
 constexpr const char *const KIND_NAMES[] = {"a name", "a whole number from 1 to 12", "a whole number from 2 to 2000000", "a positive number", "a number from 0", "power or straight", "an unloading rule that is known here", "yes or no"};
 struct Key { const char *name; Kind kind; };
-constexpr Key CURVE_KEYS[] = {{"law", Kind::NAME}, {"effective_radius", Kind::POSITIVE}, {"effective_modulus", Kind::POSITIVE}, {"roughness", Kind::NOT_NEGATIVE}, {"bits", Kind::BITS}, {"rows", Kind::ROWS}, {"force_error", Kind::NOT_NEGATIVE}, {"stiffness_error", Kind::NOT_NEGATIVE}, {"below_first_row", Kind::BELOW}};
+constexpr Key CURVE_KEYS[] = {{"law", Kind::NAME}, {"effective_radius", Kind::POSITIVE}, {"effective_modulus", Kind::POSITIVE}, {"bits", Kind::BITS}, {"rows", Kind::ROWS}, {"force_error", Kind::NOT_NEGATIVE}, {"stiffness_error", Kind::NOT_NEGATIVE}, {"below_first_row", Kind::BELOW}};
 constexpr Key SHARED_KEYS[] = {{"unloading", Kind::RULE}, {"collapses", Kind::YES_OR_NO}, {"length", Kind::POSITIVE}, {"length_over_roughness", Kind::NOT_NEGATIVE}, {"length_over_radius", Kind::NOT_NEGATIVE}, {"rtol", Kind::NOT_NEGATIVE}};
 constexpr Key YIELD_KEYS[] = {{"yield_overlap", Kind::POSITIVE}, {"yield_force", Kind::POSITIVE}, {"yield_area", Kind::POSITIVE}, {"yield_area_slope", Kind::POSITIVE}};
 

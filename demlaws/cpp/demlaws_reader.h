@@ -305,6 +305,8 @@ inline void Table::check_keys(const Lines &lines) {
   }
   for (const Key &key : CURVE_KEYS)
     if (unloads_ == GIVEN) check_key(std::string("unloading_") + key.name, key.kind, lines);
+  for (const std::string key : {"roughness", "unloading_roughness"}) // not of a contact whose law does not need it
+    if (has(key) && (key == "roughness" || unloads_ == GIVEN)) check_key(key, Kind::NOT_NEGATIVE, lines);
   check_limits();
 }
 
@@ -344,12 +346,16 @@ inline void Table::check_limits() {
 inline void Table::check_scales(const Lines &lines) {
   if ((number("length_over_roughness", 0.) > 0.) == (number("length_over_radius", 0.) > 0.))
     fail(lines_["length_over_radius"], "one of length_over_roughness and length_over_radius is positive, the other 0");
-  for (const std::string prefix : {"", "unloading_"})
-    if ((prefix.empty() || unloads_ == GIVEN) &&
-        (number(prefix + "roughness", 0.) > LARGEST_ROUGHNESS * number(prefix + "effective_radius", 0.) ||
-         !(number(prefix + "effective_modulus", 0.) > LEAST_MODULUS)))
-      fail(lines_[prefix + "roughness"],
-           prefix + "roughness is above half the effective radius, or the modulus not above 1e3 Pa");
+  for (const std::string prefix : {"", "unloading_"}) {
+    if (!prefix.empty() && unloads_ != GIVEN) continue;
+    const std::string roughness = prefix + "roughness", radius = prefix + "effective_radius";
+    if (!has(roughness) && number("length_over_roughness", 0.) > 0.)
+      fail(lines_["length_over_roughness"], "overlaps over the roughness, but no " + roughness + " is given");
+    if (number(roughness, 0.) > LARGEST_ROUGHNESS * number(radius, 0.) ||
+        !(number(prefix + "effective_modulus", 0.) > LEAST_MODULUS))
+      fail(lines_[has(roughness) ? roughness : radius],
+           roughness + " is above half the effective radius, or the modulus not above 1e3 Pa");
+  }
   yield_s_ = HUGE_VAL;
   yield_area_slope_ = 0.;
   if (has("yield_area")) {

@@ -121,7 +121,9 @@ def _definition(contact, name, description, scales_with):
         raise DemlawsError(f"description must be one line of text, got {description!r:.60}")
     rough = scales_with == "roughness"
     if rough and contact.is_smooth:
-        raise DemlawsError("scales_with='roughness', but the contact's roughness is 0 m: give it, or scales_with=None")
+        raise DemlawsError(
+            "scales_with='roughness', but the contact's roughness is 0 m or not given: give it, or scales_with=None"
+        )
     length = "roughness" if rough else "radius"
     return definition_of_table(name, "user-defined", description, length, scales_with is not None, unloading=("elastic",))
 

@@ -33,7 +33,7 @@ def compose(contact: Contact, curve: TableCurve, unloading: Unloading, collapses
             f"a table file of law {curve.definition.name!r} with its user-defined unloading rule {rule.name!r}: files contain "
             "tables and rules of demlaws only; take elastic or hertz, or an unloading curve (unloading=...)"
         )
-    length = shape.length_over_roughness * np.asarray(contact.roughness) + shape.length_over_radius * np.asarray(contact.radius)
+    length = shape.length_over_roughness * np.asarray(contact.sigma) + shape.length_over_radius * np.asarray(contact.radius)
     header = {
         "law": curve.definition.name,
         "description": _about(curve.definition),
@@ -114,7 +114,7 @@ def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
 def _limits(curve, contact):
     """Header lines of the range of force that the law's source supports, over E* √R length^1.5; of an array: the first."""
     one = contact_at(contact, 0)
-    length = curve.shape.length_over_roughness * one.roughness + curve.shape.length_over_radius * one.radius
+    length = curve.shape.length_over_roughness * one.sigma + curve.shape.length_over_radius * one.radius
     scale, lines = one.modulus * math.sqrt(one.radius * length) * length, []
     for limit in curve.definition.limits(one, **curve.options):
         if limit.pressure:

@@ -398,7 +398,9 @@ def refuse_unless_collapses(law, contact) -> None:
 
     base = curve(contact)
     factors = {"radius": 2.0, "modulus": 3.0, "roughness": 1.7}
-    for changes in ({name: factor * getattr(contact, name)} for name, factor in factors.items()):
+    for changes in (
+        {name: factor * getattr(contact, name)} for name, factor in factors.items() if getattr(contact, name) is not None
+    ):
         other = curve(contact.with_values(**changes))
         off = np.abs(other / base - 1.0)
         k = int(np.nanargmax(off)) if not np.all(np.isnan(off)) else 0

@@ -18,7 +18,7 @@ from demlaws.core.loops import (
 from demlaws.core.table_types import BulkYield, TableShape
 from demlaws.core.unloading import Rule
 from demlaws.curves.unloading import Unloading
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, MissingQuantity
 from demlaws.laws.definition import Definition
 
 if TYPE_CHECKING:
@@ -109,6 +109,8 @@ class TableCurve:
             raise DemlawsError(
                 f"the table of {self.definition.name!r} holds for the contact it was made for only: make one for this contact"
             )
+        if self.shape.length_over_roughness and contact.roughness is None:
+            raise MissingQuantity(f"the table of {self.definition.name!r}", "roughness")
         if self.shape.length_over_roughness and np.any(np.asarray(contact.roughness) == 0.0):
             raise DemlawsError("roughness = 0 m: this table scales with roughness; use law 'hertz' for a smooth contact")
         for name in ("fractal_dimension", "hardness"):  # what the curve's form depends on

@@ -119,7 +119,7 @@ def tabulate(contact: Contact, curve: Any, rtol: float, largest_overlap: float |
     curve.check_collapse(contact)
     index, one = _one_contact(contact)
     lengths = (0.0, 1.0) if definition.length == "radius" or np.all(contact.is_smooth) else (1.0, 0.0)
-    roughness = clamped_roughness(one.roughness, one.radius)
+    roughness = clamped_roughness(one.sigma, one.radius)
     length = lengths[0] * roughness + lengths[1] * one.radius
     if largest_overlap is None:
         every = np.asarray(contact.radius) if lengths[1] else clamped_roughnesses(contact)
@@ -191,7 +191,7 @@ def tabulate_given(curve: Any, definition: Definition, contact: Contact, rtol: f
     """The table of a curve of a user's function or points (`curves.given`, `curves.points`)."""
     rtol = tolerance(rtol)
     rough = definition.length == "roughness"
-    length = float(contact.roughness if rough else contact.radius)
+    length = float(contact.sigma if rough else contact.radius)
     coefficient = 4.0 * float(contact.modulus) * math.sqrt(contact.radius) / 3.0
     source = CurveSampler(curve.evaluate, length, coefficient, [k / length for k in curve.kinks], False, 1e-10)
     largest = curve.largest / length * (1.0 - 1e-12)
@@ -231,5 +231,5 @@ def _one_contact(contact):
     """(index, contact) of an array of contacts for which its one table is made: the smoothest has the longest range."""
     if contact.size is None:
         return 0, contact
-    index = int(np.argmin(np.broadcast_to(contact.roughness, contact.size)))
+    index = int(np.argmin(np.broadcast_to(contact.sigma, contact.size)))
     return index, contact_at(contact, index)

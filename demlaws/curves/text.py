@@ -145,15 +145,14 @@ CURVE = (
     Key("options", _object),
     Key("effective_radius", _positive),
     Key("effective_modulus", _positive),
-    Key("roughness", _not_negative),
     Key("bits", bits),
     Key("rows", rows_of_file),
     Key("force_error", _not_negative),
     Key("stiffness_error", _not_negative),
     Key(BELOW, power_or_straight),
 )
-_OF_CONTACT = {"effective_radius": "radius", "effective_modulus": "modulus", "roughness": "roughness"}
-_PERHAPS_OF_CONTACT = (Key("fractal_dimension", _positive), Key("hardness", _positive))
+_OF_CONTACT = {"effective_radius": "radius", "effective_modulus": "modulus"}
+_PERHAPS_OF_CONTACT = (Key("roughness", _not_negative), Key("fractal_dimension", _positive), Key("hardness", _positive))
 SHARED = (
     Key("unloading", _rule),
     Key("collapses", yes_or_no),
@@ -314,10 +313,14 @@ class Reader:
         for prefix in ("", UNLOADING)[: 1 + given]:
             fields = {field: values[prefix + key] for key, field in _OF_CONTACT.items()}
             fields |= {key.name: values.get(prefix + key.name) for key in _PERHAPS_OF_CONTACT}
+            if values["length_over_roughness"] > 0.0 and fields["roughness"] is None:
+                self.fail(
+                    self.lines["length_over_roughness"], f"overlaps over the roughness, but no {prefix}roughness is given"
+                )
             try:
                 values[prefix + "contact"] = Contact(**fields)
             except DemlawsError as error:
-                self.fail(self.lines[prefix + "roughness"], error)
+                self.fail(self.lines.get(prefix + "roughness", self.lines[prefix + "effective_radius"]), error)
         if "yield_area" in values:
             expected = (0.75 * values["yield_force"]) ** (2.0 / 3.0)
             if not abs(values["yield_area"] - expected) <= 1e-9 * expected:

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from demlaws.contact import Contact
+from demlaws.contact import SIZES, Contact
 from demlaws.core.loops import first_loading, inverse_loop, loading_part, one_of
 from demlaws.core.table_types import TableParams
 from demlaws.core.unloading import GIVEN, RULES, JoinedParams, JoinedShape, Rule
@@ -52,7 +52,7 @@ def beside_table(curve: Any, contact: Contact, unloading: Unloading) -> Unloadin
 def _ratios(contact, other):
     """R, E* and σ of the unloading curve's contact over those of the law's, each one number for all contacts."""
     ratios = []
-    for name in ("radius", "modulus", "roughness"):
+    for name in SIZES:
         values, others = np.asarray(getattr(contact, name), float), np.asarray(getattr(other, name), float)
         with np.errstate(divide="ignore", invalid="ignore"):
             try:
@@ -63,9 +63,10 @@ def _ratios(contact, other):
             ratio = np.ones(1)
         low, high = float(np.nanmin(ratio)), float(np.nanmax(ratio))
         if not (math.isfinite(high) and high - low <= 1e-9 * high):
+            quantity = "roughness" if name == "sigma" else name
             raise DemlawsError(
-                f"the {name} of the unloading curve's contact is {low:g} to {high:g} times the law's: the ratio must be the "
-                "same for all contacts; make the curve for the same contact or array of contacts"
+                f"the {quantity} of the unloading curve's contact is {low:g} to {high:g} times the law's: the ratio must be "
+                "the same for all contacts; make the curve for the same contact or array of contacts"
             )
         ratios.append(low if high > low else high)
     return ratios

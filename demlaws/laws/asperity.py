@@ -240,7 +240,7 @@ def _prepare(
     if alike:
         ratio = math.log(pairs[-1].radius / pairs[0].radius) / (len(pairs) - 1)
         return FamilyShape(shared, CurveNumber(1.0, 0.0, 1.0, 0.0), pairs[0].radius, ratio, len(pairs))
-    return RowsShape(shared, np.array([[p.radius, p.modulus, p.roughness] for p in pairs]))
+    return RowsShape(shared, np.array([[p.radius, p.modulus, p.sigma] for p in pairs]))
 
 
 def _map(surface):
@@ -268,7 +268,7 @@ def _pairs(contact):
     """The pairs for which curves are made, and whether they differ in radius alone."""
     if contact.size is None:
         return [contact], True
-    columns = [np.broadcast_to(getattr(contact, name), contact.size) for name in ("radius", "modulus", "roughness")]
+    columns = [np.broadcast_to(getattr(contact, name), contact.size) for name in ("radius", "modulus", "sigma")]
     rows = np.unique(np.column_stack(columns), axis=0)
     alike = bool(np.all(np.ptp(rows[:, 1:], axis=0) <= 1e-9 * rows[0, 1:]))
     if alike:

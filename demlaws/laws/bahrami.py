@@ -189,7 +189,7 @@ LAW = Definition(
     kinks=lambda p, **_: [p.joint_overlap * p.roughness],
     collapses=False,
     implicit=True,
-    needs=("hardness",),
+    needs=("roughness", "hardness"),
     options={
         "constant": Option(
             "", Numbers(1.5, 1.7, True), "of the published correlation; the default makes it continuous (printed: 1.605)"

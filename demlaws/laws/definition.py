@@ -11,7 +11,7 @@ import numpy as np
 
 from demlaws.contact import Contact
 from demlaws.core.unloading import RULES, Rule
-from demlaws.errors import DemlawsError, did_you_mean
+from demlaws.errors import DemlawsError, MissingQuantity, did_you_mean
 from demlaws.units import number
 
 
@@ -115,7 +115,7 @@ ROUGHNESS = Parameter(
     True,
     lambda c: (1e-7 * c.radius, 0.1 * c.radius),
     lambda c: np.clip(
-        np.array([1.0, 0.2, 5.0, 25.0]) * (c.roughness if c.roughness > 0 else 3e-4 * c.radius),
+        np.array([1.0, 0.2, 5.0, 25.0]) * (c.roughness or 3e-4 * c.radius),
         2e-7 * c.radius,
         0.09 * c.radius,
     ),
@@ -320,8 +320,12 @@ class Definition(NamedTuple):
                 raise DemlawsError(f"law {self.name!r} has no options, got {wrong[0]!r}") from None
             hint = f"its options are {', '.join(self.options)} (demlaws laws {self.name})"
             raise DemlawsError(f"law {self.name!r}: {error}; {hint}") from None
+        options = self.read(options)
+        for field in self.needs:
+            if getattr(contact, field) is None:
+                raise MissingQuantity(f"law {self.name!r}", field)
         try:
-            return self.prepare(contact, **self.read(options))
+            return self.prepare(contact, **options)
         except TypeError as error:  # a list where a word belongs
             text = ", ".join(f"{name}={value!r:.60}" for name, value in options.items())
             raise DemlawsError(f"law {self.name!r} cannot use {text}: {error}") from error

@@ -56,6 +56,7 @@ LAW = Definition(
     collapses=False,
     implicit=True,
     solved=True,
+    needs=("roughness",),
     example={"mu": MU},
     options={
         "mu": Option(

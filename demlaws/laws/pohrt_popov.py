@@ -112,7 +112,7 @@ LAW = Definition(
     source="Pohrt & Popov 2012, 2013; Altuhafi, Baudet & Coop 2023, Eqs. 7–9",
     description="self-affine roughness",
     kinks=lambda p: [1.0 / p.inverse_threshold],
-    needs=("fractal_dimension",),
+    needs=("roughness", "fractal_dimension"),
     fitting=Fitting(
         parameters={"roughness": ROUGHNESS, "fractal_dimension": DIMENSION}, free=("roughness", "fractal_dimension")
     ),

@@ -121,6 +121,7 @@ LAW = Definition(
     source="Greenwood, Johnson & Matsubara 1984; Yimsiri & Soga 2000; Altuhafi, Baudet & Coop 2023, Eq. 5",
     description="rough metal surfaces, fitted",
     limits=_limits,
+    needs=("roughness",),
     fitting=Fitting(parameters={"roughness": ROUGHNESS}, free=("roughness",)),
     advice=Advice(advise=_advise, rank=2, candidate=True),
     drawing=Drawing(label="RMS", colour="#1f77b4"),

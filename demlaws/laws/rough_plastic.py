@@ -142,9 +142,6 @@ def _prepare(
     **loading_options,
 ):
     definition = _loading_definition(loading)
-    for field in definition.needed(**loading_options):
-        if getattr(contact, field) is None:
-            raise DemlawsError(f"loading {loading!r} needs the contact's {field}: give Contact(..., {field}=...)")
     if yield_at not in ("stiffness", "load"):
         raise DemlawsError(f"yield_at = {yield_at!r}: the bulk yields at 'stiffness' or at 'load'")
     if yield_pressure is None:

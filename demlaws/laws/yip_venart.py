@@ -57,7 +57,7 @@ LAW = Definition(
     collapses=False,
     implicit=True,
     solved=True,
-    needs=("hardness",),
+    needs=("roughness", "hardness"),
     options={
         "seating_share": SEATING,
         "rtol": SOLUTION,

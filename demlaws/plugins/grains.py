@@ -110,7 +110,7 @@ class Case:
             raise DemlawsError(f"stock = {self.stock!r} has the engine's own shear: leave out{self.shear_words}")
 
     def bound(self, contact):
-        """The law of one contact."""
+        """The law of one contact; MissingQuantity names what the grains' surfaces lack."""
         return make_law(self.law, contact, unloading=rebound(self.unloading, contact), **self.options)
 
     @property
@@ -156,7 +156,7 @@ class Case:
         if alike and self.bound(pairs[1, 1]).collapses:
             roughness = [g.surface.roughness for g in self.grains]
             same = len(set(roughness)) == 1
-            if not same and min(roughness) <= 0.0:  # two smooth ones have no length that scales the table
+            if not same and not all(roughness):  # two smooth ones have no length that scales the table
                 raise DemlawsError("a smooth grain beside a rough one: give a roughness to all grains, or to none")
             # the table ends at a tenth of the radius over the length: take the pair for which that is most
             widest = max([*pairs.values(), *walls.values()], key=lambda c: c.radius / (c.roughness or c.radius))

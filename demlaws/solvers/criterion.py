@@ -17,7 +17,7 @@ import math
 import numpy as np
 
 from demlaws.contact import as_contact, smooth_overlap
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, MissingQuantity
 from demlaws.units import as_float, number, positive
 
 YIELD_RATIO = 0.6
@@ -122,10 +122,10 @@ def lowest_transition_force(contact):
         extremes = {
             "radius": np.min(contact.radius),
             "modulus": np.max(contact.modulus),
-            "roughness": np.min(contact.roughness),
+            "roughness": np.min(contact.sigma),
         }
         contact = contact.with_values(**{name: float(value) for name, value in extremes.items()})
-    return float(np.min(transition_force(contact)))
+    return float(np.min(transition_force(contact.with_values(roughness=contact.sigma))))
 
 
 def transition_roughness(contact, force, ratio=YIELD_RATIO, *, mu=None):
@@ -171,9 +171,7 @@ def _single_contact(contact):
 def hardness_of(contact):
     """Hardness H_m of the contact [Pa]; DemlawsError where it has none."""
     if as_contact(contact).hardness is None:
-        raise DemlawsError(
-            "the criterion needs the contact's hardness: give Contact(..., hardness=...) or Material(..., hardness=...)"
-        )
+        raise MissingQuantity("the criterion", "hardness")
     return contact.hardness
 
 

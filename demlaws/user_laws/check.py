@@ -48,7 +48,7 @@ class LawCheck(NamedTuple):
 def overlaps(law: Law, points: int = 60) -> np.ndarray:
     """Overlaps [m] from 1e-8 σ (1e-9 R of a smooth contact) to a tenth of the radius, less where the law's kinks lie."""
     contact = law.contact
-    low = 1e-9 * contact.radius if contact.is_smooth else 1e-8 * contact.roughness
+    low = 1e-9 * contact.radius if contact.is_smooth else 1e-8 * contact.sigma
     values = np.geomspace(low, 0.1 * contact.radius, points)
     for kink in law.kinks():
         values = values[np.abs(values / kink - 1.0) > 1e-6]

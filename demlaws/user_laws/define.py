@@ -69,8 +69,8 @@ def define(
     Notes
     -----
     `p` has the fields `radius` R [m], `modulus` E* [Pa], `roughness` σ [m], `hertz_coefficient` (4/3) E* √R [N/m^1.5],
-    those of `needs`, and the options. One curve is valid for one contact, unless collapses=True with length="radius" or
-    "roughness".
+    those of `needs`, and the options. A law whose functions read `roughness` needs it. One curve is valid for one contact,
+    unless collapses=True with length="radius" or "roughness".
 
     Examples
     --------
@@ -90,6 +90,8 @@ def define(
                 f"law {name!r:.60}: {what} must be a Python function of a contact and a number, got {function!r:.60}"
             )
     entries = {n: _described(name, n, value) for n, value in dict(options or {}).items()}
+    if any(_reads_roughness(f) for f in (force, stiffness, overlap, energy)) or facts.get("length") == "roughness":
+        facts["needs"] = tuple(dict.fromkeys((*facts.get("needs", ()), "roughness")))
     needs = tuple(facts.get("needs", ()))
     clash = [n for n in entries if n in (*_CONTACT, *_OF_CONTACT, "contact") or not n.isidentifier() or keyword.iskeyword(n)]
     if clash or any(n.startswith("_") for n in entries):
@@ -162,6 +164,16 @@ def _types(name, functions, extra):
     bind(shape_type, scale=kernel(scale))
     bind(params_type, virgin=virgin, inverse=overlap or _searched(force, stiffness), energy=energy or _integrated(force))
     return shape_type
+
+
+def _reads_roughness(function: Any, seen: tuple = ()) -> bool:
+    """Whether a function's code reads an attribute `roughness`, or that of a function that it calls."""
+    function = getattr(function, "py_func", function)
+    if not inspect.isfunction(function) or function in seen:
+        return False
+    names, cells = function.__code__.co_names, function.__closure__ or ()
+    called = [*(function.__globals__.get(name) for name in names), *(cell.cell_contents for cell in cells)]
+    return "roughness" in names or any(_reads_roughness(one, (*seen, function)) for one in called)
 
 
 def _of_numbers(function):

@@ -11,7 +11,7 @@ from demlaws.contact import Contact, Material, Surface, surface_of
 from demlaws.core.loops import clamped_roughness, loading_part, scale_contact
 from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, LARGEST_SHEAR_RATIO, MOST_LEVELS, SLIP
 from demlaws.core.unloading import GIVEN, RULES
-from demlaws.errors import DemlawsError, did_you_mean, quiet
+from demlaws.errors import DemlawsError, MissingQuantity, did_you_mean, quiet
 from demlaws.files import names_a_file
 from demlaws.law import Law, Table
 from demlaws.laws import HERTZ
@@ -173,6 +173,8 @@ class LawSource:
         contact = self.table.contact
         if surface.roughness == 0.0 and self.table.curve.shape.length_over_roughness:
             return None
+        if surface.roughness is None and self.table.curve.shape.length_over_roughness:
+            raise MissingQuantity(f"the table of {self.name!r}", "roughness")
         law_curve = "law" in {self.definition.rule(rule).curve for rule in (unloading, self.table.unloading)}
         table = self.table.joined(unloading) if law_curve and unloading != self.table.unloading else self.table
         for name, unit in (("fractal_dimension", ""), ("hardness", " Pa"), ("roughness", " m")):
@@ -234,7 +236,7 @@ class Pairs:
         self.surfaces = {label: _surface(label, value) for label, value in (surfaces or {}).items()}
         self.everywhere = self.surfaces.pop(EVERY, None)
         self.labels = ["", *self.surfaces]
-        entries = [self.everywhere or Surface(), *self.surfaces.values()]
+        entries = [self.everywhere or Surface(0.0), *self.surfaces.values()]
         self.radii = Radii(radius, [surface.edge_radius for surface in entries])
         self._spans = spans if callable(spans) else (spans or {}).get if isinstance(spans, dict) else lambda pair: None
         self.spans = {}
@@ -313,7 +315,7 @@ class Pairs:
                 shape, only_for = self._pair(pair, labels, widened)
                 self.shapes.append(shape)
                 self.only_for.append(only_for)
-                self.roughnesses.append(pair.roughness)
+                self.roughnesses.append(pair.roughness or 0.0)  # of a smooth law it need not be given
         kinds = {numba.typeof(shape) for shape in self.shapes if shape is not None}
         if len(kinds) > 1:
             return False
@@ -363,19 +365,19 @@ class Pairs:
                 return None, (0.0, 0.0)
             if not complete:
                 return None, (math.nan, math.nan)
-            raise DemlawsError(f"law has no entry for the pair {labels!r}, which is rough")
+            raise DemlawsError(f"law has no entry for the pair {labels!r}, which is not known to be smooth")
         if len(self.labels) == 1:
             names = "materials without a surface" if self.everywhere is None else "surface for all materials"
         else:
             names = " on ".join(repr(label) if label else "unlisted materials" for label in labels)
         span = self._spans(labels)
         if span is None:
-            if source.needs_span and surface.roughness > 0.0 and complete:
+            if source.needs_span and surface.roughness != 0.0 and complete:
                 raise DemlawsError(
                     f"{names}: the curve of law {source.name!r} is solved for the contacts that occur: make the law "
                     "after materials and bodies, or give radii=(smallest, largest) in m and moduli=(smallest, largest) in Pa"
                 )
-            span = Span(**NOMINAL).around(surface.roughness)
+            span = Span(**NOMINAL).around(surface.roughness or 0.0)
             if source.needs_span:
                 return None, (math.nan, math.nan)  # no such contact is expected, and none is served
         if not span.meets and source.needs_one_contact:
@@ -385,7 +387,8 @@ class Pairs:
         try:
             shape = source.shape(surface, self.unloading, span)
         except DemlawsError as error:
-            text = f"{names}: {str(error).replace('Contact(', 'Surface(')}"
+            missing = isinstance(error, MissingQuantity)
+            text = f"{names}: {error.given_by(f'Surface({error.quantity}=...)') if missing else error}"
             if not complete and len(self.labels) > 1:
                 return None, (math.nan, math.nan)  # such a contact, should it occur, stops the simulation
             raise DemlawsError(text) from None

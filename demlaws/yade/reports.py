@@ -109,7 +109,8 @@ def versions():
 def describe(binding):
     """One line: law, surfaces, counts."""
     surfaces = ", ".join(
-        f"{label}: Sq {s.roughness:g} m" + ("" if s.fractal_dimension is None else f", Df {s.fractal_dimension:g}")
+        f"{label}: Sq {'not given' if s.roughness is None else f'{s.roughness:g} m'}"
+        + ("" if s.fractal_dimension is None else f", Df {s.fractal_dimension:g}")
         for label, s in binding.pairs.all_surfaces().items()
     )
     count = O.interactions.countReal()

@@ -204,7 +204,7 @@ def loaded(given):
     for material in O.materials:
         material.young = given["young"]
     radius = given["radius"]
-    surfaces = {"grains": dl.Surface(**given["surface"]), "walls": dl.Surface()} if given["surface"] else None
+    surfaces = {"grains": dl.Surface(**given["surface"]), "walls": dl.Surface(0)} if given["surface"] else None
     radius = Curvature(**radius) if isinstance(radius, dict) else radius
     law = Law2_ScGeom_MindlinPhys_Demlaws(given["law"], given["unloading"], surfaces, smooth=not surfaces, radius=radius)
     box = Box()

@@ -210,7 +210,7 @@ def test_glass_beads_have_a_reference_that_their_loads_can_meet():
     granite = dl.Scene(radii=5e-3, materials=GLASS, surfaces=dl.Surface(0.3e-6), force=(1.0, 10.0))
     assert reference_plan(granite).options == ()  # loads above the default seat: nothing changes
     with pytest.raises(dl.DemlawsError):  # before: 1e12 N on a bead had a choice, at an overlap of a million radii
-        dl.choose(dl.Scene(radii=0.25e-3, materials=GLASS, force=(1.0, 1e12)), tables=False)
+        dl.choose(dl.Scene(radii=0.25e-3, materials=GLASS, surfaces=dl.Surface(0), force=(1.0, 1e12)), tables=False)
 
 
 def test_the_template_names_every_key_and_reaches_yield(tmp_path, capsys):

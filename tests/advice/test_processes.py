@@ -40,7 +40,8 @@ def test_a_library_call_starts_no_process(monkeypatch):
     monkeypatch.setattr(os, "posix_spawn", started, raising=False)
     laws = ["hertz", "rms", "goddard", "pohrt-popov"]
     assert len(dl.fit(ROWS, PAIR, laws=laws, unloading="elastic", progress=slow)) == 4
-    scene = dl.Scene(radii=5e-3, materials=dl.Material(210e9, 0.3, density=7850), force=(1, 10), cyclic=True)
+    steel = dl.Material(210e9, 0.3, density=7850, surface=dl.Surface(0))
+    scene = dl.Scene(radii=5e-3, materials=steel, force=(1, 10), cyclic=True)
     assert dl.choose(scene, tables=False, progress=slow).best.name == "hertz"
 
 

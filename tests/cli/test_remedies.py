@@ -19,7 +19,11 @@ MISTAKES = [
     (f"curve --law conical-damage {CONTACT} --forces 10", ["--option strength=VALUE", "--option angle=VALUE"]),
     (f"curve --law rough-plastic {CONTACT} --forces 10", ["--option yield_pressure=VALUE"]),
     (f"curve --law hertz {CONTACT} --forces 10 --option softness=3", ["has no options", "'softness'"]),
-    ("curve --law pohrt-popov --radius 8mm --young 60GPa --poisson 0.2 --forces 1", ["needs --fractal-dimension\n"]),
+    ("curve --law pohrt-popov --radius 8mm --young 60GPa --poisson 0.2 --forces 1", ["--roughness", "0 for smooth"]),
+    (
+        "curve --law pohrt-popov --radius 8mm --roughness 1um --young 60GPa --poisson 0.2 --forces 1",
+        ["give --fractal-dimension\n"],
+    ),
     ("curve --law hertz --radius 8mm --young=-60GPa --poisson 0.2 --forces 1", ["-6e+10 Pa", "positive"]),
     ("fit below.csv --test SS(18-18)", ["compression is positive", "sign"]),
     ("choose notes.txt", ["notes.txt", "scene", "--template"]),

@@ -106,7 +106,7 @@ def test_pairs_of_materials(omega):
     """Granite on granite, granite on steel, steel on steel, unlisted on granite: each by its own surface."""
     steel = dl.Surface(roughness=0.5e-6, fractal_dimension=2.6)
     law = functor(surfaces={"granite": GRANITE, "steel": steel})
-    smooth = dl.Surface()
+    smooth = dl.Surface(0)
     kinds = {"granite": GRANITE, "steel": steel, "rubber": smooth}
     made = {label: material(label) for label in kinds}
     pairs = [("granite", "granite"), ("granite", "steel"), ("steel", "steel"), ("granite", "rubber"), ("rubber", "rubber")]

@@ -281,7 +281,7 @@ def test_bad_arguments(omega, arguments):
 def test_laws_by_pair(omega):
     """A table for one pair, another for the next."""
     steel = dl.Surface(roughness=0.5e-6, fractal_dimension=2.6)
-    surfaces, tables = {"": dl.Surface(), "granite": GRANITE, "steel": steel}, {}
+    surfaces, tables = {"": dl.Surface(0), "granite": GRANITE, "steel": steel}, {}
     for names in (pair for pair in itertools.combinations_with_replacement(surfaces, 2) if any(pair)):
         surface = surfaces[names[0]].combined(surfaces[names[1]])
         contact = dl.Contact(0.005, 32e9, surface.roughness, surface.fractal_dimension)
@@ -306,7 +306,7 @@ def test_a_measured_map_beside_a_wall(omega):
     stone, steel = material(), material("steel")
     omega.bodies.append([sphere((0, 0, 0.01 - 2e-6), 0.01, fixed=True, material=stone), wall(0, 2, material=steel)])
     options = find("asperity").example
-    law = functor("asperity", "elastic", {"granite": GRANITE, "steel": dl.Surface()}, **options)
+    law = functor("asperity", "elastic", {"granite": GRANITE, "steel": dl.Surface(0)}, **options)
     set_engines(law, 1e-9)
     advance(3)
     pair = dl.Contact(0.01, MODULUS, GRANITE.roughness, GRANITE.fractal_dimension, GRANITE.hardness)

@@ -12,7 +12,7 @@ from yade_scenes import GRANITE, MODULUS, Recorder, functor, material, set_engin
 import demlaws as dl
 
 PAGE = (Path(__file__).parents[3] / "docs" / "own-laws.md").read_text()
-SMOOTH = {"granite": dl.Surface()}
+SMOOTH = {"granite": dl.Surface(0)}
 
 
 @pytest.fixture
@@ -33,7 +33,7 @@ def recorded(law):
 def test_a_law_of_ones_own_is_exact(omega, page, registered_here):
     dl.load_laws(page / "my_law.py")
     recorder = recorded(functor("power", "hertz", SMOOTH, factor=0.9))
-    wrong, tangent, steps = recorder.worst("power", "hertz", dl.Surface(), factor=0.9)
+    wrong, tangent, steps = recorder.worst("power", "hertz", dl.Surface(0), factor=0.9)
     assert steps > 300 and wrong <= 1e-14 and tangent <= 1e-13
 
 

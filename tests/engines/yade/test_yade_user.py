@@ -429,7 +429,7 @@ def test_restitution_on_a_facet_by_yades_own_radius(omega):
     stone, steel = material(), material("steel", 2e11, 0.3)
     omega.bodies.append(sphere((0, 0, 0), 0.01, material=stone))
     omega.bodies.append([facet([(0, 0, 1), (1, 0, 1), (0, 1, 1)], material=steel), wall(2, 2, material=steel)])
-    law = functor(surfaces={"granite": GRANITE, "steel": dl.Surface()}, flats="yade")
+    law = functor(surfaces={"granite": GRANITE, "steel": dl.Surface(0)}, flats="yade")
     found = [law.restitution(omega.bodies[0], omega.bodies[flat], 0.1) for flat in (1, 2)]
     assert found == pytest.approx([0.7900, 0.7995], abs=2e-4)
 
