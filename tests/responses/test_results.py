@@ -79,7 +79,9 @@ import numpy as np
 import demlaws as dl
 
 granite = dl.Material(young="60.6GPa", poisson=0.25, hardness=6.266e9)
-pair = dl.Contact.between(granite, granite, radius1=8.76e-3, radius2=8.63e-3, roughness1="1.56um", roughness2=0, fractal_dimension=2.22)
+pair = dl.Contact.between(
+    granite, granite, radius1=8.76e-3, radius2=8.63e-3, roughness1="1.56um", roughness2=0, fractal_dimension=2.22
+)
 radii = np.asarray(dl.Contact(radius=[1e-3, 2e-3], modulus="32GPa", roughness=dl.Surface("2um").roughness).radius)
 law = dl.law("pohrt-popov", pair, unloading="hertz")
 force: float = law.force("1um")
