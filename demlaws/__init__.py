@@ -1,5 +1,11 @@
 """demlaws: contact laws of rough and yielding grains for the discrete element method."""
 
+import sys
+
+if sys.version_info < (3, 10):  # noqa: UP036  before any module that such a Python cannot read
+    _OLD = f"demlaws needs Python 3.10 or later, this is {sys.version_info[0]}.{sys.version_info[1]} ({sys.executable})"
+    raise SystemExit(_OLD) if sys.argv[:1] == ["-m"] else ImportError(_OLD)
+
 from demlaws.lazy import load_lazily
 
 TYPE_CHECKING = False  # type checkers and editors take it for true; importing typing would take a third of the import time

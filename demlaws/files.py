@@ -3,8 +3,8 @@
 import csv
 import io
 import os
+import secrets
 import sys
-import tempfile
 import textwrap
 from pathlib import Path
 from typing import Any
@@ -83,15 +83,13 @@ def _target(path):
 
 
 def _waiting(path, data):
-    """A temporary file beside `path` that holds `data`."""
+    """A temporary file beside `path` that holds `data`, with the permissions of any new file."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    temporary = path.with_name(f".{path.name[:100]}.{secrets.token_hex(8)}")
+    descriptor = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)  # less the umask
     try:
         with os.fdopen(descriptor, "wb") as file:
             file.write(data)
-        umask = os.umask(0)
-        os.umask(umask)
-        os.chmod(temporary, 0o666 & ~umask)
     except OSError:
         os.unlink(temporary)
         raise

@@ -228,10 +228,13 @@ def read_unloading(unloading: Any) -> Any:
         )
     if names_a_file(unloading):
         unloading = Table.load(unloading)
-    if isinstance(unloading, Law) and unloading.unloading != "elastic":
+    if isinstance(unloading, Law) and unloading.unloading not in (
+        "elastic",
+        unloading.definition.default_rule(**unloading.options),
+    ):
         raise DemlawsError(
-            f"the unloading curve is elastic, this {unloading.name!r} has {unloading.unloading!r} unloading itself: "
-            "give it with unloading='elastic' (law.joined('elastic'))"
+            f"the contact unloads along the curve of first loading of this {unloading.name!r}, whose own unloading, "
+            f"{unloading.unloading!r}, has no effect: give it with unloading='elastic' (law.joined('elastic'))"
         )
     return unloading
 

@@ -25,7 +25,8 @@ def law(name: str, contact: Contact, unloading: str | os.PathLike | Law | None =
     unloading : str, Law or path, optional
         Unloading rule: "elastic", "hertz", "thornton", a rule of this law (`demlaws laws NAME`), or a curve: a law, a
         `Table` or the path of a saved table, along which the contact unloads through its largest overlap. The contact of
-        that curve is this one, or one in a constant ratio to it. Default: the default rule of the law, else "elastic".
+        that curve is this one, or one in a constant ratio to it. Default: that of the law, "hertz" for rough contacts, its
+        own rule for a law that has one, else "elastic".
     **options : float or str
         Options of the law, for instance ``yield_pressure=1.66e9``; `demlaws laws NAME` lists them.
 
@@ -52,8 +53,8 @@ def law(name: str, contact: Contact, unloading: str | os.PathLike | Law | None =
     """
     definition = find(name)
     as_contact(contact)
-    rule = definition.default_unloading if unloading is None else unloading
-    return join(contact, ClosedForm(definition, contact, options), rule)
+    curve = ClosedForm(definition, contact, options)
+    return join(contact, curve, definition.default_rule(**curve.options) if unloading is None else unloading)
 
 
 def known_unloading(unloading: Any) -> "str | Law":
@@ -61,7 +62,7 @@ def known_unloading(unloading: Any) -> "str | Law":
     unloading = read_unloading(unloading)
     if isinstance(unloading, Law) or (isinstance(unloading, str) and unloading in RULES):
         return unloading
-    rules = dict.fromkeys(rule for definition in registry().values() for rule in definition.offered())
+    rules = dict.fromkeys(rule for definition in registry().values() for rule in definition.offered() if rule != GIVEN)
     if not isinstance(unloading, str) or unloading not in rules:
         why = f"{did_you_mean(unloading, rules)} The rules are {', '.join(rules)}"
         raise DemlawsError(f"unloading rule {unloading!r:.60} is unknown{why}")
@@ -75,12 +76,6 @@ def rebound(unloading, contact):
     if all(np.allclose(*(getattr(c, n) for c in (unloading.contact, contact)), rtol=1e-6, atol=0.0) for n in SIZES):
         return unloading
     return unloading.for_unloading(contact)
-
-
-def unloading_of_case(name):
-    """Default rule of an engine's case: that of the law if it has one, else Hertz's."""
-    rule = find(name).default_unloading
-    return "hertz" if rule == "elastic" else rule
 
 
 def example_curve(name, contact, **options):

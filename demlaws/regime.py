@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from demlaws.contact import Contact, as_contact
+from demlaws.contact import Contact, as_contact, smooth_overlap
 from demlaws.errors import DemlawsError, warn
 from demlaws.laws.definition import Conditions
 from demlaws.laws.registry import registry
@@ -28,7 +28,7 @@ from demlaws.solvers.criterion import (
     transition_force,
     transition_roughness,
 )
-from demlaws.units import as_float, number
+from demlaws.units import as_float, check_overlaps, number
 
 __all__ = [
     "BAND",
@@ -94,6 +94,16 @@ class Regime(NamedTuple):
         )
 
 
+def check_load(contact: Contact, force: Any) -> None:
+    """DemlawsError where a smooth contact's overlap under `force` [N] is beyond R, a warning where it is beyond R/10."""
+    try:
+        text = check_overlaps(smooth_overlap(contact, force), contact.radius)
+    except DemlawsError as error:
+        raise DemlawsError(f"load {np.max(force):g} N: {error}") from None
+    if text is not None:
+        warn(f"load {np.max(force):g} N: {text}")
+
+
 def assess(contact: Contact, force: Any, mu: float | None = None, *, yield_pressure: float | str | None = None) -> Regime:
     """The criterion of Jamari & Schipper at one force: whether asperities or the bulk deform.
 
@@ -130,6 +140,7 @@ def assess(contact: Contact, force: Any, mu: float | None = None, *, yield_press
     if as_contact(contact).size is not None:
         raise DemlawsError("assess takes one contact; this one is an array: use pressure_ratio and transition_force")
     force = number(force, "force", "N")
+    check_load(contact, force)
     p0, alpha = float(hertz_pressure(contact, force)), float(contact.roughness_parameter(force))
     if yield_pressure is not None:
         limit = _yield_pressure(yield_pressure)
@@ -224,6 +235,7 @@ def advise(contact: Contact, force: Any, yield_pressure: Any = None, *, mu: floa
     """
     as_contact(contact)
     force = number(force, "force", "N")
+    check_load(contact, force)
     alpha = float(np.max(contact.roughness_parameter(FIRST * force)))
     if yield_pressure is not None:
         ratio = float(np.max(hertz_pressure(contact, force))) / _yield_pressure(yield_pressure)

@@ -62,8 +62,7 @@ def rules_of(name):
     """Rules with which a law is tested: all that it is offered; one that unloads in a way of its own, elastic and that way,
     since what the others compile is compiled for other laws."""
     definition = registry()[name]
-    own = definition.default_unloading
-    return list(definition.offered()) if own == "elastic" else ["elastic", own]
+    return ["elastic", definition.default_rule()] if definition.unloads_its_own_way else list(definition.offered())
 
 
 def pairs(with_curves=("pohrt-popov", "yip-venart")):

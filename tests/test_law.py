@@ -448,7 +448,7 @@ def test_passivity_is_measured_where_it_is_worst():
     general = {name for name in LAWS if "hertz" in rules_of(name)}
     assert {name for name, rule in PAIRS if rule == "hertz"} == general - {"bahrami"}
     assert {n for n, rule in PAIRS if rule == "thornton" and n in general} == general - {"bahrami"}
-    assert all((name, registry()[name].default_unloading) in PAIRS for name in LAWS)
+    assert all((name, registry()[name].default_rule()) in PAIRS for name in LAWS)
     assert {n for n, rule in PAIRS if rule == "elastic"} == set(LAWS)
 
 

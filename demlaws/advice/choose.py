@@ -158,7 +158,7 @@ class Choice:
         plain = ((k, float(v) if isinstance(v, float) else v) for k, v in self.plan.options)  # numpy 2 writes np.float64(…)
         options = "".join(f", {k}={v!r}" for k, v in plain)
         unload_by = "curve" if self.plan.curve is not None else f'"{self.unloading}"'  # curve: the scene's, a law or a table
-        unloading = "" if self.unloading == "elastic" else f", unloading={unload_by}"
+        unloading = f", unloading={unload_by}"
         if self.scene.engine == "yade":
             source = f'"{self.name}"'
             if self.evaluation == "table":
@@ -243,7 +243,7 @@ def _reaches(definition, scene, options):
             options = {**options, "seating_share": float(f"{share:.1g}")}
     try:
         for contact in contacts:
-            bind_law(definition.name, contact, **options)
+            bind_law(definition.name, contact, "elastic", **options)
     except DemlawsError:
         return None
     return options

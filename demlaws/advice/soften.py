@@ -167,7 +167,7 @@ class Softening:
             if unloading.curve is not None:
                 unloading = unloading._replace(curve=self._curve(unloading.curve), contact=self.of(unloading.contact))
             return Table(contact, self._curve(law.curve), unloading)
-        plain = bind_law(law.name, contact, **self.options(law.name, law.options))
+        plain = bind_law(law.name, contact, "elastic", **self.options(law.name, law.options))
         if isinstance(law, Table):
             plain = plain.tabulate(law.rtol)
         return plain.joined(law.unloading if along is None else self.of(along))
@@ -216,7 +216,8 @@ class Softening:
         law.single_params()
         with quiet():
             softened = self.of(law)
-            modulus_only = bind_law(law.name, law.contact.with_values(modulus=law.contact.modulus / self.factor), **law.options)
+            softer = law.contact.with_values(modulus=law.contact.modulus / self.factor)
+            modulus_only = bind_law(law.name, softer, "elastic", **law.options)
             rows = []
             for one in (law, softened, modulus_only):
                 overlap = float(one.overlap(force))

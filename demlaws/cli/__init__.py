@@ -4,6 +4,7 @@ import argparse
 import contextlib
 import functools
 import importlib
+import os
 import re
 import sys
 import warnings
@@ -58,6 +59,17 @@ class _LawFile(argparse.Action):
         namespace.law_files = [*getattr(namespace, "law_files", []), values]
 
 
+class _Once(argparse._StoreAction):
+    """As argparse's store, for an option that is given once: a second one would replace the first without a word."""
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        if option_string is not None and self.dest in parser._stored:
+            several = ": give all values after one" if self.nargs == "+" else ""
+            parser.error(f"{option_string} is given twice{several}")
+        parser._stored.add(self.dest)
+        super().__call__(parser, namespace, values, option_string)
+
+
 class Parser(argparse.ArgumentParser):
     """argparse with --law-file and --json, which reads -1e-3 as a number so that the error names its value and unit."""
 
@@ -70,6 +82,9 @@ class Parser(argparse.ArgumentParser):
             metavar="FILE.py",
             help="a Python file that registers user-defined laws (may be repeated; docs/own-laws.md)",
         )
+        self.register("action", None, _Once)
+        self.register("action", "store", _Once)
+        self._stored = set()
         self.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print the result as JSON")
         self._negative_number_matcher = re.compile(
             r"^-(\d+\.?\d*|\.\d+)(e[-+]?\d+)?\s*[a-zµμ°/³]*$|^-(inf|nan)$", re.IGNORECASE
@@ -82,6 +97,11 @@ class Parser(argparse.ArgumentParser):
                 "--force", dest="overwrite", action="store_true", help="overwrite files that this command did not write"
             )
         return super().add_argument(*names, **options)
+
+    def parse_known_args(self, args=None, namespace=None):
+        """As argparse; each option with a value may be given once."""
+        self._stored.clear()
+        return super().parse_known_args(args, namespace)
 
     def _get_option_tuples(self, option_string):
         """Options are not abbreviated: --law would otherwise stand for --law-file where a command has no --law."""
@@ -188,12 +208,20 @@ def _show_warnings(arguments):
 def main(arguments=None):
     """Run the command; returns the exit status: 0, or 2 after an error, which is one line."""
     arguments = sys.argv[1:] if arguments is None else arguments
+    if not arguments:
+        build_parser(()).print_help()
+        print("\nerror: no command; name one of those above", file=sys.stderr)
+        return 2
     commands = [word for word in arguments if word in COMMANDS][:1] or arguments[:1]
     return execute(lambda: build_parser(commands), arguments)
 
 
 def execute(parser, arguments):
     """Parse the arguments with the parser that `parser()` returns and call its `func`; an error is one line and status 2."""
+    if sys.stderr is None:  # closed, as by 2>&-
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
+    if sys.stdout is None:
+        return _failed("the standard output is closed (>&-): direct it to a file, or to /dev/null")
     for stream in (sys.stdout, sys.stderr):  # a terminal without µ prints ?
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
@@ -203,8 +231,7 @@ def execute(parser, arguments):
             parsed = parser().parse_args(arguments)
             with warnings.catch_warnings():
                 _show_warnings(parsed)
-                notice.say = _compiling
-                with arranged(parsed):
+                with notice.by(_compiling), arranged(parsed):
                     status = parsed.func(parsed) or 0
         finally:
             sys.stdout.flush()
@@ -248,8 +275,6 @@ def _failed(reason):
 
 def _drop_output(*streams):
     """Discard the unwritten output of streams; Python would try to write it again at exit."""
-    import os
-
     for stream in streams:
         try:
             os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

@@ -11,7 +11,7 @@ def add_law_arguments(parser, law_required=True):
     parser.add_argument(
         "--unloading",
         help="unloading rule: elastic, hertz, thornton, a rule of this law only (list: demlaws laws NAME), or a table file "
-        "with the unloading curve (default: the law's default rule, otherwise elastic)",
+        "with the unloading curve (default: that of the law, see demlaws laws NAME)",
     )
     parser.add_argument("--option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of the law")
     parser.add_argument(
@@ -108,6 +108,12 @@ def law_from(arguments):
     return law(definition.name, contact, _unloading_from(arguments, contact), **options)
 
 
+def unloads(law):
+    """Name of a law and of its unloading rule, or of the curve that it unloads along."""
+    curve = law.unloading_law
+    return f"{law.name}, {f'{law.unloading} unloading' if curve is None else f'unloading along {curve.name}'}"
+
+
 def describe(contact):
     """One line with the effective quantities of a contact."""
     text = f"contact: R = {contact.radius * 1e3:.5g} mm, E* = {contact.modulus / 1e9:.5g} GPa"
@@ -120,7 +126,7 @@ def _unloading_from(arguments, contact):
     from demlaws.laws.registry import find
 
     if arguments.unloading_law is None:
-        return arguments.unloading
+        return unloading_named(arguments)
     if arguments.unloading not in (None, "elastic", "table"):
         raise DemlawsError(f"give either --unloading {arguments.unloading} or --unloading-law")
     options = {}
@@ -129,12 +135,19 @@ def _unloading_from(arguments, contact):
     return law_of_unloading(arguments.unloading_law, contact, **options)
 
 
+def unloading_named(arguments):
+    """The value of --unloading; `table` alone names none."""
+    if arguments.unloading == "table":
+        raise DemlawsError("--unloading table: give the file of the table, --unloading FILE, or its law, --unloading-law NAME")
+    return arguments.unloading
+
+
 def law_of_unloading(name, contact, **options):
     """The law of --unloading-law, which takes no options of its own."""
     from demlaws.make import law
 
     try:
-        return law(name, contact, **options)
+        return law(name, contact, "elastic", **options)
     except DemlawsError as error:
         remedy = "for a law with options write its table (demlaws table) and give --unloading FILE"
         raise DemlawsError(f"--unloading-law {name}: {error}; {remedy}") from None

@@ -2,7 +2,7 @@
 
 from demlaws.cli import example
 from demlaws.cli.arguments import force, length, whole
-from demlaws.cli.contact import add_law_arguments, describe, law_from
+from demlaws.cli.contact import add_law_arguments, contact_from, describe, law_from, unloads
 from demlaws.cli.output import Output, output, record, write_csv
 from demlaws.responses.results import PATH_COLUMNS
 
@@ -36,13 +36,16 @@ def register(add):
 def run_curve(arguments):
     """Do what the command's arguments ask."""
     from demlaws import driver, plots
+    from demlaws.units import check_overlaps
 
+    if arguments.overlaps is not None:  # before a law is compiled
+        check_overlaps(arguments.overlaps, contact_from(arguments).radius)
     law = law_from(arguments)
     if arguments.forces is not None:
         path = driver.force_controlled(law, arguments.forces, arguments.steps)
     else:
         path = driver.displacement_controlled(law, arguments.overlaps, arguments.steps)
-    print(f"{law.name}, {law.unloading} unloading; {describe(law.contact)}")
+    print(f"{unloads(law)}; {describe(law.contact)}")
     record(law=law.name, unloading=law.unloading, contact=law.contact, options=law.options)
     record(**{name: getattr(path, name) for name in PATH_COLUMNS.values()})
     if arguments.csv is not None:
@@ -53,6 +56,4 @@ def run_curve(arguments):
         for row in list(zip(path.overlap, path.force, path.stiffness, path.plastic_overlap, path.work, strict=True))[::every]:
             print(f"{row[0] * 1e6:14.4f} {row[1]:12.5g} {row[2] / 1e3:12.5g} {row[3] * 1e6:13.4f} {row[4]:12.4g}")
     if arguments.figure is not None:
-        curve = law.unloading_law
-        title = f"{law.name}, {f'{law.unloading} unloading' if curve is None else f'unloading along {curve.name}'}"
-        print(plots.save(plots.path_figure(path, title), arguments.figure))
+        print(plots.save(plots.path_figure(path, unloads(law)), arguments.figure))

@@ -7,7 +7,7 @@ import sys
 
 from demlaws.cli import Parser, example, option
 from demlaws.cli.arguments import density, force, law_name, length, plain, pressure, whole
-from demlaws.cli.contact import law_of_unloading
+from demlaws.cli.contact import law_of_unloading, unloading_named
 from demlaws.cli.output import output, record, say
 from demlaws.errors import DemlawsError
 from demlaws.laws import USUAL
@@ -96,13 +96,15 @@ def _add_source(parts, name):
 
 def _add_export(parts, name):
     def export(arguments):
+        from demlaws.plugins.grains import Case
+
         grains, unloading, options = _grains_of(arguments)
         values = {"rtol": arguments.rtol, "max_force": arguments.max_force, "count": arguments.count}
         values |= {"shear_ratio": arguments.shear_ratio, "levels": arguments.levels}
         stock = getattr(arguments, "stock", None)
-        path = _function(name, "export")(
-            arguments.folder, arguments.law, grains, unloading=unloading, options=options, stock=stock, **values
-        )
+        case = Case(arguments.law, tuple(grains), unloading, options, stock=stock, **values)
+        print(case.title)
+        path = _function(name, "export")(arguments.folder, case)
         if stock:
             print((path.parent / "fit.txt").read_text(), end="")
         print(f"wrote {path}; start {path.parent / 'run.sh'}")
@@ -197,7 +199,7 @@ def _grain_arguments(export):
     export.add_argument(
         "--unloading",
         help="unloading rule: elastic, hertz, thornton, a rule of this law only (list: demlaws laws NAME), or a table file "
-        "with the unloading curve of all contacts (default: the law's default rule, otherwise hertz)",
+        "with the unloading curve of all contacts (default: that of the law, see demlaws laws NAME)",
     )
     export.add_argument("--unloading-law", help="law whose curve is the unloading curve, in place of --unloading")
     export.add_argument("--option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of the law")
@@ -233,7 +235,8 @@ def _grains_of(arguments):
         Grain(radius, Material(young, poisson, hardness, density), Surface(sq, dimension, hardness))
         for radius, sq, dimension, young, poisson, hardness, density in zip(arguments.radius, *columns, strict=True)
     ]
-    unloading = arguments.unloading
-    if arguments.unloading_law is not None:
+    if arguments.unloading_law is None:
+        unloading = unloading_named(arguments)
+    else:
         unloading = law_of_unloading(arguments.unloading_law, grains[0].contact(grains[0]))
     return grains, unloading, dict(arguments.option)

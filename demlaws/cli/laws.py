@@ -27,7 +27,7 @@ def print_laws():
 
 def run(arguments):
     """Do what the command's arguments ask."""
-    from demlaws.core.unloading import RULES
+    from demlaws.core.unloading import GIVEN, RULES
     from demlaws.laws.registry import find, registry
 
     if arguments.check and arguments.name is None:
@@ -39,23 +39,26 @@ def run(arguments):
         print(report)
         return 0 if report.passed else 1
     if arguments.name is None:
-        record(laws={name: d.description for name, d in registry().items()}, unloading=list(RULES))
+        rules = [rule for rule in RULES if rule != GIVEN]
+        record(laws={name: d.description for name, d in registry().items()}, unloading=rules)
         print_laws()
-        print(f"unloading: {', '.join(RULES)}; options and further rules of a law: demlaws laws NAME")
+        say(f"unloading: {', '.join(rules)}, or a table to unload along; options and rules of a law: demlaws laws NAME")
         return 0
     definition = find(arguments.name)
-    fields = ("name", "description", "equation", "source", "needs", "default_unloading")
-    record(**{name: getattr(definition, name) for name in fields}, unloading=list(definition.offered()))
+    fields = ("name", "description", "equation", "source")
+    record(**{name: getattr(definition, name) for name in fields}, needs=definition.needed())
+    rules = [rule for rule in definition.offered() if rule != GIVEN]
+    record(unloading=rules, default_unloading=definition.default_rule())
     record(options={name: option._replace(values=str(option.values)) for name, option in definition.options.items()})
     say(f"{definition.name}: {definition.description}\n  {definition.equation}\n  {definition.source}")
-    print(f"  needs of the contact: {', '.join(('radius', 'modulus', *definition.needs))}")
+    print(f"  needs of the contact: {', '.join(('radius', 'modulus', *definition.needed()))}")
     lines = list(definition.option_lines())
     print("  no options" if not lines else "  options:")
     for line in lines:
         say(f"    {line}", "        ")
     if definition.unloading:
-        say(f"  unloading: {', '.join(definition.offered())} (except those that would create energy)")
-        print(f"  default: {definition.default_unloading}")
+        say(f"  unloading: {', '.join(rules)}, or a table to unload along (except those that would create energy)")
+        print(f"  default: {definition.default_rule()}")
     for rule in definition.rules:
         say(f"  {rule.name}, a rule of this law only: {rule.description}")
     return 0

@@ -4,7 +4,7 @@ from demlaws.cli import example
 from demlaws.cli.arguments import force, plain, pressure
 from demlaws.cli.contact import add_contact_arguments, contact_from, draw
 from demlaws.cli.output import output, record, say
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, MissingQuantity
 
 
 def register(add):
@@ -38,10 +38,10 @@ def run_regime(arguments):
         raise DemlawsError("--yield-load and --yield-pressure are alternatives: give one of them")
     measured = arguments.yield_load is not None or arguments.yield_pressure is not None
     pair = contact_from(arguments)
-    if not pair.roughness:
-        raise DemlawsError("--roughness (or --combined-roughness) missing: the criterion needs it")
+    if pair.roughness is None:
+        raise MissingQuantity("the criterion", "roughness")
     if pair.hardness is None and not measured:
-        raise DemlawsError("--hardness missing: the criterion needs it")
+        raise MissingQuantity("the criterion", "hardness")
     limit = arguments.yield_pressure
     if arguments.yield_load is not None:
         limit = float(regime.hertz_pressure(pair, arguments.yield_load))

@@ -2,7 +2,7 @@
 
 from demlaws.cli import example
 from demlaws.cli.arguments import force, plain
-from demlaws.cli.contact import add_law_arguments, law_from
+from demlaws.cli.contact import add_law_arguments, law_from, unloads
 from demlaws.cli.output import record, say
 from demlaws.errors import DemlawsError
 
@@ -42,7 +42,7 @@ def run(arguments):
         raise DemlawsError(f"--factor = {softening.factor:g} makes grains stiffer: it divides the modulus, give 1 or more")
     law = law_from(arguments)
     report = softening.report(law, arguments.load)
-    print(f"{law.name}, {law.unloading} unloading, s = {softening.factor:g}\n")
+    print(f"{unloads(law)}, s = {softening.factor:g}\n")
     record(law=law.name, unloading=law.unloading, factor=softening.factor, contact=law.contact, options=law.options)
     record(softened={"contact": report.law.contact, "options": report.law.options}, report=report.lines())
     record(effects=[dict(zip(("quantity", "factor", "power"), row, strict=True)) for row in softening.effects()])

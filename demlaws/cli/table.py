@@ -4,7 +4,7 @@ from pathlib import Path
 
 from demlaws.cli import example
 from demlaws.cli.arguments import force, length, plain
-from demlaws.cli.contact import add_law_arguments, contact_from, describe, law_from
+from demlaws.cli.contact import add_law_arguments, contact_from, describe, law_from, unloads
 from demlaws.cli.output import output, record, say
 from demlaws.errors import DemlawsError
 from demlaws.files import names_a_file
@@ -123,7 +123,7 @@ def run(arguments):
         raise DemlawsError("give --law NAME, or measured points with --points FILE")
     else:
         law = law_from(arguments)
-        print(describe(law.contact))
+        print(f"{unloads(law)}; {describe(law.contact)}")
         table = law.tabulate(1e-5 if arguments.rtol is None else arguments.rtol, arguments.max_force)
     table.save(arguments.out)
     record(file=str(arguments.out), rows=table.nodes.u.size, largest_force=table.largest_force, rtol=table.rtol)
@@ -139,6 +139,9 @@ def run(arguments):
             f"unloading along {curve.name!r}: {curve.nodes.u.size} rows, to {curve.largest_force:.4g} N; "
             f"largest relative error: force {curve.force_error:.1e}, stiffness {curve.stiffness_error:.1e}"
         )
+    if table.collapses and arguments.max_force is not None:
+        smaller = table.bound_to(table.contact.with_values(radius=0.1 * table.contact.radius))
+        say(f"for another contact the table ends at another force: with a tenth of this R at {smaller.largest_force:.3g} N")
     if not table.collapses:
         say(f"the curve of {table.name!r} depends on the radius or modulus: this table is valid for this contact only")
     if arguments.figure is not None:

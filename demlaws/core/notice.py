@@ -1,10 +1,22 @@
-"""Callback for a compilation that takes longer than a second; the command line sets `say`."""
+"""Callback for a compilation that takes longer than a second; the command line gives one while a command runs (`by`)."""
 
+import contextlib
 import threading
 
 say = None
-"""Called without arguments, once in a process; None: no notice."""
+"""Called without arguments, at the first such compilation; None: no notice."""
 timers = []
+
+
+@contextlib.contextmanager
+def by(callback):
+    """Within this context `say` is the callback; then what it was before."""
+    global say
+    before, say = say, callback
+    try:
+        yield
+    finally:
+        say = before
 
 
 def _tell():

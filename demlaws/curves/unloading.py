@@ -83,7 +83,7 @@ def refuse_unless_passive(law: Any) -> None:
     if excess > 1.0 + 1e-9 + uncertainty:
         whose = "Hertz's" if curve is None else f"that of its unloading curve ({curve.definition.name!r})"
         ratio = f"{excess:.4g}" if excess > 1.001 else f"1 + {excess - 1.0:.1g}"
-        other = law.definition.default_unloading
+        other = law.definition.default_rule(**law.options)
         remedy = (
             f"use unloading={other!r}" if other != law.unloading else "use unloading='elastic', or other options of the law"
         )

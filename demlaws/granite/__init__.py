@@ -124,11 +124,11 @@ def options_for(name, test):
 
 
 def bind(name, test, unloading=None):
-    """A law on a test's contact; unloading: the law's own way if it has one, else Hertz's where it takes it, else elastic."""
+    """A law on a test's contact; unloading: by default the law's own rule, else Hertz's where it takes it, else elastic."""
     options = options_for(name, test)
-    rule = registry()[name].default_unloading
-    if unloading is None and rule != "elastic":
-        unloading = rule
+    definition = registry()[name]
+    if unloading is None and definition.unloads_its_own_way:
+        unloading = definition.default_rule(**options)
     if unloading is not None:
         return law(name, test.contact, unloading, **options)
     try:

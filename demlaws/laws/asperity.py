@@ -312,6 +312,7 @@ LAW = Definition(
         "plastic_ratio": 160.0,
     },
     example_curve={"curve": "reloading", "force": 100.0},
+    default_unloading=lambda curve="loading", **_: "elastic" if curve == "reloading" else "hertz",
     options={
         "surface": Option(
             "", "a HeightMap or a file", "height map of the rough body, or of the gap between two; needed", _softened

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from demlaws.contact import Contact
-from demlaws.core.unloading import RULES, Rule
+from demlaws.core.unloading import GIVEN, RULES, Rule
 from demlaws.errors import DemlawsError, MissingQuantity, did_you_mean
 from demlaws.units import number
 
@@ -280,7 +280,7 @@ class Definition(NamedTuple):
     unloading: tuple = ("elastic", "hertz")  # rules that it is fitted, chosen and measured with, the plainest first
     rules: tuple = ()  # rules of its own (`own_rule`), which no other law is offered
     rule_numbers: Callable | None = None  # params, length [m], a table's relative error → values of its rules' `keys`, no units
-    default_unloading: str = "elastic"  # the rule where a user names none
+    default_unloading: str | Callable = "elastic"  # the rule where a user names none; or **options → it (`default_rule`)
     refused: dict = {}  # noqa: RUF012  general rule that the law does not take → what to do instead
     hertzian: bool = False  # the curve is Hertz's: a power law without a length of its own
     fitting: Fitting = Fitting()
@@ -330,6 +330,19 @@ class Definition(NamedTuple):
             text = ", ".join(f"{name}={value!r:.60}" for name, value in options.items())
             raise DemlawsError(f"law {self.name!r} cannot use {text}: {error}") from error
 
+    def default_rule(self, **options: Any) -> str:
+        """Name of the unloading rule where a user names none, in Python, commands, scenes and engines.
+
+        "hertz" of laws of rough contacts, the rule of its own of a law that has one, else "elastic".
+        """
+        rule = self.default_unloading
+        return rule if isinstance(rule, str) else rule(**options)
+
+    @property
+    def unloads_its_own_way(self) -> bool:
+        """Whether the default is a rule of plastic contacts: the law yields by itself."""
+        return self.default_rule() not in ("elastic", "hertz")
+
     def offered(self) -> dict[str, Rule]:
         """Name → rule: the general ones but those that the law refuses, then its own."""
         general = {name: rule for name, rule in RULES.items() if name not in self.refused}
@@ -342,8 +355,9 @@ class Definition(NamedTuple):
             return available[name]
         if isinstance(name, str) and name in self.refused:
             raise DemlawsError(f"law {self.name!r} does not take {name!r} unloading: {self.refused[name]}")
-        rules = f"{did_you_mean(name, available)} The rules are {', '.join(available)} (law {self.name!r})"
-        raise DemlawsError(f"unknown unloading rule {name!r}{rules}")
+        named = [rule for rule in available if rule != GIVEN]
+        rules = f"{did_you_mean(name, named)} The rules are {', '.join(named)} (law {self.name!r})"
+        raise DemlawsError(f"unknown unloading rule {name!r}{rules}, or a law or table to unload along")
 
     def bulk_radius(self, contact: Contact, **options: Any) -> Any:
         """R [m] of the shape that yields and unloads, one per contact: the contact's, unless an option gives another."""

@@ -57,6 +57,7 @@ LAW = Definition(
     implicit=True,
     solved=True,
     needs=("roughness",),
+    default_unloading="hertz",
     example={"mu": MU},
     options={
         "mu": Option(

@@ -113,6 +113,7 @@ LAW = Definition(
     description="self-affine roughness",
     kinks=lambda p: [1.0 / p.inverse_threshold],
     needs=("roughness", "fractal_dimension"),
+    default_unloading="hertz",
     fitting=Fitting(
         parameters={"roughness": ROUGHNESS, "fractal_dimension": DIMENSION}, free=("roughness", "fractal_dimension")
     ),

@@ -161,7 +161,7 @@ def _check(definition: Any) -> None:
     if not definition.unloading or definition.unloading[0] != "elastic":
         raise DemlawsError(f"law {name!r}: unloading = {definition.unloading!r:.60}: the first rule must be 'elastic'")
     available = definition.offered()
-    if wrong := [rule for rule in (*definition.unloading, definition.default_unloading) if rule not in available]:
+    if wrong := [rule for rule in (*definition.unloading, definition.default_rule()) if rule not in available]:
         raise DemlawsError(f"law {name!r}: unloading {wrong[0]!r:.40} is none of its rules, {', '.join(available)}")
     if wrong := sorted({*definition.fitting.free} - {"modulus", *definition.fitting.parameters}):
         raise DemlawsError(f"law {name!r}: free names {', '.join(wrong)}, which fitted does not describe")

@@ -122,6 +122,7 @@ LAW = Definition(
     description="rough metal surfaces, fitted",
     limits=_limits,
     needs=("roughness",),
+    default_unloading="hertz",
     fitting=Fitting(parameters={"roughness": ROUGHNESS}, free=("roughness",)),
     advice=Advice(advise=_advise, rank=2, candidate=True),
     drawing=Drawing(label="RMS", colour="#1f77b4"),

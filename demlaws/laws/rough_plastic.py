@@ -125,7 +125,7 @@ def _loading_definition(loading):
     from demlaws.laws.registry import find  # the registry imports this module
 
     definition = find(loading)
-    if definition.default_unloading != "elastic":
+    if definition.unloads_its_own_way and definition.name != LAW.name:
         raise DemlawsError(f"loading={loading!r} is a law with its own yield: give the law before yield, or use that law alone")
     if definition.name == LAW.name:
         raise DemlawsError(f"loading={loading!r}: give the rough law before yield, for instance 'pohrt-popov'")
@@ -183,6 +183,12 @@ def _of_loading(options):
     return _loading_definition(options.get("loading", "pohrt-popov")), rest
 
 
+def _default_unloading(**options):
+    """Hertz's, unless the rough law, as bahrami, cannot take it."""
+    definition, rest = _of_loading(options)
+    return "elastic" if definition.needs and definition.default_rule(**rest) == "elastic" else "hertz"
+
+
 def _kinks(p, **options):
     definition, rest = _of_loading(options)
     return [*(k for k in definition.kinks(p.loading, **rest) if k < p.yield_overlap), p.yield_overlap]
@@ -212,6 +218,7 @@ LAW = Definition(
     unloading_radius=_bulk_radius,
     collapses=False,
     before_yield=lambda **options: _of_loading(options),
+    default_unloading=_default_unloading,
     example={"yield_pressure": GRANITE_YIELD_PRESSURE},
     unloading=("elastic", "hertz", "thornton"),
     options={

@@ -58,6 +58,7 @@ LAW = Definition(
     implicit=True,
     solved=True,
     needs=("roughness", "hardness"),
+    default_unloading="hertz",
     options={
         "seating_share": SEATING,
         "rtol": SOLUTION,

@@ -16,7 +16,7 @@ from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
 from demlaws.laws import USUAL
 from demlaws.laws.registry import find
-from demlaws.make import known_unloading, rebound, unloading_of_case
+from demlaws.make import known_unloading, rebound
 from demlaws.make import law as make_law
 from demlaws.timestep import timestep
 from demlaws.units import number, whole
@@ -83,7 +83,7 @@ class Case:
 
     law: str = USUAL
     grains: tuple = ()
-    unloading: object = None  # default: the law's own rule where it has one, else "hertz"
+    unloading: object = None  # default: that of the law
     options: dict = field(default_factory=dict)
     rtol: float = 1e-5
     stock: str | None = None
@@ -97,9 +97,10 @@ class Case:
     def __post_init__(self):
         if not self.grains:
             raise DemlawsError("grains is empty: give at least one Grain(radius, material, surface)")
-        unloading = unloading_of_case(self.law) if self.unloading is None else self.unloading
+        definition = find(self.law)
+        object.__setattr__(self, "options", definition.read(self.options))
+        unloading = definition.default_rule(**self.options) if self.unloading is None else self.unloading
         object.__setattr__(self, "unloading", known_unloading(unloading))
-        object.__setattr__(self, "options", find(self.law).read(self.options))
         number(self.max_force, "max_force", "N")
         whole(self.count, "count")
         if self.shear_ratio is not None:

@@ -282,9 +282,11 @@ class Binding:
                 raise EngineStopped(text)
             place, velocity = body.state.pos, body.state.vel
             if not all(map(math.isfinite, (*place, *velocity))):
+                from demlaws.yade.reports import remedy_of_motion
+
                 raise EngineStopped(
-                    f"body {body.id} is at {tuple(place)} m with velocity {tuple(velocity)} m/s, which is not finite: take a "
-                    "smaller time step, or check what the script did to it"
+                    f"body {body.id} is at {tuple(place)} m with velocity {tuple(velocity)} m/s, which is not finite: "
+                    + remedy_of_motion([body.id])
                 )
 
     def check_functor(self, functor):

@@ -12,7 +12,7 @@ def each_once():
     from demlaws.laws.registry import registry
 
     laws = registry()
-    pairs = [(name, laws[name].default_unloading) for name in laws]
+    pairs = [(name, laws[name].default_rule()) for name in laws]
     rules = {rule for _, rule in pairs}
     for name in (USUAL, *laws):
         pairs += [(name, rule) for rule in laws[name].offered() if rule not in rules]

@@ -98,7 +98,7 @@ class LawSource:
         else:
             raise DemlawsError(f"law must be a law's name, a Law, a Table or the path of a table, got {law!r}")
         self.definition = law.definition if isinstance(law, Law) else find(self.name)
-        self.unloading = getattr(law, "unloading", self.definition.default_unloading)
+        self.unloading = law.unloading if isinstance(law, Law) else self.definition.default_rule(**self.options)
         if self.table is None and self.unloading == GIVEN:
             self.curve, self.ratios = LawSource(law.unloading_law, {}), tuple(law.shape[2:])
 

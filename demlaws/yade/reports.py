@@ -1,5 +1,6 @@
 """Messages about contacts, laws and time steppers: loaded when there is something to say."""
 
+import math
 import platform
 
 import numpy as np
@@ -79,12 +80,24 @@ def fault_text(binding, kind, bodies, *, value, radius=None):
         return f" ({labels[0]!r} on {labels[1]!r}): {binding.roughness_text(*labels, value)}"
     if value != value:
         places = " and ".join(f"{number} at {tuple(O.bodies[number].state.pos)} m" for number in (first, second))
-        return f": a position is not finite, bodies {places}: take a smaller time step, or check what the script did to them"
+        return f": a position is not finite, bodies {places}: {remedy_of_motion(bodies)}"
     return (
         f" at overlap {value:g} m: the law gives no finite force there (a table ends, its radius or modulus is outside "
         "those that the law was made for, or the overlap is infinite): make the table for larger forces, give radii=… "
         "and moduli=…, or take a smaller time step"
     )
+
+
+def remedy_of_motion(bodies):
+    """What to do where bodies of these numbers move to places that are not finite: the step, or damping of 0 restitution."""
+    for contact in O.interactions:
+        damping = getattr(contact.phys, "betan", 0.0), getattr(contact.phys, "betas", 0.0)
+        if contact.isReal and {contact.id1, contact.id2} & set(bodies) and not all(map(math.isfinite, damping)):
+            return (
+                f"the damping ratios betan = {damping[0]:g}, betas = {damping[1]:g} of contact {contact.id1}+{contact.id2} are "
+                "not finite: give en and es of Ip2_FrictMat_FrictMat_MindlinPhys above 0, at most 1"
+            )
+    return "take a smaller time step, or check what the script did to it"
 
 
 def unavailable_text(failure):

@@ -238,7 +238,7 @@ def law_page(name, definition, folder):
         text.append("Options of `dl.law(name, contact, ...)` and of `--option NAME=VALUE`:\n")
         text.append("\n".join(f"- {prose(line)}" for line in definition.option_lines()) + "\n")
     text.append("## Limits\n\n" + "\n".join(f"- {prose(s)}" for s in cautions(definition, law) or ["None known."]) + "\n")
-    text.append(f"## Unloading\n\nDefault: `{definition.default_unloading}`.\n")
+    text.append(f"## Unloading\n\nDefault: `{definition.default_rule(**law.options)}`.\n")
     text.append(table(["rule", "accepted"], rules_of(name, law)))
     text.append(f"## Source\n\n{prose(definition.source)}. References in full: [bibliography](../../bibliography.md).\n")
     text.append(f"{prose(module.__doc__)}\n")

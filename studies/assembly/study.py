@@ -64,7 +64,7 @@ class Series(NamedTuple):
         contact = dl.Contact(
             radius=bead.diameter / 4, modulus=modulus, roughness=1e-6 * self.sigma, fractal_dimension=self.dimension
         )
-        law = dl.law(self.law, contact, **({"slope": self.slope} if self.slope else {}))
+        law = dl.law(self.law, contact, "elastic", **({"slope": self.slope} if self.slope else {}))
         return law.tabulate(rtol=1e-5) if self.law == "greenwood-tripp" else law
 
 

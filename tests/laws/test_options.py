@@ -21,6 +21,7 @@ INSTEAD = {  # where options exclude or need one another; None: left out
     ("greenwood-tripp", "asperity_radius"): {"mu": None, "asperity_density": 1e10, "asperity_radius": 2e-5},
     ("asperity", "force"): {"curve": "reloading", "force": 5.0},
     ("asperity", "max_force"): {"max_force": 50.0},
+    ("rough-plastic", "bulk_radius"): {"bulk_radius": 3e-3},
     ("rough-plastic", "post_yield_pressure"): {"post_yield_pressure": 2e9},
 }
 NUMERIC = [(law, name) for law, d in registry().items() for name, one in d.options.items() if isinstance(one.values, Numbers)]

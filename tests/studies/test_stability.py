@@ -35,7 +35,7 @@ def test_extremes(case):
         assert max(found.rounding.values()) < 40.0
 
 
-OWN = [name for name, definition in registry().items() if definition.default_unloading != "elastic"]
+OWN = [name for name, definition in registry().items() if definition.unloads_its_own_way]
 
 
 @pytest.mark.slow
