@@ -434,6 +434,14 @@ def softer_hardness(*bodies: tuple[Material, Surface]) -> float | None:
     return min((hardness for hardness in hardnesses if hardness is not None), default=None)
 
 
+def unchecked(contact: Contact, changes: dict[str, float]) -> Contact:
+    """A copy with fields that are known to be admissible numbers, for the many trials of a search; `with_values` checks."""
+    copy = object.__new__(Contact)
+    for name, value in vars(contact).items():
+        object.__setattr__(copy, name, changes.get(name, value))
+    return copy
+
+
 def _surface_in(name: str, material: Any, roughness: Any) -> Surface:
     """Surface of a body whose roughness is given, or None: that of its material."""
     if not isinstance(material, Material):

@@ -4,7 +4,7 @@ The points are a history of (displacement, force), loading and unloading in any 
 force from the largest force before it. The displacement at first touch ("zero") is a free parameter. The noise is that of
 the displacement; noise of the force is converted with the stiffness (effective variance). Laws are ranked by Akaike's
 information criterion, corrected for few points (AICc). The apparatus may be compliant: `compliance` [m/N] times the force
-adds to the displacement, known or fitted.
+adds to the displacement, known or fitted. The reading of the load cell without a load, "force_zero", is fitted, too.
 """
 
 import math
@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from demlaws.advice.fit_model import COMPLIANCE, ZERO, Model, largest_compliance, parameters
-from demlaws.advice.fit_report import Fit, fitted
+from demlaws.advice.fit_model import APPARATUS, COMPLIANCE, FORCE_ZERO, ZERO, Model, largest_compliance, parameters
+from demlaws.advice.fit_report import WEAK, Fit, fitted
 from demlaws.advice.processes import results
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
@@ -91,7 +91,8 @@ def fit(
     unloading : str or sequence of str, optional
         Unloading rules. Default: each rule of the law if the points unload, else "elastic".
     free : sequence of str, optional
-        Names of the fitted quantities among `fit.PARAMETERS`; [] for none. Default: `Definition.free`.
+        Names of the fitted quantities among `fit.PARAMETERS`; [] for none. Default: `Definition.free` and "force_zero", which
+        may be left out where the load cell was tared in air.
     options : dict, optional
         Name of the law → fixed options.
     displacement_noise : float, optional
@@ -150,7 +151,7 @@ def fit(
         refuse_other_units(displacement, force, contact, largest_compliance(contact) if COMPLIANCE in (free or ()) else 0.0)
     distinct = len(np.unique(np.column_stack([displacement, force]), axis=0))
     jobs = list(_jobs(names, rules, free, force, distinct))
-    test = _Test(contact, options, displacement, force, displacement_noise, force_noise)
+    test = _Test(contact, options, displacement, force, displacement_noise, force_noise, free)
     outcomes = list(results(test.fit_or_reason, jobs, processes, progress))
     fits = [one for one in outcomes if isinstance(one, Fit)]
     failed = {
@@ -176,13 +177,17 @@ class _Test(NamedTuple):
     force: np.ndarray
     displacement_noise: float | None
     force_noise: float
+    free: Sequence[str] | None  # as the user gave it
 
     def fit(self, job):
         """The `Fit` of a law, its rule, and the names of its free quantities."""
         name, rule, free = job
         points = {"displacement": self.displacement, "force": self.force, "noise": self.displacement_noise}
         model = Model(name, rule, free, contact=self.contact, options=self.options.get(name, {}), **points)
-        return fitted(model, self.displacement_noise, self.force_noise)
+        one = fitted(model, self.displacement_noise, self.force_noise)
+        if self.free is None and FORCE_ZERO in free and one.parameters[FORCE_ZERO].cause == WEAK:
+            return self.fit((name, rule, [n for n in free if n != FORCE_ZERO]))  # a straight line has one zero
+        return one
 
     def fit_or_reason(self, job):
         """The `Fit`, or why there is none."""
@@ -202,14 +207,15 @@ def _jobs(names, rules, free, force, distinct):
     for name in names:
         definition = find(name)
         fields = definition.fitting.parameters
-        variables = [
-            n for n in (definition.fitting.free if free is None else free) if n in ("modulus", COMPLIANCE) or n in fields
-        ]
+        known = {"modulus", *APPARATUS, *fields}
+        variables = [n for n in (definition.fitting.free if free is None else free) if n in known]
         if distinct < len(variables) + 4:
             if not force.size:
                 raise DemlawsError("no point has a force above 0: compression is positive; change the sign of the forces")
             few = f"{distinct} different points with a force above 0 (compression)"
             raise DemlawsError(f"{few}: at least {len(variables) + 4} are needed for {name}")
+        if free is None and distinct >= len(variables) + 5:
+            variables.append(FORCE_ZERO)
         for rule in rules or (definition.unloading if unloads else ("elastic",)):
             # first loading alone does not show a quantity of the unloading curve
             yield name, rule, [n for n in variables if rule != "elastic" or n not in fields or not fields[n].unloading]
@@ -241,6 +247,7 @@ def _suspicions(best, test):
     hints = {
         "modulus": (1e-9, "GPa", wrong, "fit the modulus"),
         COMPLIANCE: (1e6, "µm/N", "the apparatus may be compliant", "measure the compliance and give it, or fit it"),
+        FORCE_ZERO: (1.0, "N", "the load cell may be off", "fit its zero (force_zero)"),
     }
     for name, (unit, symbol, meaning, remedy) in hints.items():
         if name in variables:
@@ -250,7 +257,7 @@ def _suspicions(best, test):
         except DemlawsError:
             continue
         value, low, high = (other.parameters[name][n] * unit for n in (0, 2, 3))
-        if value > 0.0 and other.aicc < best.aicc - _DECISIVE:
+        if (value > 0.0 or name == FORCE_ZERO) and other.aicc < best.aicc - _DECISIVE:
             fall = f"from {best.misfit * 1e6:.3g} to {other.misfit * 1e6:.3g} µm"
             interval = f"{value:.4g} {symbol} [{low:.4g}, {high:.4g}]"
             yield f"{meaning}: with {interval} the misfit falls {fall}; {remedy}"

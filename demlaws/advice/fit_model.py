@@ -5,12 +5,12 @@ are enough. A pressure at which the bulk yields, or another quantity that moves 
 lies above all loads: it starts where the joint lies at the shares `JOINTS` of the largest load.
 """
 
-import copy
 import itertools
 import math
 
 import numpy as np
 
+from demlaws.contact import unchecked
 from demlaws.core import loops
 from demlaws.core.history import history as forces_history
 from demlaws.errors import DemlawsError, quiet
@@ -20,8 +20,16 @@ from demlaws.make import law as bind_law
 
 ZERO = "zero"
 COMPLIANCE = "compliance"
-"""The only fitted quantity of the apparatus, not of a law."""
-_COMPLIANCE = Parameter("m/N", False, lambda c: (0.0, 1e-4), lambda c: [0.0])
+FORCE_ZERO = "force_zero"
+"""Reading of the load cell [N] without a load."""
+APPARATUS = {
+    COMPLIANCE: Parameter("m/N", False, lambda c: (0.0, 1e-4), lambda c: [0.0]),
+    FORCE_ZERO: Parameter("N", False, lambda c: (-math.inf, math.inf), lambda c: [0.0]),
+}
+"""Fitted quantities of the apparatus, not of a law; the range of the force zero is that of the points."""
+LARGEST_FORCE_ZERO = 0.05
+"""Part of the largest force up to which the zero of the force is searched, to both sides."""
+_LEAST_FORCE = 1e-6  # over the largest: points with less, after the zero is subtracted, count as touching
 JOINTS = (0.02, 0.06, 0.12, 0.2, 0.35, 0.5, 0.65, 0.8, 2.0)
 """Loads of a curve's joint from which a fit starts, over the largest load."""
 _STARTS = 4  # starts that are followed for a few steps; two of them to the end
@@ -33,12 +41,12 @@ _FAMILY_PART = 0.7  # of ln(roughness), for which one family of solved curves is
 def parameters():
     """Name → `Parameter` of every quantity that a fit of some law may vary."""
     tables = [definition.fitting.parameters for definition in registry().values()]
-    return {**OF_CONTACT, COMPLIANCE: _COMPLIANCE, **{n: one for quantities in tables for n, one in quantities.items()}}
+    return {**OF_CONTACT, **APPARATUS, **{n: one for quantities in tables for n, one in quantities.items()}}
 
 
 def largest_compliance(contact):
     """End of the range [m/N] in which the compliance of the apparatus is searched."""
-    return _COMPLIANCE.bounds(contact)[1]
+    return APPARATUS[COMPLIANCE].bounds(contact)[1]
 
 
 def history(law, force):
@@ -52,7 +60,7 @@ class Model:
     def __init__(self, name, rule, free, *, contact, options, displacement, force, noise):
         self.definition, self.unloading, self.free = find(name), rule, tuple(free)
         self.rule = self.definition.rule(rule)
-        self.parameters = {**OF_CONTACT, COMPLIANCE: _COMPLIANCE, **self.definition.fitting.parameters}
+        self.parameters = {**OF_CONTACT, **APPARATUS, **self.definition.fitting.parameters}
         fill = {}
         for field in self.definition.needed(**options):
             if getattr(contact, field) is None:
@@ -67,6 +75,9 @@ class Model:
         self.scale = float(np.ptp(displacement)) or float(np.max(np.abs(displacement))) or 1.0
         self.sigma = np.full(force.size, noise or self.scale)
         ends = [self._coordinate(n, self.parameters[n].bounds(self.contact)) for n in free]
+        if FORCE_ZERO in free:
+            most = LARGEST_FORCE_ZERO * float(np.max(force))
+            ends[self.free.index(FORCE_ZERO)] = -most, most
         self.low, self.high = np.array([*ends, (-np.inf, np.inf)]).T
         # a law whose curve is solved: families of curves over parts of the roughness, in place of a solution for each trial
         self.families = {} if set(self.definition.fitting.family) & {"roughness"} & set(free) else None
@@ -80,13 +91,11 @@ class Model:
 
     def inputs(self, x):
         """Contact and options of the law. The bounds guarantee admissible values: they are not checked for each trial."""
-        contact, options = copy.copy(self.contact), dict(self.options)
+        changes, options = {}, dict(self.options)
         for name, value in self.values(x).items():
-            if self.parameters[name].option:
-                options[name] = value
-            elif name != COMPLIANCE:
-                contact.__dict__[name] = value
-        return contact, options
+            if name not in APPARATUS:
+                (options if self.parameters[name].option else changes)[name] = value
+        return unchecked(self.contact, changes), options
 
     def shape(self, contact, options):
         """Shape of the law for a trial."""
@@ -104,7 +113,8 @@ class Model:
         """Overlap [m] and tangent stiffness [N/m] at each force."""
         contact, options = self.inputs(x)
         params = loops.bind_params(self.shape(contact, options), contact)
-        overlap, stiffness = forces_history(self.rule, params, self.force)
+        force = np.maximum(self.force - self.values(x).get(FORCE_ZERO, 0.0), _LEAST_FORCE * np.max(self.force))
+        overlap, stiffness = forces_history(self.rule, params, force)
         # outside the range of a curve: far away, not NaN
         return np.where(np.isfinite(overlap), overlap, 1e3 * contact.radius), stiffness
 
@@ -123,8 +133,9 @@ class Model:
             if name == COMPLIANCE:
                 columns.append(self.force)
                 continue
+            step = _STEP * (self.high[i] if name == FORCE_ZERO else 1.0)
             ends = np.array([x, x])
-            ends[:, i] = np.clip(x[i] + np.array([-_STEP, _STEP]), self.low[i], self.high[i])
+            ends[:, i] = np.clip(x[i] + np.array([-step, step]), self.low[i], self.high[i])
             columns.append((self.overlap(ends[1])[0] - self.overlap(ends[0])[0]) / (ends[1, i] - ends[0, i]))
         return -np.column_stack([*columns, np.full(self.force.size, self.scale)]) / self.sigma[:, None]
 
@@ -228,9 +239,14 @@ class Model:
     def minimise(self):
         """Least squares from several starts, the two most promising ones to the end: the best solution that is admissible.
 
-        A quantity without effect may end where the law and the rule would create energy at loads beyond the points.
+        A quantity without effect may end where the law and the rule would create energy at loads beyond the points. The zero
+        of the force is released last: with a wrong law it would go where the smallest forces touch only.
         """
-        trials = sorted((self.solve(x, steps=6) for x in self.starts()), key=lambda trial: trial[1])
+        fixed = self.free.index(FORCE_ZERO) if FORCE_ZERO in self.free else None
+        trials = (self.solve(x, fixed, steps=6) for x in self.starts())
+        trials = sorted(
+            trials if fixed is None else (self.solve(self.solve(x, fixed)[0]) for x, _ in trials), key=lambda t: t[1]
+        )
         ends = [self.solve(x) for x, cost in trials[:2] if cost <= 1.5 * trials[0][1]]
         refused = None
         for x, cost in sorted(ends, key=lambda end: end[1]) + trials:

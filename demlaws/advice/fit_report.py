@@ -16,7 +16,11 @@ from demlaws.law import Law
 _ENDS = {"fractal_dimension", COMPLIANCE}
 """Quantities with a natural end of their range (2 ≤ Df ≤ 3, compliance ≥ 0), not one of the search."""
 _CONFIDENCE = 0.95
+WEAK = "not separately identifiable from these points"
 SYSTEMATIC = "systematic misfit (drift, or a wrong law): do not trust these intervals"
+ALTERNATING = "neighbouring points deviate to opposite sides: are the rows in the order of the test, not sorted?"
+FEW_POINTS = 15
+"""Points beyond the number of quantities from which on their scatter shows where it is larger."""
 _IMPROBABLE = 1e-3  # probability of a larger χ², with the given noise, below which a misfit is systematic
 
 
@@ -48,7 +52,7 @@ class Fit(NamedTuple):
 
     name: str
     unloading: str
-    parameters: dict  # name → Estimate; "zero" is the displacement [m] at first touch
+    parameters: dict  # name → Estimate; "zero" is the displacement [m] at first touch, "force_zero" the load cell's reading [N]
     covariance: np.ndarray  # of the fitted coordinates: ln(value) of positive quantities, else the value
     coordinates: tuple  # names, in the order of covariance
     misfit: float  # root mean square difference in displacement [m]
@@ -76,7 +80,8 @@ def fitted(model, displacement_noise, force_noise):
             model.sigma = np.hypot(displacement_noise, force_noise / model.overlap(x)[1])
             x, squares = model.minimise()
     notes = []
-    if displacement_noise is None and not _correlation(model.residual(x)):
+    enough = x.size + FEW_POINTS <= model.force.size
+    if displacement_noise is None and enough and not _correlation(model.residual(x)):
         for _ in range(2):
             stiffness = model.overlap(x)[1]
             model.sigma = model.scale * np.hypot(1.0, _noise_ratio(model, x, stiffness) / stiffness)
@@ -92,10 +97,10 @@ def fitted(model, displacement_noise, force_noise):
 
 
 def _correlation(residual, significance=2.0):
-    """Correlation of neighbouring residuals; 0 unless it is significant (2.5 %; 0.1 % with 3 standard deviations)."""
+    """Correlation of neighbouring residuals; 0 unless it is significant (2.5 % to each side; 0.1 % with 3 deviations)."""
     spread = float(np.sum(residual**2))
     correlation = float(np.sum(residual[1:] * residual[:-1])) / spread if spread > 0.0 else 0.0
-    return correlation if correlation > significance / math.sqrt(residual.size) else 0.0
+    return correlation if abs(correlation) > significance / math.sqrt(residual.size) else 0.0
 
 
 def _noise_ratio(model, x, stiffness):
@@ -127,9 +132,9 @@ def _drift(residual, count):
     √((1 + ρ)/(1 - ρ)), from the effective number of points under a first-order autoregression; ρ is corrected for few points.
     """
     correlation = _correlation(residual)
-    if correlation:
+    if correlation > 0.0:
         correlation = min(correlation + (1.0 + (count + 3.0) * correlation) / residual.size, 0.95)
-    return math.sqrt((1.0 + correlation) / (1.0 - correlation)), correlation
+    return math.sqrt((1.0 + max(correlation, 0.0)) / (1.0 - max(correlation, 0.0))), correlation
 
 
 class _Solution(NamedTuple):
@@ -158,7 +163,7 @@ def _report(model, x, squares, absolute, notes):
     active = ~(at_bound | idle)
     weak = active & (np.linalg.cond(jacobian[:, active] / size[active]) >= 1e7)
     widening, correlation = _drift(residual, k)
-    systematic = correlation > 0.5 or _correlation(residual, 3.0) > 0.0
+    systematic = correlation > 0.5 or _correlation(residual, 3.0) != 0.0
     systematic |= bool(absolute and special.chdtrc(n - k, squares) < _IMPROBABLE)
     predicted, unit = model.displacement(x), np.append(np.ones(k - 1), model.scale)
     misfit = float(np.sqrt(np.mean((model.measured - predicted) ** 2)))
@@ -166,6 +171,8 @@ def _report(model, x, squares, absolute, notes):
     variance, widening = (1.0, 1.0) if absolute else (squares / (n - k), widening)
     if systematic:
         notes.append(SYSTEMATIC)
+    if systematic and correlation < 0.0:
+        notes.append(ALTERNATING)
     solution = _Solution(x, squares, jacobian, variance, widening, at_bound, idle, weak)
     errors, ends, covariance = _intervals(model, solution, width, absolute)
     estimates = _estimates(model, solution, errors, ends)
@@ -207,7 +214,7 @@ def _estimates(model, solution, errors, ends):
     """Name → `Estimate`, in SI."""
     stopped, estimates = ends == np.stack([model.low, model.high], 1), {}
     for i, name in enumerate((*model.free, ZERO)):
-        causes = "not separately identifiable from these points", "at its bound", "without effect on these points"
+        causes = WEAK, "at its bound", "without effect on these points"
         holds = solution.weak[i], solution.at_bound[i], solution.idle[i]
         cause = next((cause for cause, one in zip(causes, holds, strict=True) if one), "")
         open_end = "both" if np.all(stopped[i]) else ""

@@ -42,7 +42,9 @@ def register(add):
         "--unloading",
         help="fit only this rule: elastic, hertz, thornton or a rule of the law (default: all, if points unload)",
     )
-    parser.add_argument("--free", nargs="+", metavar="NAME", help="quantities to fit (default: each law's surface quantities)")
+    parser.add_argument(
+        "--free", nargs="+", metavar="NAME", help="quantities to fit (default: those of each law, and force_zero)"
+    )
     parser.add_argument("--displacement-noise", type=length, metavar="M", help="standard deviation of the displacement in m")
     parser.add_argument("--force-noise", type=force, default=0.0, metavar="N", help="standard deviation of the force in N")
     parser.add_argument(

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 import demlaws as dl
-from demlaws.advice.fit_model import COMPLIANCE, ZERO, history, parameters
+from demlaws.advice.fit_model import APPARATUS, COMPLIANCE, FORCE_ZERO, ZERO, history, parameters
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import quiet
 from demlaws.laws.registry import find, registry
@@ -46,24 +46,35 @@ class Case(NamedTuple):
 
 HERTZ, ROUGH, YIELDING = ("hertz", "elastic", PAIR), ("pohrt-popov", "hertz", PAIR), ("rough-plastic", "hertz", CONE)
 MODULUS, FRACTAL = {"modulus": 32.32e9}, {"roughness": 2.4e-6, "fractal_dimension": 2.22}
+PLASTIC = ("roughness", "fractal_dimension", "yield_pressure")
 CONICAL = {"roughness": 5.04e-6, "fractal_dimension": 2.22}
 CASES = (
     Case("hertz", *HERTZ, MODULUS, ("modulus",), LOADING, 5e-8),
-    Case("inside", *ROUGH, FRACTAL, (), CYCLE, 1e-7),
-    Case("at its bound", *ROUGH, {**FRACTAL, "fractal_dimension": 2.0}, (), CYCLE, 1e-7),
-    Case("near its bound", *ROUGH, {**FRACTAL, "fractal_dimension": 2.02}, (), CYCLE, 1e-7),
-    Case("upper bound", *ROUGH, {**FRACTAL, "fractal_dimension": 2.99}, (), CYCLE, 1e-7),
+    Case("inside", *ROUGH, FRACTAL, tuple(FRACTAL), CYCLE, 1e-7),
+    Case("at its bound", *ROUGH, {**FRACTAL, "fractal_dimension": 2.0}, tuple(FRACTAL), CYCLE, 1e-7),
+    Case("near its bound", *ROUGH, {**FRACTAL, "fractal_dimension": 2.02}, tuple(FRACTAL), CYCLE, 1e-7),
+    Case("upper bound", *ROUGH, {**FRACTAL, "fractal_dimension": 2.99}, tuple(FRACTAL), CYCLE, 1e-7),
     Case("compliance", *HERTZ, {**MODULUS, COMPLIANCE: 1e-8}, ("modulus", COMPLIANCE), LOADING, 2e-8),
     Case("no compliance", *HERTZ, {**MODULUS, COMPLIANCE: 0.0}, ("modulus", COMPLIANCE), LOADING, 2e-8),
     Case("from afar", *HERTZ, MODULUS, ("modulus",), FROM_AFAR, 2e-8, 5e-3),
     Case("from afar, noise told", *HERTZ, MODULUS, ("modulus",), FROM_AFAR, 2e-8, 5e-3, True),
     *(
-        Case(f"force noise, {law}{known}", law, "hertz", PAIR, truth, (), CYCLE, 5e-8, 0.3, bool(known))
+        Case(f"force noise, {law}{known}", law, "hertz", PAIR, truth, tuple(truth), CYCLE, 5e-8, 0.3, bool(known))
         for law, truth in (("rms", {"roughness": 2.4e-6}), ("pohrt-popov", FRACTAL))
         for known in ("", ", told")
     ),
-    Case("yield", *YIELDING, {**CONICAL, "yield_pressure": 1.66e9}, (), CYCLE, 1e-7),
-    Case("yield at the last load", *YIELDING, {**CONICAL, "yield_pressure": 2.8e9}, (), CYCLE, 1e-7),
+    Case("yield", *YIELDING, {**CONICAL, "yield_pressure": 1.66e9}, PLASTIC, CYCLE, 1e-7),
+    Case("yield at the last load", *YIELDING, {**CONICAL, "yield_pressure": 2.8e9}, PLASTIC, CYCLE, 1e-7),
+    *(
+        Case(f"load cell off by {offset:g} N, {law}", law, rule, PAIR, {**truth, FORCE_ZERO: offset}, (), force, 3e-8)
+        for law, rule, truth, force in (
+            ("hertz", "elastic", MODULUS, LOADING),
+            ("rms", "hertz", {"roughness": 2.4e-6}, CYCLE),
+            ("pohrt-popov", "hertz", FRACTAL, CYCLE),
+        )
+        for offset in (0.0, 0.5, -0.5)
+    ),
+    Case("ten points", "rms", "hertz", PAIR, {"roughness": 2.4e-6}, ("roughness",), CYCLE[::7], 3e-8),
 )
 
 
@@ -71,7 +82,7 @@ def made(case, seed):
     """Points of one set: displacement and force, as measured."""
     random = np.random.default_rng(seed)
     options = {k: v for k, v in case.truth.items() if parameters()[k].option}
-    fields = {k: v for k, v in case.truth.items() if not parameters()[k].option and k != COMPLIANCE}
+    fields = {k: v for k, v in case.truth.items() if not parameters()[k].option and k not in APPARATUS}
     law = dl.law(case.law, case.contact.with_values(**fields), case.unloading, **options)
     overlap = np.zeros(case.force.size)
     touching = case.force > 0.0
@@ -80,7 +91,8 @@ def made(case, seed):
     overlap[before] = -np.linspace(8e-6, 0.0, before.size)
     displacement = overlap + MEET + case.truth.get(COMPLIANCE, 0.0) * case.force
     displacement += case.noise * random.standard_normal(case.force.size)
-    return np.column_stack([displacement, case.force + case.force_noise * random.standard_normal(case.force.size)])
+    force = case.force + case.truth.get(FORCE_ZERO, 0.0)
+    return np.column_stack([displacement, force + case.force_noise * random.standard_normal(case.force.size)])
 
 
 def fitted(case, seed):
