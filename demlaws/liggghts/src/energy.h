@@ -120,7 +120,9 @@ public:
     fwrite(&size, sizeof size, 1, file);
     fwrite(written.c_str(), 1, size, file);
   }
+  bool restored = false; // from a restart file
   void restart(char *data) {
+    restored = true;
     std::istringstream text(data);
     std::string sum; // of a run that has diverged it is nan, which a stream does not read as a number
     text >> sum;
@@ -138,6 +140,13 @@ public:
       else if (number == "booked") instance_->ledger.books = true;
       else instance_->stored_shears[owner] = word + ' ' + number;
     if (!marked) error->all(FLERR, former_version().c_str());
+  }
+  // LIGGGHTS's own message about a history of another size names no remedy.
+  void warn_of_stock() const {
+    if (comm->me == 0)
+      error->warning(FLERR, "model demlaws/table: the restart file is of a run without it: contacts go on only with an "
+                            "elastic table and tangential history; with others LIGGGHTS stops for a different contact "
+                            "history model: start from positions (write_data, read_data)");
   }
   static Fix *create(LAMMPS *lmp, int narg, char **arg) { return new FixKept(lmp, narg, arg); }
   static const char *name() { return "demlaws/kept"; }
@@ -222,7 +231,10 @@ inline void register_styles(Modify *modify) {
 inline void ensure_fix(Modify *modify) {
   if (modify->find_fix_style_strict(FixKept::name(), 0)) return;
   const char *words[] = {"demlaws_kept", "all", FixKept::name()};
+  const bool reads = modify->nfix_restart_global || modify->nfix_restart_peratom;
   modify->add_fix(3, const_cast<char **>(words));
+  const FixKept *const kept = static_cast<const FixKept *>(modify->fix[modify->nfix - 1]);
+  if (reads && !kept->restored) kept->warn_of_stock();
 }
 
 // LIGGGHTS reads the history of contacts by its size alone: the contacts of a restart file go on with the shear that

@@ -5,7 +5,7 @@ import shutil
 
 import numpy as np
 import pytest
-from inputs import modulus
+from inputs import modulus, said_in
 from inputs_for_liggghts import again, properties, refused, simulate
 
 import demlaws as dl
@@ -190,6 +190,7 @@ def test_a_restart_file_of_a_stock_run(granite):
     stock = falling("").replace("demlaws/table", "hertz") + "write_restart stock.restart\n"
     simulate(granite, stock, plugin=False)
     assert simulate(granite, again(falling("table hertz.tbl"), "stock.restart"))["Step"][-1] == 6000
+    assert said_in("liggghts", granite).count("restart file is of a run without it") == 1
     text = again(falling("table granite.tbl"), "stock.restart")
     assert "history_floor" in refused(granite, text)
     text = text.replace("fix floor", "fix ground")
