@@ -267,13 +267,19 @@ class Layout:
 
     @property
     def untested(self):
-        """A line about a YADE on which the tests have not run, or None."""
-        if self.version in TESTED:
-            return None
-        return (
-            f"this is YADE {self.version}, on which demlaws has not been tested ({', '.join(TESTED)} are): the checks of its "
-            "memory layout have passed, and a self-test is made with each kind of law"
-        )
+        """A line about a YADE on which the tests have not run, or of which a contact step is not known; None: neither."""
+        lines = []
+        if self.version not in TESTED:
+            lines.append(
+                f"this is YADE {self.version}, on which demlaws has not been tested ({', '.join(TESTED)} are): the checks of "
+                "its memory layout have passed, and a self-test is made with each kind of law"
+            )
+        if not self.knows_velocities:
+            lines.append(
+                f"shear has the lever of YADE's full step, with which small grains stick between much larger ones "
+                f"(docs/shear.md): {self.step_refused}"
+            )
+        return "; ".join(lines) or None
 
 
 _layout = None
