@@ -31,10 +31,13 @@ class Way(NamedTuple):
     """Conventions in which engines differ without being wrong."""
 
     lever: str = "contact"  # arms to the contact point (r - δ/2), or "radius": r, and v2 - v1 times (r1 + r2)/(r1 + r2 - δ)
+    stretched: bool = True  # False: v2 - v1 as it is with "radius", too
     term_lever: str = "contact"  # the same of the half-step term
     wall_share: float = 0.5  # place of the contact point with a flat: r2 - share δ from the sphere's centre
-    turn: str = "plane"  # of springs: projected with their length kept and turned about n; "cross": a - a × axis, twice; or
-    # "frame": components along a unit vector turned by "cross" and across it
+    turn: str = "plane"  # of springs: projected with their length kept and turned about n; "cross": a - a × axis, twice;
+    # "frame": components along a unit vector turned by "cross" and across it; "rotation": from normal to normal, then about n
+    spin_about: str = "before"  # the normal about which bodies spin, or "now"
+    first: bool = False  # the normal before the first contact is known
     half_step: bool = True  # False: as engines have it, without the term
 
 
@@ -160,7 +163,8 @@ class _Turn:
     def to(self, now, spins):
         """Function that turns a vector from the plane of the last normal into that of `now`."""
         before = now if self.before is None else self.before
-        axis, angle = np.cross(before, now), 0.5 * self.timestep * before @ (spins[0] + spins[1])
+        spun = now if self.way.spin_about == "now" else before
+        axis, angle = np.cross(before, now), 0.5 * self.timestep * spun @ (spins[0] + spins[1])
         self.before = now
 
         def crossed(a):
@@ -172,6 +176,11 @@ class _Turn:
             old, new = np.linalg.norm(a), np.linalg.norm(flat)
             return rotation(angle * now) @ (flat * (old / new) if new > 0.0 else flat)
 
+        def rotated(a):
+            return rotation(angle * now) @ (a - (a @ now) * (before + now) / (1.0 + before @ now))
+
+        if self.way.turn == "rotation":
+            return rotated
         if self.way.turn != "frame":
             return crossed if self.way.turn == "cross" else projected
         if self.first is None:  # across the axis that is least along the normal
@@ -190,7 +199,7 @@ def _displacement(way, first, radius, motion, step, places, point, normal, befor
     (v1, v2), (w1, w2), dt = motion.velocity[step], motion.spin[step], motion.timestep
     arm1, arm2 = point - places[0], point - places[1]
     if way.lever == "radius":
-        share = (first.radius + radius) / (first.radius + radius - overlap)
+        share = (first.radius + radius) / (first.radius + radius - overlap) if way.stretched else 1.0
         relative = share * (v2 - v1) - np.cross(first.radius * w1 + radius * w2, normal)
     else:
         relative = v2 + np.cross(w2, arm2) - v1 - np.cross(w1, arm1)
@@ -232,6 +241,7 @@ def follow(first, radius, motion, law, *, ratio, friction, way=None, levels=3, s
         if overlap[step] <= 0.0:
             model.touch(0.0)
             turn = _Turn(way, dt)
+            turn.before = normal if way.first else None
             continue
         model.touch(stiffness[step])
         moved = _displacement(way, first, radius, motion, step, at[step], point, normal, turn.before, overlap[step])

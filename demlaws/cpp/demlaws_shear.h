@@ -18,6 +18,73 @@
 
 namespace demlaws {
 
+// How the surfaces of a contact move in one step of an engine that has positions at the full step, velocities and spins
+// at the half step (velocity Verlet, leapfrog): docs/shear.md, "Half steps".
+//
+// The lever n of a velocity v - (r1 w1 + r2 w2) x n belongs to the half step, as w does: with n of now the velocity
+// lacks (r1 w1 + r2 w2) x (n - n_previous)/2. What the contact keeps in its tangent plane turns with the normal, and
+// about it by the mean spin of both bodies [our derivation].
+struct Motion {
+  double normal[3];       // now
+  double velocity[3];     // of the surfaces, in the tangent plane, at the half step [m/s]
+  double displacement[3]; // of the step, likewise [m]
+  double row[3][3];       // of the matrix that turns a vector of the previous tangent plane into that of now
+
+  // slip: velocity of the surfaces in the tangent plane with n of now. change: n - n_previous in that plane. lever:
+  // (r1 w1 + r2 w2) n. spin: (w1 + w2) n. dt: 0 where nothing is to be kept.
+  DEMLAWS_INLINE Motion(const double *n, const double *slip, const double *change, double lever, double spin,
+                        double dt) {
+    const double across[3] = {n[1] * change[2] - n[2] * change[1], n[2] * change[0] - n[0] * change[2],
+                              n[0] * change[1] - n[1] * change[0]}; // n x change
+    for (int k = 0; k < 3; k++) {
+      normal[k] = n[k];
+      velocity[k] = slip[k] + 0.5 * lever * across[k];
+      displacement[k] = velocity[k] * dt;
+    }
+    // First n_previous to n: s - (s n) g with g = (n + n_previous)/(1 + n n_previous). Then by the angle about n, of
+    // whose sine and cosine so many terms lengthen no vector.
+    const double square = change[0] * change[0] + change[1] * change[1] + change[2] * change[2],
+                 half = 0.5 + 0.125 * square, angle = std::min(std::max(0.5 * dt * spin, -1.), 1.),
+                 sine = angle * (1. - angle * angle / 6.),
+                 cosine = 1. - 0.5 * angle * angle * (1. - angle * angle / 12.);
+    for (int k = 0; k < 3; k++) {
+      const double turned = cosine * (n[k] - half * change[k]) - sine * half * across[k]; // g
+      for (int d = 0; d < 3; d++) row[k][d] = -turned * n[d];
+      row[k][k] += cosine;
+    }
+    row[0][1] -= sine * n[2], row[1][0] += sine * n[2];
+    row[1][2] -= sine * n[0], row[2][1] += sine * n[0];
+    row[2][0] -= sine * n[1], row[0][2] += sine * n[1];
+  }
+  // n - n_previous in the tangent plane, of two spheres at a distance r: from the velocity v of the centres, whose part
+  // along n is `along`.
+  DEMLAWS_INLINE static void change_of_spheres(const double *n, const double *v, double along, double r, double dt,
+                                               double *change) {
+    const double per = dt / (r - along * dt); // tan of the angle: sin = tan (1 - tan^2/2), to the third power
+    double across[3], square = 0.;
+    for (int k = 0; k < 3; k++) {
+      across[k] = per * (v[k] - along * n[k]);
+      square += across[k] * across[k];
+    }
+    const double sine = std::max(1. - 0.5 * square, 0.);
+    for (int k = 0; k < 3; k++) change[k] = sine * across[k];
+  }
+  // The same from a normal that was kept, which now becomes n; all zeros: there was none.
+  DEMLAWS_INLINE static void change_of_kept(const double *n, double *kept, bool keep, double *change) {
+    const bool known = kept[0] != 0. || kept[1] != 0. || kept[2] != 0.;
+    const double along = kept[0] * n[0] + kept[1] * n[1] + kept[2] * n[2];
+    for (int k = 0; k < 3; k++) {
+      change[k] = known ? along * n[k] - kept[k] : 0.;
+      if (keep) kept[k] = n[k];
+    }
+  }
+
+  // share s, turned.
+  DEMLAWS_INLINE void turn(double share, const double *s, double *turned) const {
+    for (int k = 0; k < 3; k++) turned[k] = share * (row[k][0] * s[0] + row[k][1] * s[1] + row[k][2] * s[2]);
+  }
+};
+
 // One step of the shear of a contact.
 struct ShearStep {
   double force[3];             // against the displacement [N]
@@ -45,23 +112,23 @@ public:
     return 0.5 * sum;
   }
 
-  // One step: K_t, Coulomb's limit mu P [N], unit normal and tangential displacement of the step, all of now. Energies
-  // that the caller does not read are not computed.
-  DEMLAWS_INLINE ShearStep step(double now, double limit, const double *normal, const double *displacement) {
-    // copies, since the compiler cannot know that they do not change with the stretches
-    const double n[3] = {normal[0], normal[1], normal[2]}, d[3] = {displacement[0], displacement[1], displacement[2]};
-    double moved[M ? M : MOST_LEVELS][3], force[3] = {0., 0., 0.};
+  // One step: K_t, Coulomb's limit mu P [N] and the motion of the step, all of now. Energies that the caller does not
+  // read are not computed.
+  DEMLAWS_INLINE ShearStep step(double now, double limit, const Motion &motion) {
+    const double *const d = motion.displacement;
+    double moved[M ? M : MOST_LEVELS][3], force[3] = {0., 0., 0.}, turned[3];
     ShearStep step;
     step.before = energy();
     for (int i = 0; i < count(); i++) add(stiffness(i), stretch(i), force);
-    step.work = 0.5 * dot(force, d);
+    motion.turn(1., force, turned);
+    step.work = 0.5 * dot(turned, d);
 
     const double kept = press(now);
     std::fill(force, force + 3, 0.);
     for (int i = 0; i < count(); i++) {
       const double share = i == count() - 1 ? kept : 1.;
-      for (int k = 0; k < 3; k++) moved[i][k] = share * stretch(i)[k] + d[k];
-      add(-dot(moved[i], n), n, moved[i]); // the tangent plane has turned
+      motion.turn(share, stretch(i), moved[i]);
+      add(1., d, moved[i]);
       add(stiffness(i), moved[i], force);
     }
     const double square = dot(force, force);
@@ -74,9 +141,9 @@ public:
     step.energy = energy();
     return step;
   }
-  __attribute__((noinline)) static ShearStep step_of(int count, double now, double limit, const double *normal,
-                                                     const double *displacement, double *numbers) {
-    return Levels(numbers, count).step(now, limit, normal, displacement);
+  __attribute__((noinline)) static ShearStep step_of(int count, double now, double limit, const Motion &motion,
+                                                     double *numbers) {
+    return Levels(numbers, count).step(now, limit, motion);
   }
 
 private:
@@ -148,17 +215,17 @@ private:
 };
 
 // One step of a contact with `count` levels: see Levels.
-DEMLAWS_INLINE ShearStep shear_step(int count, double stiffness, double limit, const double *normal,
-                                    const double *displacement, double *numbers) {
+DEMLAWS_INLINE ShearStep shear_step(int count, double stiffness, double limit, const Motion &motion, double *numbers) {
   switch (count) {
   case 1:
-    return Levels<1>(numbers, count).step(stiffness, limit, normal, displacement);
+    return Levels<1>(numbers, count).step(stiffness, limit, motion);
   case 2:
-    return Levels<2>(numbers, count).step(stiffness, limit, normal, displacement);
+    return Levels<2>(numbers, count).step(stiffness, limit, motion);
   case 3:
-    return Levels<3>(numbers, count).step(stiffness, limit, normal, displacement);
+    return Levels<3>(numbers, count).step(stiffness, limit, motion);
   }
-  return Levels<0>::step_of(count, stiffness, limit, normal, displacement, numbers);
+  const Motion copy = motion; // else the compiler reads the motion again after each number that is written
+  return Levels<0>::step_of(count, stiffness, limit, copy, numbers);
 }
 
 } // namespace demlaws

@@ -118,10 +118,10 @@ public:
     return 0.5 * ratio * share_ * sum;
   }
 
-  // One step: the stiffness K with which the contact would unload, K_t / K, Coulomb's limit mu P [N], unit normal and
-  // tangential displacement, all of now.
-  ShearStep step(double stiffness, double ratio, double limit, const Compression &compression, const double *normal,
-                 const double *displacement) {
+  // One step: the stiffness K with which the contact would unload, K_t / K, Coulomb's limit mu P [N] and the motion of
+  // the step, all of now.
+  ShearStep step(double stiffness, double ratio, double limit, const Compression &compression, const Motion &motion) {
+    const double *const displacement = motion.displacement;
     ShearStep step;
     step.before = energy(ratio);
     if (!(stiffness > 0.)) { // an overlap that carries no force: every spring has opened
@@ -131,8 +131,10 @@ public:
       std::fill(stretch_, stretch_ + 3 * springs_, 0.);
       return step;
     }
+    double turned[3];
     force_of(ratio, step.force);
-    step.work = 0.5 * dot(step.force, displacement);
+    motion.turn(1., step.force, turned);
+    step.work = 0.5 * dot(turned, displacement);
     grow(stiffness);
     const double held = stiffness_;
     stiffness_ = stiffness;
@@ -151,9 +153,8 @@ public:
       const double was = part(held_filled, k), is = part(filled, k);
       if (is > was) multiply(u, was / is);
       shorten(u, scale * mean[k]);
-      for (int d = 0; d < 3; d++) u[d] += displacement[d];
-      const double along = dot(u, normal);
-      for (int d = 0; d < 3; d++) u[d] -= along * normal[d]; // the tangent plane has turned
+      motion.turn(1., u, turned);
+      for (int d = 0; d < 3; d++) u[d] = turned[d] + displacement[d];
       shorten(u, scale * mean[k]);
     }
     std::fill(stretch_ + 3 * count, stretch_ + 3 * springs_, 0.);

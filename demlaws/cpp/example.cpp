@@ -20,16 +20,19 @@ struct Materials {
 // What a contact keeps from step to step; zeros: bodies that do not touch.
 struct Contact {
   demlaws::State state;                           // of the law: maximum and plastic overlap [m], R_p/R
+  double normal[3] = {};                          // of the step before
   double levels[4 * demlaws::MOST_LEVELS] = {};   // of the shear force
   double stored = 0., flow = 0., dissipated = 0.; // energies [J]: returned at unloading; of plastic flow; other losses
 };
 
 // One step of a contact. radius: R1 R2/(R1 + R2) [m], of a wall that of the sphere; mass: m1 m2/(m1 + m2) [kg]; normal:
-// unit vector from body 2 to body 1; velocity: of body 1 relative to body 2 at the contact [m/s]; step: [s]. Writes the
-// force on body 1 [N]; returns the law's force and tangent stiffness, from which a stable time step is computed.
+// unit vector from body 2 to body 1; velocity: of body 1 relative to body 2 at the contact [m/s]; lever: (r1 w1 + r2
+// w2) n [m/s] and spin: (w1 + w2) n [1/s] of distances r to the contact and spins w, velocities and spins being those
+// of the half step; step: [s]. Writes the force on body 1 [N]; returns the law's force and tangent stiffness, from
+// which a stable time step is computed.
 demlaws::Force step_contact(const Materials &materials, double radius, double mass, double overlap,
-                            const double *normal, const double *velocity, double step, Contact &contact,
-                            double *force) {
+                            const double *normal, const double *velocity, double lever, double spin, double step,
+                            Contact &contact, double *force) {
   const demlaws::Pair &pair = materials.pair;
   const demlaws::Force now = demlaws::step(pair, radius, overlap, contact.state);
   if (now.outside || now.force != now.force) throw std::runtime_error("overlap beyond the table, or not a number");
@@ -43,13 +46,15 @@ demlaws::Force step_contact(const Materials &materials, double radius, double ma
   }
   const double opening = normal[0] * velocity[0] + normal[1] * velocity[1] + normal[2] * velocity[2];
   const double pull = materials.damping * sqrt(now.stiffness * mass) * opening, press = now.force - pull;
-  double moved[3];
-  for (int k = 0; k < 3; k++) moved[k] = (velocity[k] - opening * normal[k]) * step;
+  double slip[3], change[3];
+  for (int k = 0; k < 3; k++) slip[k] = velocity[k] - opening * normal[k];
+  demlaws::Motion::change_of_kept(normal, contact.normal, true, change);
+  const demlaws::Motion motion(normal, slip, change, lever, spin, step);
   const double stiffness =
       materials.shear_ratio *
       demlaws::shear_stiffness(demlaws::ELASTIC_SHEAR, pair, radius, overlap, now, &contact.state.maximum_overlap);
   const demlaws::ShearStep shear =
-      demlaws::shear_step(materials.levels, stiffness, materials.friction * fabs(press), normal, moved, contact.levels);
+      demlaws::shear_step(materials.levels, stiffness, materials.friction * fabs(press), motion, contact.levels);
   for (int k = 0; k < 3; k++) force[k] = press * normal[k] - shear.force[k];
   demlaws::stored_and_dissipated(pair, radius, overlap, &contact.state.maximum_overlap, contact.stored, contact.flow);
   contact.stored += shear.energy; // both only where energies are wanted: the force does not need them
@@ -80,7 +85,8 @@ int main(int count, char **words) {
     while (scanf("%lf %lf %lf", here, here + 1, here + 2) == 3) {
       const double velocity[3] = {(here[1] - before[1]) / step, (here[2] - before[2]) / step,
                                   (before[0] - here[0]) / step};
-      const demlaws::Force now = step_contact(materials, radius, mass, here[0], normal, velocity, step, contact, force);
+      const demlaws::Force now =
+          step_contact(materials, radius, mass, here[0], normal, velocity, 0., 0., step, contact, force);
       std::copy(here, here + 3, before);
       printf("%.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", force[2], now.stiffness,
              contact.state.maximum_overlap, contact.state.plastic_overlap, contact.stored,

@@ -44,6 +44,12 @@ struct Abi {
       allocate_coeffs();
     }
   };
+  // For `synchronized_verlet`, which releases from 22 Jul 2025 on have.
+  template <class SUB_MOD> static auto synchronize(SUB_MOD *mod, int) -> decltype(mod->allow_synchronization, void()) {
+    mod->allow_synchronization = 1;
+  }
+  template <class SUB_MOD> static void synchronize(SUB_MOD *, long) {}
+
   struct TangentialMod : public GranSubModTangential {
     const Instance of;
 
@@ -52,6 +58,7 @@ struct Abi {
         : GranSubModTangential(m, ((GranSubModTangentialDemlaws *)m->sub_models[TANGENTIAL])->instance()), of(lmp) {
       num_coeffs = numbers;
       allocate_coeffs();
+      synchronize(this, 0);
     }
   };
 };

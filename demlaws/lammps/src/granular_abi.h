@@ -63,10 +63,17 @@ template <class Model> __attribute__((always_inline)) inline void geometry(Model
   const double tx = vx - normal * x - (wy * z - wz * y), ty = vy - normal * y - (wz * x - wx * z),
                tz = vz - normal * z - (wx * y - wy * x);
   m->r = r;
+  m->rinv = rinv;
   m->delta = m->radsum - r;
   m->nx[0] = x;
   m->nx[1] = y;
   m->nx[2] = z;
+  m->vr[0] = vx;
+  m->vr[1] = vy;
+  m->vr[2] = vz;
+  m->wr[0] = wx;
+  m->wr[1] = wy;
+  m->wr[2] = wz;
   m->vnnr = normal;
   m->vtr[0] = tx;
   m->vtr[1] = ty;
@@ -112,8 +119,8 @@ template <bool LATE> struct Abi {
     int size_history = 0, nondefault_history_transfer = 0;
     double *transfer_history_factor = NULL;
     int history_index = 0, beyond_contact = 0, allow_cohesion = 1;
-    int allow_synchronization[LATE ? 1 : 0];
     int contact_radius_flag = 0;
+    int allow_synchronization[LATE ? 1 : 0];
     Model *gm;
     int nsvector, index_svector = 0, allocated = 1;
 
@@ -153,9 +160,7 @@ template <bool LATE> struct Abi {
     double k = 0., damp = 0., mu = 0.;
 
   protected:
-    TangentialMod(Model *m, int coefficients) : SubMod(m, coefficients, 0) {
-      std::fill(this->allow_synchronization, this->allow_synchronization + LATE, 0);
-    }
+    TangentialMod(Model *m, int coefficients) : SubMod(m, coefficients, 0) {}
   };
 
   struct Model {
@@ -263,14 +268,15 @@ template <bool LATE> struct Abi {
            m->tangential_model->mu == 0.375;
     if (!good) return false;
     stock.init(m);
-    double bodies[6][3] = {{0.5, 0., 0.}, {0.}, {-2., 1.5, 0.}};
+    double bodies[6][3] = {{0.5, 0., 0.}, {0.}, {-2., 1.5, 0.}, {0.}, {0., 0., 3.}};
     place(m, WALL, bodies, 0.25, 1e-9);
     const double a = sqrt(0.25 * 0.1875), E = 3. / (2. * (1. - 0.125 * 0.125));
     good = stock.check(m) && m->touch && m->radsum == 0.75 && m->rsq == 0.25 && m->Reff == 0.1875;
     if (good) {
       stock.compute(m);
       const double damping = 0.25 * 2. * a * 2.;
-      good = m->delta == 0.25 && m->r == 0.5 && fabs(m->vnnr + 2.) < 1e-6 && fabs(m->vrel - 1.5) < 1e-6 &&
+      good = m->delta == 0.25 && m->r == 0.5 && m->rinv == 2. && m->dx[0] == 0.5 && m->vr[0] == -2. &&
+             m->vr[1] == 1.5 && m->wr[2] == 0.75 * 3. && fabs(m->vnnr + 2.) < 1e-6 && fabs(m->vrel - 0.75) < 1e-6 &&
              fabs(m->contact_radius - a) < 1e-15 && fabs(m->Fnormal - (4. / 3.) * E * a * 0.25) < 1e-14 &&
              fabs(m->damping_model->damp_prefactor - 0.25 * 2. * a) < 1e-15 &&
              fabs(m->Fntot - m->Fnormal - damping) < 1e-6 && fabs(m->normal_model->Fncrit - fabs(m->Fntot)) < 1e-14 &&
@@ -312,7 +318,7 @@ template <bool LATE> struct Abi {
     furnish(stock, m, DAMPING, {"viscoelastic"});
     stock.init(m);
     bool good = m->size_history == 3 && m->tangential_model == m->sub_models[TANGENTIAL];
-    const int CASES = 24, VALUES = 40;
+    const int CASES = 24, VALUES = 47;
     uint32_t random = 1;
     for (int n = 0; n < CASES && good; n++) {
       double in[6][3], found[2][VALUES], memory[3];
@@ -346,10 +352,11 @@ template <bool LATE> struct Abi {
         } else stock.compute(m);
         const double fncrit = m->normal_model->Fncrit, damp = m->damping_model->damp,
                      prefactor = way ? damp * m->meff * m->contact_radius : m->damping_model->damp_prefactor;
-        for (double number :
-             {m->Reff, m->r, m->delta, m->vnnr, m->vrel, m->contact_radius, m->Fnormal, m->Fntot, fncrit, prefactor})
+        for (double number : {m->Reff, m->r, m->rinv, m->delta, m->vnnr, m->vrel, m->contact_radius, m->Fnormal,
+                              m->Fntot, fncrit, prefactor})
           out[at++] = number;
-        for (double *vector : {m->dx, m->nx, m->vtr, m->fs, m->forces, m->torquesi, m->torquesj, memory + 0})
+        for (double *vector :
+             {m->dx, m->nx, m->vr, m->wr, m->vtr, m->fs, m->forces, m->torquesi, m->torquesj, memory + 0})
           for (int axis = 0; axis < 3; axis++) out[at++] = vector[axis];
       }
       for (int k = 0; k < VALUES; k++) good = good && fabs(found[0][k] - found[1][k]) <= 1e-13;

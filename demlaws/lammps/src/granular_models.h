@@ -164,6 +164,7 @@ template <class ABI> struct Granular {
       // A rolling displacement and an angle of twist are the same seen from either particle (the relative spin and the
       // normal both turn), but LAMMPS turns their signs whenever a pair changes its order, unless the sub-model says
       // otherwise.
+      mark_ = law_.mark;
       int at = 0;
       for (int k = 0; k <= HEAT; k++) {
         const bool same = (k == ROLLING || k == TWISTING) && !gm->sub_models[k]->nondefault_history_transfer;
@@ -171,7 +172,10 @@ template <class ABI> struct Granular {
           if (same) gm->transfer_history_factor[at] = 1.;
       }
       const std::string &tangential = gm->tangential_model->name;
-      if (tangential == "demlaws") return;
+      if (tangential == "demlaws") {
+        if (gm->contact_type != PAIR) mark_ = -mark_; // walls of former versions kept no normal
+        return;
+      }
       if (slips()) refuse("'shear slip' needs  tangential demlaws XT MU");
       if (coeffs[RATIO] > 0.) refuse("'shear_ratio' needs  tangential demlaws XT MU");
       if (tangential.compare(0, 7, "mindlin") || tangential == "mindlin_rescale/force") return;
@@ -220,7 +224,7 @@ template <class ABI> struct Granular {
       if (__builtin_expect(m->contact_type > LAST_TYPE, 0)) refuse_contact();
       if (__builtin_expect(now.outside | law_.watch.sees(m->delta, m->Reff), 0)) examine(now);
       if (__builtin_expect(!law_.pair.serves(m->Reff, coeffs[TOLERANCE]), 0)) refuse_radius();
-      if (__builtin_expect(m->history[history_index + demlaws::MOST_STATE] != law_.mark, 0)) claim();
+      if (__builtin_expect(m->history[history_index + demlaws::MOST_STATE] != mark_, 0)) claim();
       stiffness_ = now.stiffness;
       shear_stiffness_ =
           demlaws::shear_stiffness<RULE>(shear_, law_.pair, m->Reff, m->delta, now, m->history + history_index);
@@ -266,7 +270,7 @@ template <class ABI> struct Granular {
     const demlaws::Table &table_;
     Ledger &ledger_;
     demlaws::Law law_;
-    double stiffness_ = 0., shear_stiffness_ = 0., per_stiffness_ = 0.;
+    double stiffness_ = 0., shear_stiffness_ = 0., per_stiffness_ = 0., mark_ = 0.;
     demlaws::Shear shear_ = demlaws::ELASTIC_SHEAR;
     bool computes_pairs_ = false, speed_ = true; // speed_: the tangential model asks for that of the surfaces, vrel
     // BY_RADIUS: viscoelastic, whose formula Abi::fits() has checked
@@ -314,9 +318,10 @@ template <class ABI> struct Granular {
       double *const state = gm->history + history_index, &mark = state[demlaws::MOST_STATE];
       const bool kept =
           unloads_otherwise() || slips() || std::count(state, state + demlaws::MOST_STATE, 0.) < demlaws::MOST_STATE;
+      if (mark * mark_ < 0.) raise(*of.error, false, who() + demlaws::former_version());
       if (mark != 0. && kept && !switched(RESTART_CHECK_OFF))
         raise(*of.error, false, who() + demlaws::other_law() + demlaws::OR_CHECK_OFF);
-      if (gm->history_update) mark = law_.mark;
+      if (gm->history_update) mark = mark_;
     }
     __attribute__((noinline, cold)) void refuse_radius() const {
       raise(*of.error, false, who() + demlaws::other_radius(law_.pair, gm->Reff, coeffs[TOLERANCE]));
@@ -413,10 +418,13 @@ template <class ABI> struct Granular {
       if (!normal_) raise(*this->of.error, true, "tangential demlaws goes with the normal model demlaws/table only");
       springs_ = normal_->slips() ? (int)normal_->coeffs[Table::SPRINGS] : 0;
       levels_ = (int)normal_->coeffs[Table::LEVELS];
-      this->size_history = springs_ ? demlaws::SpringRow::size(springs_) : demlaws::levels_size(levels_);
+      size_ = springs_ ? demlaws::SpringRow::size(springs_) : demlaws::levels_size(levels_);
+      // and the normal of the step before: nothing else tells how that of a wall turns
+      keeps_normal_ = gm->contact_type != PAIR;
+      this->size_history = size_ + 3 * keeps_normal_;
       delete[] this->transfer_history_factor;
       this->transfer_history_factor = new double[this->size_history];
-      // scalars are the same seen from either particle, stretches are opposite
+      // scalars are the same seen from either particle, vectors are opposite
       std::fill(this->transfer_history_factor, this->transfer_history_factor + this->size_history, -1.);
       std::fill(this->transfer_history_factor, this->transfer_history_factor + (springs_ ? 2 : levels_), 1.);
       ratio_ = normal_->shear_ratio();
@@ -425,11 +433,11 @@ template <class ABI> struct Granular {
     // Then: of a restart file, or of a wall, whose line is written again.
     void compare(bool restart, bool wall) const {
       int &of_restart = Range::of(this->of.lmp).of_restart;
-      if (restart) of_restart = this->size_history;
-      else if (wall && of_restart && of_restart != this->size_history)
+      if (restart) of_restart = size_;
+      else if (wall && of_restart && of_restart != size_)
         raise(*this->of.error, true,
               "demlaws/table: the contacts of the restart file keep " + std::to_string(of_restart) +
-                  " values for shear, this wall " + std::to_string(this->size_history) +
+                  " values for shear, this wall " + std::to_string(size_) +
                   ": write the words 'levels', 'shear' and 'springs' that the wall had");
     }
     void calculate_forces() {
@@ -445,20 +453,35 @@ template <class ABI> struct Granular {
       double copy[demlaws::SpringRow::MOST_SIZE], *numbers = m->history + history_index;
       const bool keep = m->history_update != 0;
       if (!keep) {
-        std::copy(numbers, numbers + this->size_history, copy);
+        std::copy(numbers, numbers + size_, copy);
         numbers = copy;
       }
-      const double stiffness = normal_->shear_stiffness(), ratio = ratio_, dt = keep ? m->dt : 0.,
-                   limit = this->mu * normal_->Fncrit;
-      const double displacement[3] = {m->vtr[0] * dt, m->vtr[1] * dt, m->vtr[2] * dt};
+      const double stiffness = normal_->shear_stiffness(), ratio = ratio_, limit = this->mu * normal_->Fncrit;
+      const demlaws::Motion motion = motion_of(keep ? m->dt : 0.);
       const demlaws::ShearStep step =
-          springs_ ? demlaws::SpringRow(numbers, springs_)
-                         .step(stiffness, ratio, limit, normal_->compression(), m->nx, displacement)
-                   : demlaws::shear_step(levels_, ratio * stiffness, limit, m->nx, displacement, numbers);
+          springs_ ? demlaws::SpringRow(numbers, springs_).step(stiffness, ratio, limit, normal_->compression(), motion)
+                   : demlaws::shear_step(levels_, ratio * stiffness, limit, motion, numbers);
       this->damp = coeffs[DAMPING_RATIO] * m->damping_model->get_damp_prefactor();
       const double damping = step.slides ? 0. : this->damp;
-      for (int k = 0; k < 3; k++) m->fs[k] = -step.force[k] - damping * m->vtr[k];
+      for (int k = 0; k < 3; k++) m->fs[k] = -step.force[k] - damping * motion.velocity[k];
       return step;
+    }
+    // dt: 0 where nothing is to be kept. All from dx, vr and wr: nx, vnnr and vtr are those of the half step where
+    // LAMMPS has synchronized_verlet.
+    __attribute__((always_inline)) inline demlaws::Motion motion_of(double dt) {
+      Model *const m = gm;
+      const double *const v = m->vr, *const w = m->wr, *const wi = m->omegai, *const wj = m->omegaj;
+      const double n[3] = {m->rinv * m->dx[0], m->rinv * m->dx[1], m->rinv * m->dx[2]};
+      const double along = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
+      const double slip[3] = {v[0] - along * n[0] - (w[1] * n[2] - w[2] * n[1]),
+                              v[1] - along * n[1] - (w[2] * n[0] - w[0] * n[2]),
+                              v[2] - along * n[2] - (w[0] * n[1] - w[1] * n[0])};
+      double change[3] = {0., 0., 0.};
+      if (m->contact_type == PAIR) demlaws::Motion::change_of_spheres(n, v, along, m->r, dt, change);
+      else if (keeps_normal_) demlaws::Motion::change_of_kept(n, m->history + history_index + size_, dt > 0., change);
+      const double lever = w[0] * n[0] + w[1] * n[1] + w[2] * n[2],
+                   spin = (wi[0] + wj[0]) * n[0] + (wi[1] + wj[1]) * n[1] + (wi[2] + wj[2]) * n[2];
+      return demlaws::Motion(n, slip, change, lever, spin, dt);
     }
     // Records the work of shear; the part that the contact stores is not lost.
     void account(const demlaws::ShearStep &step) {
@@ -476,12 +499,13 @@ template <class ABI> struct Granular {
     }
     Ledger &ledger_;
     const Table *normal_;
-    int springs_, levels_; // springs_ 0: the contact sticks until it slides
-    double ratio_ = 0.;    // K_t / K
+    int springs_, levels_, size_ = 0; // springs_ 0: the contact sticks until it slides; size_: of what they keep
+    bool keeps_normal_ = false;
+    double ratio_ = 0.; // K_t / K
   };
 
   template <int RULE> static Table *make_table(Model *m, const demlaws::Table &table) {
-    if (RULE != table.unloading()) return make_table < RULE + 1 == demlaws::RULES ? RULE : RULE + 1 > (m, table);
+    if (RULE != table.unloading()) return make_table<RULE + 1 == demlaws::RULES ? RULE : RULE + 1>(m, table);
     return new typename ABI::template Final<Ruled<(demlaws::Unloading)RULE>>(m, table);
   }
   // The normal model with this file; outputs: room for those of compute pair/local. What was there before is not

@@ -112,7 +112,7 @@ public:
     for (const auto &owner : instance_->used)
       for (const auto &print : owner.second)
         text << print.first.first << ' ' << print.first.second << ' ' << print.second << ' ' << owner.first << '\n';
-    text << "contacts marked all\n";
+    text << "contacts marked all\nnormals kept all\n"; // of walls
     if (instance_->ledger.books) text << "work booked all\n";
     for (const auto &shear : instance_->shears) text << shear.second << ' ' << shear.first << '\n';
     const std::string written = text.str();
@@ -134,12 +134,16 @@ public:
       instance_->stored[owner][types] = fingerprint;
     text.clear();
     std::string word, number;
-    bool marked = false;
+    bool marked = false, kept = false, walls = false;
     while (text >> word >> number && std::getline(text >> std::ws, owner))
       if (number == "marked") marked = true;
+      else if (number == "kept") kept = true;
       else if (number == "booked") instance_->ledger.books = true;
-      else instance_->stored_shears[owner] = word + ' ' + number;
-    if (!marked) error->all(FLERR, former_version().c_str());
+      else {
+        instance_->stored_shears[owner] = word + ' ' + number;
+        walls = walls || owner != "pair";
+      }
+    if (!marked || (walls && !kept)) error->all(FLERR, former_version().c_str());
   }
   // LIGGGHTS's own message about a history of another size names no remedy.
   void warn_of_stock() const {

@@ -49,6 +49,11 @@ public:
       const int at = setup->add_history_value(name.str(), i < scalars ? "0" : "1");
       if (i == 0) offset_ = at;
     }
+    // The normal of the step before: nothing else tells how that of a wall turns.
+    for (int i = 0; wall_ && i < 3; i++) {
+      const int at = setup->add_history_value(std::string("demlaws_normal") + "xyz"[i], "1");
+      if (i == 0) normal_at_ = at;
+    }
   }
   void connectToProperties(PropertyRegistry &registry) {
     registry.registerProperty("coeffFrict", &MODEL_PARAMS::createCoeffFrict);
@@ -83,8 +88,8 @@ public:
   template <bool WALL> inline void touch(const SurfacesIntersectData &data, ForceData &on_i, ForceData &on_j) {
     if (data.contact_flags) *data.contact_flags |= CONTACT_TANGENTIAL_MODEL;
     const bool keep = data.computeflag && data.shearupdate;
-    const double dt = keep ? update->dt : 0., limit = friction_[data.itype][data.jtype] * fabs(data.Fn);
-    const double displacement[3] = {data.vtr1 * dt, data.vtr2 * dt, data.vtr3 * dt};
+    const double limit = friction_[data.itype][data.jtype] * fabs(data.Fn);
+    const demlaws::Motion motion = motion_of<WALL>(data, keep ? update->dt : 0.);
     double copy[demlaws::SpringRow::MOST_SIZE], *const kept = data.contact_history + offset_;
     if (!keep) std::copy(kept, kept + size(), copy);
     double *const numbers = keep ? kept : copy;
@@ -94,21 +99,20 @@ public:
     if (slips_) {
       const double ratio = normal_->shear_ratio(data);
       step = demlaws::SpringRow(numbers, (int)springs_)
-                 .step(data.kt / ratio, ratio, limit, normal_->compression(data), data.en, displacement);
+                 .step(data.kt / ratio, ratio, limit, normal_->compression(data), motion);
       if (counts) take(step.work, data);
     } else if (counts) {
-      step = demlaws::shear_step((int)levels_, data.kt, limit, data.en, displacement, numbers);
+      step = demlaws::shear_step((int)levels_, data.kt, limit, motion, numbers);
       take(step.work, data);
-    } else step = demlaws::shear_step((int)levels_, data.kt, limit, data.en, displacement, numbers); // less: no work
+    } else step = demlaws::shear_step((int)levels_, data.kt, limit, motion, numbers); // less: no work
     if (WALL && data.computeflag && instance_->ledger.readers) {
       const double stored = energy(numbers, data);
       instance_->ledger.enter(update->ntimestep, stored, -instance_->ledger.booked(stored));
     }
 
     const double damping = step.slides ? 0. : data.gammat, share = WALL ? data.area_ratio : 1.;
-    const double relative[3] = {data.vtr1, data.vtr2, data.vtr3};
     double force[3], moment[3];
-    for (int k = 0; k < 3; k++) force[k] = -step.force[k] - damping * relative[k];
+    for (int k = 0; k < 3; k++) force[k] = -step.force[k] - damping * motion.velocity[k];
     vectorCross3D(data.en, force, moment);
     for (int k = 0; k < 3; k++) {
       on_i.delta_F[k] += share * force[k];
@@ -125,6 +129,7 @@ public:
     double *const kept = data.contact_history + offset_;
     if (kept[slips_ ? 0 : (int)levels_ - 1] == 0.) return; // its stiffness
     std::fill(kept, kept + size(), 0.);
+    if (wall_) std::fill_n(data.contact_history + normal_at_, 3, 0.);
   }
   void beginPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
   void endPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
@@ -135,6 +140,57 @@ public:
   }
 
 private:
+  // dt: 0 where nothing is to be kept.
+  template <bool WALL> inline demlaws::Motion motion_of(const SurfacesIntersectData &data, double dt) {
+    const double *const n = data.en, *const v = data.v_i, *const w = data.omega_i;
+    double slip[3] = {data.vtr1, data.vtr2, data.vtr3}, change[3];
+    const double lever = data.r * (data.wr1 * n[0] + data.wr2 * n[1] + data.wr3 * n[2]);
+    if (!WALL) {
+      const double *const v2 = data.v_j, *const w2 = data.omega_j,
+                          apart[3] = {v[0] - v2[0], v[1] - v2[1], v[2] - v2[2]};
+      demlaws::Motion::change_of_spheres(n, apart, data.vn, data.r, dt, change);
+      return demlaws::Motion(n, slip, change, lever, vectorDot3D(w, n) + vectorDot3D(w2, n), dt);
+    }
+    demlaws::Motion::change_of_kept(n, data.contact_history + normal_at_, dt > 0., change);
+    double spin[3];
+    if (!spin_of_wall(data, spin)) return demlaws::Motion(n, slip, change, lever, vectorDot3D(w, n), dt);
+    // The wall's velocity is that of the place x - r n where the sphere touches it now: at the half step it touched it
+    // dt/2 times the velocity of that place before (of a wall that turns about a fixed axis).
+    double moved[3], lag[3];
+    for (int k = 0; k < 3; k++) moved[k] = 0.5 * (dt * v[k] - data.r * change[k]);
+    vectorCross3D(spin, moved, lag);
+    const double along = vectorDot3D(lag, n);
+    for (int k = 0; k < 3; k++) slip[k] += lag[k] - along * n[k];
+    return demlaws::Motion(n, slip, change, lever, vectorDot3D(w, n) + vectorDot3D(spin, n), dt);
+  }
+  // Of a mesh that moves, from the velocities of the triangle's nodes: with its edges e1, e2 and the velocities d1, d2
+  // along them, the sum of e^i x d_i (e^i: reciprocal vectors) is the spin and once more its part along the normal.
+  bool spin_of_wall(const SurfacesIntersectData &data, double *spin) {
+    if (!data.mesh) return false;
+    if (data.mesh != mesh_ || update->ntimestep != mesh_step_) {
+      mesh_ = data.mesh;
+      mesh_step_ = update->ntimestep;
+      node_velocities_ = mesh_->prop().getElementProperty<MultiVectorContainer<double, 3, 3>>("v");
+    }
+    if (!node_velocities_) return false;
+    double **const v = node_velocities_->begin()[data.j], at[3][3], e1[3], e2[3], d1[3], d2[3], normal[3], turn[3];
+    for (int k = 0; k < 3; k++) mesh_->node(data.j, k, at[k]);
+    vectorSubtract3D(at[1], at[0], e1);
+    vectorSubtract3D(at[2], at[0], e2);
+    vectorSubtract3D(v[1], v[0], d1);
+    vectorSubtract3D(v[2], v[0], d2);
+    vectorCross3D(e1, e2, normal);
+    const double square = vectorDot3D(normal, normal); // reciprocal vectors: e2 x normal, normal x e1, over it
+    double first[3], second[3], sum[3];
+    vectorCross3D(e2, normal, first);
+    vectorCross3D(normal, e1, second);
+    vectorCross3D(first, d1, sum);
+    vectorCross3D(second, d2, turn);
+    for (int k = 0; k < 3; k++) sum[k] = (sum[k] + turn[k]) / square;
+    const double half = 0.5 * vectorDot3D(sum, normal) / square;
+    for (int k = 0; k < 3; k++) spin[k] = sum[k] - half * normal[k];
+    return true;
+  }
   double energy(double *numbers, const SurfacesCloseData &data) const {
     if (!slips_) return demlaws::Levels<0>(numbers, (int)levels_).energy();
     return demlaws::SpringRow(numbers, (int)springs_).energy(normal_->shear_ratio(data));
@@ -155,7 +211,10 @@ private:
   const bool wall_;
   const NormalModel<DEMLAWS_TABLE> *normal_ = NULL;
   double **friction_ = NULL, springs_ = 12., levels_ = demlaws::LEVELS;
-  int offset_ = -1;
+  int offset_ = -1, normal_at_ = -1;
+  TriMesh *mesh_ = NULL; // of the contact before, its step and the velocities of its nodes
+  bigint mesh_step_ = -1;
+  MultiVectorContainer<double, 3, 3> *node_velocities_ = NULL;
   bool slips_ = false, own_levels_ = false; // own_levels_: the line has the word
 };
 
