@@ -34,6 +34,7 @@ class Way(NamedTuple):
     stretched: bool = True  # False: v2 - v1 as it is with "radius", too
     term_lever: str = "contact"  # the same of the half-step term
     wall_share: float = 0.5  # place of the contact point with a flat: r2 - share δ from the sphere's centre
+    first_share: float | None = None  # the same for the velocity of the flat itself; None: wall_share
     turn: str = "plane"  # of springs: projected with their length kept and turned about n; "cross": a - a × axis, twice;
     # "frame": components along a unit vector turned by "cross" and across it; "rotation": from normal to normal, then about n
     spin_about: str = "before"  # the normal about which bodies spin, or "now"
@@ -198,6 +199,9 @@ def _displacement(way, first, radius, motion, step, places, point, normal, befor
     """Δs of a step, in the plane of the normal."""
     (v1, v2), (w1, w2), dt = motion.velocity[step], motion.spin[step], motion.timestep
     arm1, arm2 = point - places[0], point - places[1]
+    foot = radius - overlap * (way.wall_share if way.first_share is None else way.first_share)
+    if first.flat:
+        arm1 = places[1] - foot * normal - places[0]
     if way.lever == "radius":
         share = (first.radius + radius) / (first.radius + radius - overlap) if way.stretched else 1.0
         relative = share * (v2 - v1) - np.cross(first.radius * w1 + radius * w2, normal)
@@ -209,7 +213,8 @@ def _displacement(way, first, radius, motion, step, places, point, normal, befor
         r2 = radius if way.term_lever == "radius" else np.linalg.norm(arm2)
         r1 = first.radius if way.term_lever == "radius" else np.linalg.norm(arm1)
         if first.flat:
-            shift = 0.5 * dt * (np.cross(w1, dt * (v2 - v1)) + r2 * np.cross(w2 - w1, change))
+            behind = r2 if way.first_share is None else foot
+            shift = 0.5 * dt * (np.cross(w1, dt * (v2 - v1) - behind * change) + r2 * np.cross(w2, change))
         else:
             shift = 0.5 * dt * np.cross(r1 * w1 + r2 * w2, change)
         result = result + shift

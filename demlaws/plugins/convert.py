@@ -446,8 +446,6 @@ def _lammps(job, words):
     if model.startswith("mindlin") and rest[shear + 1 : shear + 2] == ["NULL"]:
         job.note(f"tangential {model} NULL is now tangential demlaws, which creates no energy")
         rest[shear : shear + 2] = ["demlaws"]
-        if "synchronized_verlet" in rest:
-            job.leave("synchronized_verlet: LAMMPS refuses it with tangential demlaws; delete it")
     elif "$" in model:
         job.leave(f"tangential {model}: no single value in this input: the model is not converted")
     elif model and model != "demlaws":

@@ -197,7 +197,7 @@ def test_other_pair_styles_are_left_alone():
 
 
 def test_what_stops_or_misleads_a_run_is_mentioned():
-    """delete_atoms that renumbers, synchronized_verlet beside tangential demlaws; a model by variable is converted."""
+    """delete_atoms that renumbers; synchronized_verlet stays beside tangential demlaws; a model by variable is converted."""
     head = "units si\n"
     line = LAMMPS.splitlines()[1]
     for command, mentioned in (
@@ -208,8 +208,8 @@ def test_what_stops_or_misleads_a_run_is_mentioned():
         for engine, model in (("lammps", line), ("liggghts", LIGGGHTS.splitlines()[3])):
             notes = convert(f"{head}{model}\n{command}\n", engine, "law.tbl").notes
             assert any(note.line == 3 for note in notes) == mentioned
-    converted = convert(head + line.split("#")[0] + "synchronized_verlet yes\n", "lammps", "law.tbl")
-    assert not converted.complete and "tangential demlaws" in converted.text
+    converted = convert(head + line.split("#")[0] + "synchronized_verlet\n", "lammps", "law.tbl")
+    assert converted.complete and "tangential demlaws" in converted.text and "synchronized_verlet\n" in converted.text
     stays = LAMMPS.splitlines()[1].replace("mindlin NULL", "linear_history ${kt}")
     converted = convert(f"{head}{stays}\n", "lammps", "law.tbl")
     assert converted.complete and "law.tbl 1e9 0.8 0.25 tangential linear_history ${kt}" in converted.text

@@ -505,7 +505,7 @@ template <class ABI> struct Granular {
   };
 
   template <int RULE> static Table *make_table(Model *m, const demlaws::Table &table) {
-    if (RULE != table.unloading()) return make_table<RULE + 1 == demlaws::RULES ? RULE : RULE + 1>(m, table);
+    if (RULE != table.unloading()) return make_table < RULE + 1 == demlaws::RULES ? RULE : RULE + 1 > (m, table);
     return new typename ABI::template Final<Ruled<(demlaws::Unloading)RULE>>(m, table);
   }
   // The normal model with this file; outputs: room for those of compute pair/local. What was there before is not

@@ -127,9 +127,9 @@ public:
     if (data.contact_flags) *data.contact_flags &= ~CONTACT_TANGENTIAL_MODEL;
     if (!data.contact_history) return;
     double *const kept = data.contact_history + offset_;
+    if (wall_) std::fill_n(data.contact_history + normal_at_, 3, 0.);
     if (kept[slips_ ? 0 : (int)levels_ - 1] == 0.) return; // its stiffness
     std::fill(kept, kept + size(), 0.);
-    if (wall_) std::fill_n(data.contact_history + normal_at_, 3, 0.);
   }
   void beginPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
   void endPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
