@@ -1,4 +1,4 @@
-"""Pages written to docs/made before Sphinx runs: laws, rules, commands, errors, gallery, pages from other folders."""
+"""Pages written to docs/made before Sphinx runs: laws, rules, commands, gallery, pages from other folders."""
 
 import json
 import os
@@ -17,12 +17,17 @@ ELSEWHERE = {
     "yade_scripts/README.md": "made/yade-scripts.md",
     "liggghts_inputs/README.md": "made/liggghts-cases.md",
     "lammps_inputs/README.md": "made/lammps-cases.md",
-    "CONTRIBUTING.md": "made/contributing.md",
     "CHANGELOG.md": "made/changelog.md",
     "README.md": "index.md",
     "CITATION.cff": "made/citation.md",
 }
 """Pages of the repository outside docs/ → where the site shows them."""
+
+NOT_SEARCHED = "---\nnosearch: true\n---\n\n"
+"""Before pages that a search of the site does not find."""
+
+INTERNAL = ("docs/inside/", "CONTRIBUTING.md")
+"""For maintainers: in the repository only."""
 
 LAWS = {
     f"demlaws/laws/{path.stem}.py": f"made/theory/{path.stem.replace('_', '-')}.md"
@@ -47,7 +52,6 @@ SECTIONS = {
     ],
     "reference": ["symbols", "materials", "bibliography", "table-format", "made/citation", "made/changelog"],
     "validation": ["limits", "trade", "softening", "cost", "made/costs"],
-    "inside": ["made/contributing"],
 }
 """Pages outside the folder of their section; any other page of docs/ itself is listed under how-to."""
 
@@ -84,7 +88,7 @@ def relinked(text, source, target):
             shown = f"made/gallery/{real.name}"  # drawn just now
         elif inside in LAWS and (DOCS / LAWS[inside]).exists():
             shown = LAWS[inside]
-        elif inside.startswith("docs/"):
+        elif inside.startswith("docs/") and not inside.startswith(INTERNAL):
             shown = inside[len("docs/") :]
         elif real.exists():
             return f"{words} (`{inside}`)"
@@ -186,7 +190,7 @@ def write():
 
     shutil.rmtree(MADE, ignore_errors=True)
     MADE.mkdir()
-    (MADE / "gallery.md").write_text(draw_gallery(MADE / "gallery"))
+    (MADE / "gallery.md").write_text(NOT_SEARCHED + draw_gallery(MADE / "gallery"))
     (MADE / "notebooks").mkdir()
     for tutorial in TUTORIALS:
         text = (DOCS / "tutorials" / f"{tutorial}.md").read_text()
@@ -194,12 +198,12 @@ def write():
         (MADE / "notebooks" / f"{tutorial}.sh").write_text(script(text))
     for source, target in ELSEWHERE.items():
         if target.startswith("made/") and source.endswith(".md"):
-            (DOCS / target).write_text(relinked((ROOT / source).read_text(), source, target))
+            unsearched = NOT_SEARCHED if source == "CHANGELOG.md" else ""
+            (DOCS / target).write_text(unsearched + relinked((ROOT / source).read_text(), source, target))
     laws, rules = theory.write(MADE / "theory")
     commands = reference.command_pages(MADE / "commands")
     (MADE / "citation.md").write_text(citation())
     (MADE / "costs.md").write_text(theory.cost_page())
-    (MADE / "errors.md").write_text(reference.error_page())
     return {
         "SYMBOLS": theory.symbol_table().splitlines(),
         "LAWS": [f"made/theory/{n}" for n in laws],
