@@ -156,3 +156,12 @@ def test_laws_warn_where_the_bulk_yields():
     assert not any("bulk yields" in limit.reason for limit in yielding.limits())
     many = pair.with_values(radius=np.linspace(1e-3, 2e-3, 1000))
     assert regime.lowest_transition_force(many) <= regime.transition_force(many).min()
+
+
+@pytest.mark.parametrize("largest", [6e3, 1e7])
+def test_breaches_begin_with_the_largest_excess(largest):
+    """Over or below its bound by the largest factor, whichever side it is on."""
+    for name in ("hertz", "rms", "greenwood-tripp"):
+        found = dl.law(name, GRANITE).breaches(1e-2, largest)
+        factors = [max(b.value / b.bound, b.bound / b.value) for b in found]
+        assert len(found) > 1 and factors == sorted(factors, reverse=True) and min(factors) > 1.0

@@ -283,3 +283,13 @@ def test_an_unloading_curve_of_a_scene_file_stands_beside_it(tmp_path):
     file = tmp_path / "scene.toml"
     file.write_text(TOML.replace("cyclic = true", 'cyclic = true\nunloading = "back.tbl"'))
     assert dl.Scene.load(file).unloading.name == "hertz"
+
+
+def test_what_one_change_costs_is_the_whole_error():
+    """A plan that differs from the reference in one thing: what it leaves out costs its error."""
+    choices = dl.choose(SCENES["cyclic"])
+    single = [choice for choice in choices if len(choice.left_out) == 1 and choice.error > 1e-6]
+    assert single
+    for choice in single:
+        ((_, cost),) = choice.left_out
+        assert 1.02 * cost == pytest.approx(choice.error, rel=1e-6)

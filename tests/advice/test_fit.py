@@ -1,6 +1,7 @@
 """Fits: known parameters come back within the stated uncertainty, and the law that made the points ranks first."""
 
 import math
+from types import SimpleNamespace
 
 import bench_fit
 import numpy as np
@@ -9,6 +10,7 @@ from examples import shared
 
 import demlaws as dl
 from demlaws.advice.fit_model import FORCE_ZERO, history
+from demlaws.advice.fit_report import _aicc
 
 PAIR = dl.Contact(4.35e-3, 32.32e9, 2.4e-6, 2.22, 6.266e9)
 CYCLE = np.concatenate([np.linspace(1, 60, 20), np.linspace(58, 2, 12), np.linspace(4, 100, 20), np.linspace(95, 3, 12)])
@@ -292,3 +294,18 @@ def test_a_fitted_unloading_branch_is_a_curve_to_unload_along():
     np.testing.assert_allclose(again.force, path.force, atol=1e-4 * path.force.max())
     with pytest.raises(dl.DemlawsError):
         dl.fit(branch, PAIR, laws="pohrt-popov", unloading="table")
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_akaikes_criterion_counts_the_scatter(count):
+    """-2 ln L + 2k + 2k(k+1)/(n-k-1); k: parameters, the scatter where it is not known. (Fits print differences only.)"""
+    sigma, squares = np.full(12, 0.2), 7.0
+    model = SimpleNamespace(force=np.ones(12), sigma=sigma)
+
+    def corrected(minus_two_log, k):
+        return minus_two_log + 2.0 * k + 2.0 * k * (k + 1.0) / (12.0 - k - 1.0)
+
+    known = squares + 2.0 * np.sum(np.log(sigma)) + 12.0 * math.log(2.0 * math.pi)
+    assert _aicc(model, squares, count, True) == pytest.approx(corrected(known, count), rel=1e-12)
+    estimated = 12.0 * (math.log(2.0 * math.pi * 0.2**2 * squares / 12.0) + 1.0)
+    assert _aicc(model, squares, count, False) == pytest.approx(corrected(estimated, count + 1), rel=1e-12)

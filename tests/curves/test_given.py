@@ -1,6 +1,7 @@
 """Tables of any function and of measured points: exact to their certificate, and everything else refused."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -129,6 +130,16 @@ def test_functions_that_are_refused(fault):
     with pytest.raises(dl.DemlawsError) as caught:
         dl.Table.from_function(BAD[fault], CONTACT)
     assert "\n" not in str(caught.value)
+
+
+def test_a_force_that_falls_is_reported_where_it_falls():
+    """1e6 δ - 4e9 δ² has its maximum at 125 µm."""
+    with pytest.raises(dl.DemlawsError, match="force falls") as caught:
+        dl.Table.from_function(BAD["decreasing"], CONTACT)
+    low, high = (float(v) for v in re.findall(r"([\d.e+-]+) m", str(caught.value))[:2])
+    first, second = (float(v) for v in re.findall(r"([\d.e+-]+) N", str(caught.value))[:2])
+    assert 1.2e-4 < low < high and high > 1.25e-4 and first > second > 0.0
+    assert (first, second) == pytest.approx((1e6 * low - 4e9 * low**2, 1e6 * high - 4e9 * high**2), rel=1e-4)
 
 
 def test_a_wrong_derivative_is_refused():

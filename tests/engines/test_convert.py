@@ -386,3 +386,22 @@ def test_tutorials_of_the_package_run(engine, tutorials, tmp_path):
         assert run(there / "in.case")["Step"][-1] > 0
         ran.append(path.name)
     assert len(ran) >= 8 and "in.hydrogel_multicontact" in refused
+
+
+@pytest.mark.parametrize(
+    ("line", "mentioned"),
+    [
+        ("pair_style gran/hooke/history 1 0", True),  # of LIGGGHTS 2
+        ("pair_style ${style} model hertz", True),
+        ("pair_style hybrid gran/hertz/history soft 1.0", True),
+        ("pair_style soft 1.0", False),
+        ("pair_style none", False),
+        ("fix gran all ave/time 1 1 1 c_gran", False),
+        ("variable gran equal 1", False),
+    ],
+)
+def test_lines_that_are_no_style_of_liggghts_3(line, mentioned):
+    """A granular style in another form, or one by variable, is named; other lines are not."""
+    converted = convert(f"units si\n{line}\n{LIGGGHTS.splitlines()[3]}\n", "liggghts", "law.tbl")
+    assert any(note.line == 2 for note in converted.notes) == mentioned
+    assert line in converted.text
