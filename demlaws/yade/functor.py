@@ -24,9 +24,10 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
     """A demlaws law as a YADE Law2 functor, in place of Law2_ScGeom_MindlinPhys_Mindlin.
 
     law: a law's name (`demlaws.laws()`), a `Law`, a `Table`, the path of a saved table, or a dict (label, label) → one of them.
-    unloading: a rule's name, or a `Law` or `Table` whose curve the contacts unload along.
+    unloading: a rule's name, or a `Law` or `Table` whose curve the contacts unload along; default: that of the law.
     surfaces: one `demlaws.Surface` for all materials, or a dict label of a YADE material → Surface ("*": every other material).
-        A material without a surface is smooth, and a pair of smooth surfaces is Hertz. Of two surfaces σ² = Sq1² + Sq2².
+        A material without a surface is smooth, and a pair of smooth surfaces is Hertz; a Surface needs its roughness, 0 or
+        more, where the law uses it. Of two surfaces σ² = Sq1² + Sq2².
     smooth: True allows materials without a surface; by default their first contact is an error if a given label has no
         material, or if there are no surfaces and the law is not Hertz.
     flats: "plane" gives a sphere on a facet, wall or box its own radius as R, which is Hertz's; "yade" keeps YADE's, half of it

@@ -121,7 +121,7 @@ def test_processes_that_compile_the_same_loops_at_once(tmp_path):
 def test_each_set_of_types_has_a_folder():
     """Two processes that write to one folder of numba's cache at once may exchange their machine code: it numbers the files."""
     law = dl.law("hertz", dl.Contact(radius=1e-2, modulus=1e10))
-    batches = [(law, np.float64), (law, np.float32), (dl.law("rms", GRANITE), np.float64)]
+    batches = [(law, np.float64), (law, np.float32), (dl.law("rms", GRANITE, "elastic"), np.float64)]
     folders = set()
     for law, kind in batches:
         overlap = np.full(4, 1e-6, kind)

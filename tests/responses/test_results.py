@@ -63,7 +63,7 @@ def test_equal_laws_are_equal():
     law = dl.law("pohrt-popov", PAIR, unloading="hertz")
     assert law == dl.law("pohrt-popov", PAIR, unloading="hertz") and hash(law) == hash(dl.law("pohrt-popov", PAIR, "hertz"))
     others = [
-        dl.law("pohrt-popov", PAIR),
+        dl.law("pohrt-popov", PAIR, "elastic"),
         dl.law("rms", PAIR, unloading="hertz"),
         dl.law("pohrt-popov", PAIR.with_values(roughness=3e-6), unloading="hertz"),
         law.tabulate(1e-3),
