@@ -9,7 +9,7 @@ from mpmath import mp, mpf
 from references import REFERENCES, Hertz
 
 import demlaws as dl
-from demlaws.solvers.axisymmetric import solve
+from studies.half_space.axisymmetric import solve
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 VALUES = {"radius": GRANITE.radius, "modulus": GRANITE.modulus, "roughness": GRANITE.roughness, "fractal_dimension": 2.22}

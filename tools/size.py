@@ -28,7 +28,7 @@ MECHANISMS = {
     "dispatch on types": "core/dispatch.py",
     "machine code on disk": "core/cache.py core/content.py",
     "tables: cells, files, certificates": "core/curve.py core/grid.py curves/t*.py curves/saved.py",
-    "solver of Gaussian asperities": "laws/family.py solvers/axisymmetric.py solvers/influence.py",
+    "curves of Gaussian asperities": "laws/family.py solvers/master_curves.py",
     "measured points as a law": "curves/points.py curves/given.py",
     "functions as a law": "curves/function.py user_laws/*.py laws/registry.py curves/soundness.py",
     "user rules in engines": "curves/rule_object.py",

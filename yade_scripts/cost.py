@@ -25,7 +25,6 @@ import numpy as np
 import yade
 
 import demlaws as dl
-from demlaws.core.unloading import GIVEN
 from demlaws.laws.registry import find
 from demlaws.make import example
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
@@ -58,16 +57,8 @@ BRIDGE = {
 
 def of_rule(name, rule):
     """(law, rule, options) of one unloading rule of a law, for the spheres of `scene`."""
-    modulus = YOUNG / (1 - POISSON**2) / 2
-    part = 0.0 if find(name).needs_map else 0.01  # of a map one contact is solved
-    spans = {
-        "radii": tuple((0.5 + x) * RADIUS for x in (-part, part)),
-        "moduli": tuple((1 + x) * modulus for x in (-part, part)),
-    }
-    if rule != GIVEN:
-        return name, rule, {**find(name).example, **spans}
-    contact = dl.Contact(RADIUS / 2, modulus, 2.4e-6 * 2**0.5, 2.22, 6.266e9)
-    return example(name, contact, rule), None, spans
+    contact = dl.Contact(RADIUS / 2, YOUNG / (1 - POISSON**2) / 2, 2.4e-6 * 2**0.5, 2.22, 6.266e9)
+    return example(name, contact, rule), None, {}
 
 
 EVERY = {

@@ -35,7 +35,6 @@ JOINTS = (0.02, 0.06, 0.12, 0.2, 0.35, 0.5, 0.65, 0.8, 2.0)
 _STARTS = 4  # starts that are followed for a few steps; two of them to the end
 _SCALE = 2.0  # factor of the overlap by which a promising start may be wrong
 _STEP = 1e-4  # of the derivatives, in the fitted coordinates: mostly logarithms
-_FAMILY_PART = 0.7  # of ln(roughness), for which one family of solved curves is prepared
 
 
 def parameters():
@@ -79,8 +78,6 @@ class Model:
             most = LARGEST_FORCE_ZERO * float(np.max(force))
             ends[self.free.index(FORCE_ZERO)] = -most, most
         self.low, self.high = np.array([*ends, (-np.inf, np.inf)]).T
-        # a law whose curve is solved: families of curves over parts of the roughness, in place of a solution for each trial
-        self.families = {} if set(self.definition.fitting.family) & {"roughness"} & set(free) else None
 
     def _coordinate(self, name, value):
         return np.log(value) if self.parameters[name].logarithmic else np.asarray(value, float)
@@ -97,22 +94,10 @@ class Model:
                 (options if self.parameters[name].option else changes)[name] = value
         return unchecked(self.contact, changes), options
 
-    def shape(self, contact, options):
-        """Shape of the law for a trial."""
-        if self.families is None:
-            return self.definition.prepare(contact, **options)
-        part = math.floor(math.log(contact.roughness) / _FAMILY_PART)
-        key = part, contact.modulus, contact.hardness
-        if key not in self.families:
-            ends = np.minimum(np.exp(_FAMILY_PART * np.array([part, part + 1.0])), 0.1 * contact.radius)
-            many = contact.with_values(radius=np.full(2, contact.radius), roughness=ends)
-            self.families[key] = self.definition.prepare(many, **{"rtol": 2e-3, **options})
-        return self.families[key]
-
     def overlap(self, x):
         """Overlap [m] and tangent stiffness [N/m] at each force."""
         contact, options = self.inputs(x)
-        params = loops.bind_params(self.shape(contact, options), contact)
+        params = loops.bind_params(self.definition.prepare(contact, **options), contact)
         force = np.maximum(self.force - self.values(x).get(FORCE_ZERO, 0.0), _LEAST_FORCE * np.max(self.force))
         overlap, stiffness = forces_history(self.rule, params, force)
         # outside the range of a curve: far away, not NaN
@@ -161,7 +146,7 @@ class Model:
     def joint(self, x):
         """Load [N] at the last joint of the curve of first loading; NaN if it has none."""
         contact, options = self.inputs(x)
-        params = loops.bind_params(self.shape(contact, options), contact)
+        params = loops.bind_params(self.definition.prepare(contact, **options), contact)
         kinks = self.definition.kinks(params, **options)
         return float(loops.first_loading(params, np.array([max(kinks)]))[0][0]) if kinks else math.nan
 
@@ -180,7 +165,7 @@ class Model:
 
     def joint_index(self, x):
         """Index of the last option that moves the joint of the curve, or None."""
-        if self.families is not None or not math.isfinite(self.joint(x)):
+        if not math.isfinite(self.joint(x)):
             return None
         options = [i for i, name in enumerate(self.free) if self.parameters[name].option]
         return next((i for i in reversed(options) if len(self.joint_places(x, i))), None)
@@ -192,7 +177,6 @@ class Model:
         for name, low, high in zip(self.free, self.low, self.high, strict=False):
             margin = 1e-9 * (high - low)
             start = self._coordinate(name, np.atleast_1d(self.parameters[name].starts(self.contact)))
-            start = start[:1] if self.families is not None else start  # a solved curve costs as much as hundreds of trials
             choices.append(np.clip(start, low + margin, high - margin))
         jointed = self.joint_index(np.array([*(choice[0] for choice in choices), 0.0]))
         index = len(choices) - 1 if jointed is None else jointed

@@ -223,7 +223,7 @@ def tolerance(rtol: Any) -> float:
 def _refuse_too_fine(definition, rtol):
     if definition.solved and rtol < 1e-5:
         raise DemlawsError(
-            f"rtol = {rtol:g}: the curve of {definition.name!r} is a numerical solution with an error of 1e-6; use 1e-5 or more"
+            f"rtol = {rtol:g}: the curve of {definition.name!r} is a numerical solution, not exact below 1e-5; use 1e-5 or more"
         )
 
 

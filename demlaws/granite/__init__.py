@@ -20,6 +20,7 @@ from demlaws.laws.registry import registry
 from demlaws.make import law
 from demlaws.responses.path import Path
 from demlaws.responses.results import PATH_COLUMNS
+from demlaws.solvers import master_curves
 
 MODULI = {"text": 0.5 * GRANITE.plane_modulus, "figures": 0.5 * GRANITE.young / (1.0 - GRANITE.poisson)}
 """E* [Pa] by the definition in the paper's text, E/(2(1 - ν²)), and E/(2(1 - ν)), which fits the three printed numbers that
@@ -277,16 +278,11 @@ def threshold_force(test):
 
 def effective_radius(alpha):
     """a*/a_H against α: the RMS fit, and Greenwood & Tripp for μ = 4 and 17."""
-    from demlaws.solvers.axisymmetric import ELASTIC_LAYER, solve
-
     alpha = np.asarray(alpha, float)
     force = 4.0 / 3.0 * alpha**-1.5
-    order = np.argsort(force)
     curves = {"RMS fit": 2.4 - 2.8 / (alpha + 2.0)}
     for mu in (4.0, 17.0):
-        values = np.empty(alpha.size)
-        values[order] = solve(ELASTIC_LAYER, mu, force[order]).effective_radius
-        curves[f"Greenwood-Tripp μ = {mu:g}"] = values
+        curves[f"Greenwood-Tripp μ = {mu:g}"] = master_curves.effective_radius(mu, force)
     return curves
 
 

@@ -44,7 +44,7 @@ _MOST_CURVES = 64
 class RowsShape(NamedTuple):
     """One curve for each of a few contacts that differ in more than radius."""
 
-    grid: Grid  # of every curve; its cells are those of all curves, one after the other, and the last once more
+    grid: Grid  # of every curve, as in FamilyShape
     contacts: np.ndarray  # (curves, 3): R, E*, σ
 
 
@@ -59,8 +59,7 @@ def _rows_scale(shape, radius, modulus, roughness):
         ):
             row = float(i)
     offset = 0.0 if row >= 0.0 else math.nan  # a contact that is none of them has no curve: not a number
-    coefficient, start = hertz_coefficient(radius, modulus), max(row, 0.0) * shape.grid.count
-    return family_params(shape.grid, coefficient, roughness, offset, start, 0.0)
+    return family_params(shape, hertz_coefficient(radius, modulus), roughness, offset, max(row, 0.0), 0.0, 0.0, 0.0)
 
 
 bind(RowsShape, scale=_rows_scale)
@@ -235,11 +234,11 @@ def _prepare(
     shapes = [_shape(c, pair, start, reach) for c, pair in zip(curves, pairs, strict=True)]
     if len(pairs) == 1:
         return shapes[0]
-    # one more copy at the end: a curve is read with its neighbour, also where that has no weight
-    shared = shared_grid([*shapes, shapes[-1]])
+    # copies at the ends: a curve is read with its neighbours, also where they have no weight
+    shared = shared_grid([shapes[0], *shapes, shapes[-1], shapes[-1]])
     if alike:
         ratio = math.log(pairs[-1].radius / pairs[0].radius) / (len(pairs) - 1)
-        return FamilyShape(shared, CurveNumber(1.0, 0.0, 1.0, 0.0), pairs[0].radius, ratio, len(pairs))
+        return FamilyShape(shared, CurveNumber(1.0, 0.0, 1.0, 0.0), pairs[0].radius, ratio, len(pairs), 0.0, math.inf)
     return RowsShape(shared, np.array([[p.radius, p.modulus, p.sigma] for p in pairs]))
 
 

@@ -204,7 +204,6 @@ def power_of(factor: float, exponent: float) -> float:
 
 
 SEATING = Option("", Numbers(1e-7, 1.0, True), "load over E* √R σ^1.5 below which the curve is continued as P ∝ δ^1.5")
-SOLUTION = Option("", Numbers(1e-12, 0.1, True), "relative tolerance of the solved curves, where contacts differ")
 
 
 def check_name(name: Any) -> None:
@@ -221,7 +220,6 @@ class Fitting(NamedTuple):
 
     parameters: dict = {}  # noqa: RUF012  quantity that the law depends on, beside the modulus → Parameter
     free: tuple = ()  # those that a fit varies by default
-    family: tuple = ()  # quantities on which the solved curve depends: a fit that varies one solves a family of curves first
     identifiable: bool = True  # whether tests on single contacts, as the granite ones, determine its parameters
 
 

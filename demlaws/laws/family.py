@@ -1,9 +1,9 @@
-"""Laws whose curve comes from a solver: one master curve a dimensionless number, tabulated, read like a table.
+"""Laws with one master curve per dimensionless number: one curve of the contacts that share it, a family for those that differ.
 
-The curve is f(U) with U the approach over σ; it depends on one number A (N_H of Yip & Venart, μ of Greenwood & Tripp).
-Gaussian tails never stop touching, so the curve needs a start. It is followed down to the seating load, a share of
-E* √R σ^1.5, and continued below it as P ∝ δ^1.5 with the same force and stiffness there [our derivation]: overlap 0 is
-where that ends. The stiffness at equal Hertz-equivalent overlap is at most Hertz's, so the law is nowhere stiffer than Hertz.
+The curves of Yip & Venart (A = N_H) and of Greenwood & Tripp (A = μ) are data of the package (`solvers.master_curves`): f(U),
+U the approach over σ. Gaussian tails never stop touching, so a curve needs a start. It is followed down to the seating load, a
+share of E* √R σ^1.5, and continued below it as P ∝ δ^1.5 with the same force and stiffness there [our derivation]: overlap 0 is
+where that ends. The stiffness at equal Hertz-equivalent overlap is at most Hertz's: the law is nowhere stiffer than Hertz.
 """
 
 import functools
@@ -20,11 +20,12 @@ from demlaws.core.table_types import Grid, TableShape
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Limit
 from demlaws.laws.hertz import HertzShape
+from demlaws.solvers import master_curves
+from demlaws.solvers.master_curves import cubic_share, mean_of_four
 
 SEATING_SHARE = 0.0025
 """Default seating load over E* √R σ^1.5: 0.02 N, the resolution of the load cell, in the granite tests."""
-_BITS = 6  # cells per octave: the table reproduces the solver's curve to 1e-6 in force
-_LOWEST_FORCE, _HIGHEST_FORCE = 1e-8, 1e7  # dimensionless; from the Gaussian tail to α = 3e-5, practically Hertz
+_BITS = 6  # cells per octave: they reproduce a master curve to 1e-6 in force
 SMOOTH = 1e-9
 """σ/R below which the model is its limit, Hertz: roughness then shifts the overlap by some 1e-9 R."""
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
@@ -50,22 +51,26 @@ class ImplicitShape(NamedTuple):
 class FamilyShape(NamedTuple):
     """Master curves at a geometric sequence of A, for contacts that differ."""
 
-    grid: Grid  # of every curve; its cells are those of all curves, one after the other
+    grid: Grid  # of every curve; its cells are those of all curves, one after the other, with one more before and after
     number: CurveNumber
-    lowest_value: float  # A of the first curve
+    lowest_value: float  # A of the first curve but one
     log_ratio: float  # ln of the ratio of neighbours
-    curves: int
+    curves: int  # without the first and the last
+    cubic: float  # as in FamilyParams
+    flattens: float  # A from which the curves bend at large overlaps (`cubic_share`)
 
 
 class FamilyParams(NamedTuple):
-    """One contact between two master curves: s = (1 - w) s_row + w s_(row + 1) at equal approach past a common load."""
+    """One contact between four master curves, at equal overlap: see `mean_of_four`."""
 
     hertz_coefficient: float
     length: float
     inverse_length: float
     offset: float
-    row: float  # where the cells of the curve below begin (a whole number)
-    weight: float  # w
+    row: float  # where the cells of the first of the four begin (a whole number)
+    place: float  # between the inner two, from 0 to 1
+    cubic: float  # 1: a cubic in ln A, 0: a straight line
+    turn: float  # of `cubic_share`
     grid: Grid
 
 
@@ -90,26 +95,35 @@ def _scale(shape, radius, modulus, roughness):
 
 
 @kernel
-def family_params(grid, coefficient, length, offset, row, weight):
-    """FamilyParams of a contact, returned by `scale` of a family or of a set of rows."""
-    return FamilyParams(coefficient, length, 1.0 / length, offset, row, weight, grid)
+def family_params(shape, coefficient, length, offset, row, place, cubic, turn):
+    """FamilyParams of a contact: row is the number of the first of its four curves."""
+    start = row * shape.grid.count
+    return FamilyParams(coefficient, length, 1.0 / length, offset, start, place, cubic, turn, shape.grid)
 
 
 @kernel
 def _family_scale(shape, radius, modulus, roughness):
-    place = math.log(curve_number(shape.number, radius, modulus, roughness) / shape.lowest_value) / shape.log_ratio
+    value = curve_number(shape.number, radius, modulus, roughness)
+    place = math.log(value / shape.lowest_value) / shape.log_ratio
     inside = -1e-9 <= place <= shape.curves - 1 + 1e-9
     row = min(max(math.floor(place), 0.0), shape.curves - 2.0)
-    coefficient, start = hertz_coefficient(radius, modulus), row * shape.grid.count
-    return family_params(shape.grid, coefficient, roughness, 0.0 if inside else math.nan, start, place - row)
+    offset = 0.0 if inside else math.nan
+    turn = 1.0 / (value * value) if value > shape.flattens else 0.0
+    coefficient = hertz_coefficient(radius, modulus)
+    return family_params(shape, coefficient, roughness, offset, row, place - row, shape.cubic, turn)
 
 
 @kernel
 def _family_read(p, u):
     row = int(p.row)
+    share, rate = cubic_share(u, p.turn)
     s0, slope0 = read_curve(p.grid, u, row)
     s1, slope1 = read_curve(p.grid, u, row + p.grid.count)
-    return s0 + p.weight * (s1 - s0), slope0 + p.weight * (slope1 - slope0)
+    s2, slope2 = read_curve(p.grid, u, row + 2 * p.grid.count)
+    s3, slope3 = read_curve(p.grid, u, row + 3 * p.grid.count)
+    s, bent = mean_of_four(p.place, p.cubic * share, s0, s1, s2, s3)
+    slope, _ = mean_of_four(p.place, p.cubic * share, slope0, slope1, slope2, slope3)
+    return s, slope + p.cubic * rate * bent
 
 
 @kernel
@@ -178,38 +192,44 @@ def seating_limit(contact, share):
     return Limit(float(np.max(load)), math.inf, reason)
 
 
-@functools.lru_cache(maxsize=64)
-def _solve(model, value):
-    from demlaws.solvers.axisymmetric import curve
-
-    return curve(model, value)
-
-
-@functools.lru_cache(maxsize=64)
-def _curve_shape(model, value, share, lowest, highest):
-    """The curve as a table in the overlap over σ: straight in s, as P ∝ δ^1.5, to the seat, then the solver's."""
-    solved = _solve(model, value)
-    seat, equivalent, slope = _seat(model, value, share)
-    u, _ = grid(lowest, highest, [], _BITS)
-    s, slopes = solved.hertz_overlap(np.maximum(u - equivalent / slope, 0.0) + seat)
-    below = u * slope < equivalent
-    return shape_from_nodes(Nodes.from_curve(u, np.where(below, slope * u, s), np.where(below, slope, slopes)), _BITS, 1.0, 0.0)
+@functools.lru_cache(maxsize=4)
+def _family(model, law, share):
+    """The shape for any contacts."""
+    data = master_curves.load(model)
+    seated = master_curves.seated(data, share)
+    u, _ = grid(float(np.min(seated.start)), 0.1 / SMOOTH, [], _BITS)
+    shapes = [_shape(u, s, slope) for s, slope in zip(*seated.at(u), strict=True)]
+    lowest = math.exp(data.log_first + data.log_ratio)
+    return FamilyShape(shared_grid(shapes), law, lowest, data.log_ratio, len(shapes) - 2, 1.0, data.flattens)
 
 
-@functools.lru_cache(maxsize=64)
-def _seat(model, value, share):
-    """U, s and ds/dU of a curve at the seating load."""
-    solved = _solve(model, value)
-    approach = solved.approach(share)
-    return tuple(float(v) for v in (approach, *solved.hertz_overlap(approach)))
+def law_curve(model, value, share, reach=0.0):
+    """The table of one value of A, up to overlaps of `reach` over σ at least."""
+    data, place = master_curves.load(model).around(value)
+    seated = master_curves.seated(data, share)
+    highest = max(reach, float(np.min(seated.overlap[:, -1])))
+    u, _ = grid(float(np.min(seated.start)), highest, [], _BITS)
+    cubic, rate = cubic_share(u, 1.0 / value**2 if value > data.flattens else 0.0)
+    curves, slopes = seated.at(u)
+    s, bent = mean_of_four(place, cubic, *curves)
+    slope = mean_of_four(place, cubic, *slopes)[0] + rate * bent
+    return _shape(u, s, slope)
 
 
-def prepare(model, law, contact, seating_share, rtol):
-    """Shape of an implicit law: one curve if the contacts share A, else a family that blends within `rtol`.
+def _shape(u, s, slope):
+    """The table of a curve, nowhere stiffer than Hertz: u - s rises in every cell (limits of Fritsch & Carlson 1980), where
+    polynomials through a bend at p(0) = H_m would let it fall, too."""
+    offset = np.maximum.accumulate(u - s)
+    chord = np.diff(offset) / np.diff(u)
+    rate = np.clip(1.0 - slope, 0.0, 3.0 * np.minimum(np.append(chord, chord[-1]), np.insert(chord, 0, chord[0])))
+    return shape_from_nodes(Nodes.from_curve(u, u - offset, 1.0 - rate), _BITS, 1.0, 0.0)
+
+
+def prepare(model, law, contact, seating_share):
+    """Shape of the law of a model: one curve if the contacts share A = `law`, else those of all A.
 
     Contacts smoother than SMOOTH get the Hertz law, to which the model tends.
     """
-    share = seating_share
     radius, modulus, roughness = (np.asarray(v, float) for v in (contact.radius, contact.modulus, contact.roughness))
     smooth = roughness < SMOOTH * radius
     if np.all(smooth):
@@ -219,18 +239,7 @@ def prepare(model, law, contact, seating_share, rtol):
             f"{int(np.sum(smooth))} contacts are smooth (σ below {SMOOTH:g} R): give them law 'hertz', the others law {model!r}"
         )
     numbers = law.factor * modulus**law.modulus * radius**law.radius * roughness**law.roughness
-    low, high = float(np.min(numbers)), float(np.max(numbers))
-    values = [low]
+    low, high = float(np.min(numbers)), float(np.max(master_curves.load(model).checked(numbers)))
     if high > low * (1.0 + 1e-9):
-        from demlaws.solvers.axisymmetric import family
-
-        values = [float(v) for v in family(model, low, high, rtol=rtol, reference_force=share)]
-    seats = [_seat(model, value, share) for value in values]
-    lowest = min(equivalent / slope for _, equivalent, slope in seats)
-    end = float(_solve(model, values[0]).approach(_HIGHEST_FORCE)) - seats[0][0]
-    highest = max(end, float(np.max(0.1 * radius / roughness)))
-    shapes = [_curve_shape(model, value, share, lowest, highest) for value in values]
-    if len(shapes) == 1:
-        return ImplicitShape(shapes[0], law, low)
-    ratio = math.log(values[-1] / values[0]) / (len(values) - 1)
-    return FamilyShape(shared_grid(shapes), law, values[0], ratio, len(values))
+        return _family(model, law, seating_share)
+    return ImplicitShape(law_curve(model, low, seating_share, float(np.max(0.1 * radius / roughness))), law, low)

@@ -9,7 +9,6 @@ from demlaws.laws.definition import (
     POSITIVE,
     ROUGHNESS,
     SEATING,
-    SOLUTION,
     Definition,
     Drawing,
     Fitting,
@@ -38,8 +37,8 @@ def _number(contact, mu, asperity_density, asperity_radius):
     return CurveNumber(8.0 / 3.0 * asperity_density * math.sqrt(2.0 * asperity), 0.0, 0.5, 1.0)
 
 
-def _prepare(contact, mu=None, asperity_density=None, asperity_radius=None, seating_share=SEATING_SHARE, rtol=1e-4):
-    return prepare(_MODEL, _number(contact, mu, asperity_density, asperity_radius), contact, seating_share, rtol)
+def _prepare(contact, mu=None, asperity_density=None, asperity_radius=None, seating_share=SEATING_SHARE):
+    return prepare(_MODEL, _number(contact, mu, asperity_density, asperity_radius), contact, seating_share)
 
 
 def _limits(contact, seating_share=SEATING_SHARE, **_):
@@ -66,7 +65,6 @@ LAW = Definition(
         "asperity_density": Option("1/m²", POSITIVE, "η, with asperity_radius in place of mu", -2 / 3),
         "asperity_radius": Option("m", POSITIVE, "β, with asperity_density in place of mu", 0.0),
         "seating_share": SEATING,
-        "rtol": SOLUTION,
     },
     fitting=Fitting(
         parameters={"roughness": ROUGHNESS, "mu": Parameter("", True, lambda c: (0.05, 1e3), lambda c: [MU], option=True)},

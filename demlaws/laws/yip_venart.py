@@ -8,7 +8,6 @@ from demlaws.laws.definition import (
     HARDNESS,
     ROUGHNESS,
     SEATING,
-    SOLUTION,
     Advice,
     Definition,
     Drawing,
@@ -17,6 +16,7 @@ from demlaws.laws.definition import (
     plastic_asperities,
 )
 from demlaws.laws.family import SEATING_SHARE, SMOOTH, CurveNumber, prepare, seating_limit
+from demlaws.solvers.master_curves import yield_force
 
 _MODEL = "yip-venart"
 
@@ -26,13 +26,11 @@ def _number(contact):
     return CurveNumber(math.sqrt(8.0) * contact.hardness, -1.0, 0.5, -0.5)
 
 
-def _prepare(contact, seating_share=SEATING_SHARE, rtol=1e-4):
-    return prepare(_MODEL, _number(contact), contact, seating_share, rtol)
+def _prepare(contact, seating_share=SEATING_SHARE):
+    return prepare(_MODEL, _number(contact), contact, seating_share)
 
 
-def _limits(contact, seating_share=SEATING_SHARE, rtol=1e-4):
-    from demlaws.solvers.axisymmetric import curve
-
+def _limits(contact, seating_share=SEATING_SHARE):
     if not np.all(np.asarray(contact.roughness) >= SMOOTH * np.asarray(contact.radius)):
         return []
     worst = np.argmax(np.ravel(np.asarray(contact.roughness) / np.asarray(contact.radius)))
@@ -40,7 +38,7 @@ def _limits(contact, seating_share=SEATING_SHARE, rtol=1e-4):
         float(np.broadcast_to(v, contact.size or 1)[worst]) for v in (contact.radius, contact.modulus, contact.roughness)
     )
     value = contact.hardness / modulus * math.sqrt(8.0 * radius / roughness)
-    yields = curve(_MODEL, value).bulk_yield_force() * modulus * math.sqrt(radius) * roughness**1.5
+    yields = yield_force(value) * modulus * math.sqrt(radius) * roughness**1.5
     return [
         Limit(0.0, yields, "the central pressure passes 0.6 H_m: the bulk yields too, and this law keeps it elastic"),
         seating_limit(contact, seating_share),
@@ -61,12 +59,10 @@ LAW = Definition(
     default_unloading="hertz",
     options={
         "seating_share": SEATING,
-        "rtol": SOLUTION,
     },
     fitting=Fitting(
         parameters={"roughness": ROUGHNESS, "hardness": HARDNESS},
         free=("roughness",),
-        family=("roughness", "modulus", "hardness"),
     ),
     advice=Advice(advise=plastic_asperities, rank=3),
     drawing=Drawing(label="Yip-Venart", colour="#2ca02c"),

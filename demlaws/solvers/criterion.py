@@ -18,6 +18,8 @@ import numpy as np
 
 from demlaws.contact import as_contact, smooth_overlap
 from demlaws.errors import DemlawsError, MissingQuantity
+from demlaws.solvers import master_curves
+from demlaws.solvers.master_curves import ELASTIC_LAYER
 from demlaws.units import as_float, number, positive
 
 YIELD_RATIO = 0.6
@@ -52,16 +54,9 @@ def pressure_drop(roughness_parameter):
 
 def central_pressure(roughness_parameter, mu):
     """p(0)/p0 by Greenwood & Tripp's own solution at α and μ = (8/3) η σ √(2Rβ): numbers, or arrays of α."""
-    from demlaws.solvers.axisymmetric import ELASTIC_LAYER, solve
-
-    alpha = np.atleast_1d(_parameter(roughness_parameter))
-    if not alpha.size:
-        return alpha
-    force = 4.0 / 3.0 * np.maximum(alpha, 1e-4) ** -1.5  # at α = 1e-4 the ratio is 1 within 1e-3
-    order = np.argsort(force)
-    pressure = np.empty(alpha.size)
-    pressure[order] = solve(ELASTIC_LAYER, number(mu, "mu"), force.ravel()[order]).central_pressure
-    return _plain(pressure.reshape(np.shape(roughness_parameter)))
+    alpha = np.maximum(_parameter(roughness_parameter), 1e-4)  # there the ratio is 1 within 1e-3
+    mu = number(mu, "mu", "", master_curves.LOWEST, master_curves.HIGHEST, allow_low=True)
+    return _plain(master_curves.central_pressure(ELASTIC_LAYER, mu, 4.0 / 3.0 * alpha**-1.5))
 
 
 def _parameter(value):

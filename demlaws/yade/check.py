@@ -61,25 +61,19 @@ def main(select=each_once):
 
 def self_tests(dl, pairs):
     """Print a self-test of each (law, rule); the number of failures."""
-    from demlaws.core.unloading import GIVEN
-    from demlaws.laws.registry import find
     from demlaws.make import example
     from demlaws.yade import selftest
     from demlaws.yade.binding import Binding
-    from demlaws.yade.pairs import Pairs, Span
+    from demlaws.yade.pairs import Pairs
 
     surfaces = {"granite": dl.Surface(roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9)}
     print(f"{'law':18}{'unloading':11}{'steps':>6}{'|F - F_law|/F_max':>20}{'ready in':>10}")
     contact = dl.Contact(4.35e-3, 32.32e9, 2.4e-6 * 2**0.5, 2.22, 6.266e9)
-    spans = {("granite", "granite"): Span((4.35e-3, 4.35e-3), (32.32e9, 32.32e9))}
     failures = 0
     for name, rule in pairs:
         start = time.perf_counter()
         try:
-            source, options, unloading = name, find(name).example, rule
-            if rule == GIVEN:
-                source, options, unloading = example(name, contact, rule), {}, None
-            binding = Binding("check", Pairs(source, surfaces, unloading, options, spans))
+            binding = Binding("check", Pairs(example(name, contact, rule), surfaces, None, {}))
         except dl.DemlawsError as error:
             print(f"{name:18}{rule:11}  not joined: {str(error).split(': ', 1)[-1][:90]}")
             continue

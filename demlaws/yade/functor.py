@@ -7,14 +7,13 @@ import warnings
 
 import yade
 
-from demlaws.contact import compliance, effective_radius
+from demlaws.contact import compliance
 from demlaws.core.shear import DEFAULT
 from demlaws.errors import BridgeWarning, DemlawsError, warn
 from demlaws.laws import HERTZ
 from demlaws.yade import native, selftest
 from demlaws.yade.binding import Binding
-from demlaws.yade.omega import radius_fault
-from demlaws.yade.pairs import Pairs, Span
+from demlaws.yade.pairs import Pairs
 
 NATIVE_ATTRIBUTES = frozenset(yade.Law2_ScGeom_MindlinPhys_Mindlin().dict()) | {"preventGranularRatcheting"}
 O = yade.O  # noqa: E741  YADE's name
@@ -43,8 +42,6 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         stretch. With 1 the shear force of a contact whose overlap vibrates is lost.
     shear_ratio: K_t/K, above 0 and at most 4/3; default: that of the materials' Poisson's ratios, as Mindlin's law has it.
     label: name of the law in saved files, unique in a scene and constant.
-    radii, moduli: smallest and largest effective radius [m] and modulus [Pa] of the contacts, which laws with a solved curve
-        (Yip–Venart, Greenwood–Tripp) need; default: those of the bodies in the scene.
 
     Further arguments are the law's own options, or attributes of Law2_ScGeom_MindlinPhys_Mindlin (neverErase, calcEnergy,
     preventGranularRatcheting). E*, friction and damping are the contact's, as in YADE. A law acts in one scene at a time.
@@ -63,8 +60,6 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         levels=None,
         shear_ratio=None,
         label="demlaws",
-        radii=None,
-        moduli=None,
         **options,
     ):
         attributes = {name: options.pop(name) for name in list(options) if name in NATIVE_ATTRIBUTES}
@@ -73,11 +68,11 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         if getattr(vars(builtins).get(label), "__module__", "") == "builtins":
             raise DemlawsError(f"label {label!r} would hide what Python has under this name: YADE makes a variable of it")
         super().__init__(label=label, **attributes)
-        spans = _spans(radii, moduli, flats)
+        modulus = _softest_modulus()
         if shear == "native":
             warn("shear='native' keeps the shear force where contacts become softer, which can create energy (docs/shear.md)")
         choices = {"smooth": smooth, "flats": flats, "shear": shear, "levels": levels, "shear_ratio": shear_ratio}
-        pairs = Pairs(law, surfaces, unloading, options, spans, radius=radius, **choices)
+        pairs = Pairs(law, surfaces, unloading, options, modulus, radius=radius, **choices)
         try:
             self.binding = Binding(label, pairs)
             self.binding.check_functor(self)
@@ -181,59 +176,7 @@ def _warn_of_untested(stacklevel):
         warnings.warn(line, BridgeWarning, stacklevel=stacklevel)
 
 
-def _range(name, unit, value):
-    """(smallest, largest) given by a user, or None."""
-    if value is None:
-        return None
-    try:
-        low, high = map(float, value)
-    except (TypeError, ValueError):
-        low = high = math.nan
-    if not 0.0 < low <= high < math.inf:
-        raise DemlawsError(f"{name} must be (smallest, largest) in {unit}, got {value!r}")
-    return low, high
-
-
-def _spans(radii, moduli, flats):
-    """Function of two labels: `Span` of their contacts, from the user's ranges, else from the scene's bodies and materials."""
-    radii, moduli = _range("radii", "m", radii), _range("moduli", "Pa", moduli)
-    sizes, flat, compliances = {}, set(), {}
-    for body in O.bodies:
-        label = "" if body.material is None else body.material.label
-        wrong = radius_fault(body)
-        if wrong is not None:
-            raise DemlawsError(wrong)
-        if isinstance(body.shape, yade.Sphere):
-            sizes.setdefault(label, set()).add(body.shape.radius)
-        elif body.shape is not None and not isinstance(body.shape, yade.Clump):
-            flat.add(label)
-        if isinstance(body.material, yade.FrictMat) and body.material.young > 0.0:  # contacts of a marker have no force
-            compliances.setdefault(label, set()).add(compliance(body.material))
-
-    def of(table, name):
-        """Admissible values of the bodies of a label; "" stands for all labels, so that unlisted ones are among them."""
-        return {value for label in table if label == name or not name for value in table[label] if value > 0.0}
-
-    def reach(labels):
-        """Effective radii at the ends of the range."""
-        first, second = (of(sizes, label) for label in labels)
-        ends = [(pick(first), pick(second)) for pick in (min, max) if first and second]
-        values = [effective_radius(*both) for both in ends]
-        for spheres, other in ((first, labels[1]), (second, labels[0])):
-            if spheres and (other in flat or (not other and flat)):
-                # YADE has r/2 at a wall, 2r/3 at a facet, and r with hertzian=True
-                values += [min(spheres) if flats == "plane" else 0.5 * min(spheres), max(spheres)]
-        return values
-
-    def span(labels):
-        values, every = radii or reach(labels), of(sizes, "")
-        first, second = (of(compliances, label) for label in labels)
-        meets = len(values) > 0
-        if not meets and every:
-            values = [0.5 * min(every), max(every)]
-        if not len(values) or (moduli is None and not (first and second)):
-            return None
-        pairs = moduli or tuple(1.0 / (pick(first) + pick(second)) for pick in (max, min))
-        return Span((min(values), max(values)), pairs, meets)
-
-    return span
+def _softest_modulus():
+    """E* [Pa] of two bodies of the scene's softest material; None without materials. A marker's, 0, does not count."""
+    materials = [m for m in O.materials if isinstance(m, yade.FrictMat) and 0.0 < m.young < math.inf]
+    return min((0.5 / compliance(m) for m in materials if compliance(m) > 0.0), default=None)

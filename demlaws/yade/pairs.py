@@ -2,7 +2,6 @@
 
 import math
 from numbers import Integral
-from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -26,39 +25,14 @@ from demlaws.yade.shear import MODES, SPRINGS, Levels
 EVERY = "*"
 """In place of a label: every material whose label is not listed."""
 FLATS = ("yade", "plane")
-NOMINAL = {"radius": (5e-3, 5e-3), "modulus": (30e9, 30e9)}
-"""Effective radius [m] and modulus [Pa] with which a law is made and checked where YADE's contacts are not known yet."""
+TYPICAL_RADIUS, TYPICAL_MODULUS = 1e-4, 30e9
+"""Effective radius [m] and modulus [Pa] with which a law is made and tested, since contacts are not known yet: those of a small
+grain, as some options must not be below R; the kernels give NaN where a contact does not fit."""
 
 NOT_SERVED = (
-    "no law was given for it: the surfaces of its materials are not listed, or a table of a law without a single "
-    "dimensionless curve, or a solved curve, was made for other contacts; list the surfaces, make the law after the bodies"
+    "no law was given for it: the surfaces of its materials are not listed, or the table or the measured map is that of "
+    "another contact; list the surfaces, give the law of this R and E*"
 )
-
-
-class Span(NamedTuple):
-    """Smallest and largest effective radius [m] and modulus [Pa] that a pair's contacts may have.
-
-    meets: whether bodies of the two labels can meet by what is known of them (two walls cannot).
-    """
-
-    radius: tuple
-    modulus: tuple
-    meets: bool = True
-
-    def widened(self):
-        """At least 2 % of radius, so that laws that depend on it are made as families."""
-        return self._replace(radius=(min(self.radius[0], self.radius[1] / 1.02), self.radius[1]))
-
-    def around(self, roughness):
-        """At least a hundred times the roughness: whether it fits the bodies is seen when they meet."""
-        return self._replace(radius=tuple(max(r, 100.0 * roughness) for r in self.radius))
-
-    def arguments(self):
-        """Keyword arguments of a `Contact`: numbers, or the four corners of the span."""
-        if self.radius[0] == self.radius[1] and self.modulus[0] == self.modulus[1]:
-            return {"radius": self.radius[0], "modulus": self.modulus[0]}
-        corners = [(r, e) for r in self.radius for e in self.modulus]
-        return {"radius": np.array([r for r, _ in corners]), "modulus": np.array([e for _, e in corners])}
 
 
 def _surface(label, value):
@@ -77,12 +51,12 @@ def _surface(label, value):
 class LawSource:
     """What a user gave as a law: a name with options, a `Law`, a `Table`, or the path of a saved table.
 
-    curve: the `LawSource` of the law to unload along, on a contact whose R, E* and σ are `ratios` of the law's own. (A table
-    holds its own.)
+    only: R [m] and E* [Pa] of the only contact that a measured map's law serves, or None. curve: the `LawSource` of the law to
+    unload along, on a contact whose R, E* and σ are `ratios` of the law's own. (A table holds its own.)
     """
 
     def __init__(self, law, options):
-        self.table, self.curve, self.ratios = None, None, (1.0, 1.0, 1.0)
+        self.table, self.curve, self.ratios, self.only = None, None, (1.0, 1.0, 1.0), None
         if names_a_file(law):
             law = Table.load(law)
         if isinstance(law, Table):
@@ -99,6 +73,8 @@ class LawSource:
             raise DemlawsError(f"law must be a law's name, a Law, a Table or the path of a table, got {law!r}")
         self.definition = law.definition if isinstance(law, Law) else find(self.name)
         self.unloading = law.unloading if isinstance(law, Law) else self.definition.default_rule(**self.options)
+        if isinstance(law, Law) and law.contact.size is None and self.needs_one_contact:
+            self.only = law.contact.radius, law.contact.modulus
         if self.table is None and self.unloading == GIVEN:
             self.curve, self.ratios = LawSource(law.unloading_law, {}), tuple(law.shape[2:])
 
@@ -111,24 +87,18 @@ class LawSource:
         self.unloading = GIVEN
 
     @property
-    def needs_span(self):
-        """Whether the law's curve must be solved for the contacts that occur: their range must be known beforehand."""
-        return self._any_states("solved")
-
-    @property
     def needs_one_contact(self):
-        """Whether the law's curve is solved for one R and E* alone: a height map's."""
-        return self._any_states("needs_map")
+        """Whether the law's curve of first loading is solved for one R and E* alone: a height map's."""
+        return any(definition.needs_map for definition in self._loading_definitions())
 
     def definitions(self):
         """Those that take part: the law's, its loading's, the unloading curve's. (A table stands for itself.)"""
+        return self._loading_definitions() + (self.curve.definitions() if self.curve is not None else [])
+
+    def _loading_definitions(self):
         loading = self.options.get("loading")
         taking_part = [self.definition, *([find(loading)] if isinstance(loading, str) else [])]
-        return (taking_part if self.table is None else []) + (self.curve.definitions() if self.curve is not None else [])
-
-    def _any_states(self, fact):
-        """Whether a definition that takes part says so of itself."""
-        return any(getattr(definition, fact) for definition in self.definitions())
+        return taking_part if self.table is None else []
 
     def _bound(self, contact, unloading):
         """The `Law` (or `Table`) of a contact with a rule."""
@@ -142,22 +112,15 @@ class LawSource:
             unloading = self.curve._bound(curve_contact, "elastic")
         return law(self.name, contact, unloading, **self.options)
 
-    def shape(self, surface, unloading, span):
-        """The law's Shape for a combined surface, or None where the pair is Hertz."""
+    def shape(self, surface, unloading, modulus):
+        """The law's Shape for a combined surface, or None where the pair is Hertz; modulus: see `Pairs`."""
         if self.table is not None:
             return self._table_shape(surface, unloading)
         dimension = surface.fractal_dimension
         if surface.roughness == 0.0 and dimension is None:
             dimension = 2.0  # without roughness it does not matter, but the law wants one
-        contact = Contact(
-            roughness=surface.roughness, fractal_dimension=dimension, hardness=surface.hardness, **span.arguments()
-        )
-        if contact.size is not None and self.needs_one_contact:
-            (low, high), (soft, stiff) = span.radius, span.modulus
-            raise DemlawsError(
-                f"law {self.name!r} is solved for one contact, these may have R from {low:g} to {high:g} m and "
-                f"E* from {soft:.6g} to {stiff:.6g} Pa: give its values, radii=(R, R) and moduli=(E, E)"
-            )
+        radius, modulus = self.contacts(surface, modulus)
+        contact = Contact(radius, modulus, surface.roughness, dimension, surface.hardness)
         needs = self.definition.needs + (() if self.curve is None else self.curve.definition.needs)
         if surface.roughness == 0.0 and any(getattr(contact, name) is None for name in needs):
             return None
@@ -186,13 +149,29 @@ class LawSource:
                 raise DemlawsError(f"the table is for {name} = {made_for:g}{unit}, the surfaces have {value:g}{unit}")
         return table.shape
 
-    def only_for(self, span):
-        """R [m] and E* [Pa] outside which this law may not be used, being made for contacts of this span; zeros: any."""
-        if self.needs_one_contact:
-            return span.radius[1], span.modulus[1]
+    def contacts(self, surface, modulus):
+        """R [m] and E* [Pa] with which the law is made: those of its only contact, or two that differ, for any."""
+        only = self.only_for()
+        if only[0] > 0.0:
+            return only
+        radius = max(TYPICAL_RADIUS, 30.0 * (surface.roughness or 0.0))  # whether it fits the bodies is seen when they meet
+        modulus = modulus or (5.0 * surface.hardness if surface.hardness else TYPICAL_MODULUS)
+        return np.array([radius, 2.0 * radius]), np.full(2, modulus)
+
+    def only_for(self):
+        """R [m] and E* [Pa] outside which this law may not be used; zeros: any."""
         for source, (of_radius, of_modulus) in ((self, (1.0, 1.0)), (self.curve, self.ratios[:2])):
-            if source is not None and source.table is not None and not source.table.collapses:
+            if source is None:
+                continue
+            if source.table is not None and not source.table.collapses:
                 return source.table.contact.radius / of_radius, source.table.contact.modulus / of_modulus
+            if source.only is not None:
+                return source.only[0] / of_radius, source.only[1] / of_modulus
+            if source.needs_one_contact:
+                raise DemlawsError(
+                    f"law {source.name!r} is solved for one contact: give the law of this contact, "
+                    f"dl.law({source.name!r}, dl.Contact(radius=…, modulus=…, roughness=…), …), or its table"
+                )
         return 0.0, 0.0
 
 
@@ -202,9 +181,9 @@ class Pairs:
     law: see `LawSource`, or a dict (label, label) → one of those, "" standing for unlisted materials. Of two surfaces
     σ² = Sq1² + Sq2² and so on as in `Surface.combined`. A pair of smooth surfaces is Hertz unless the law means more than
     roughness (a yielding bulk). labels, hashes, numbers (pair of surfaces → record) and records are what `kernel.act`
-    reads; shapes and roughnesses are those of each record, None for Hertz. spans: (label, label) → `Span`, or a function of
-    two labels, or None where nothing is known of the contacts. smooth: materials without a surface are meant smooth; flats:
-    "plane" or "yade", shear: one of `shear.MODES`, levels, shear_ratio, radius: see the functor.
+    reads; shapes and roughnesses are those of each record, None for Hertz. modulus: E* [Pa] with which pressures of the laws
+    are compared, or None. smooth: materials without a surface are meant smooth; flats: "plane" or "yade", shear: one of
+    `shear.MODES`, levels, shear_ratio, radius: see the functor.
     """
 
     def __init__(
@@ -213,7 +192,7 @@ class Pairs:
         surfaces,
         unloading,
         options,
-        spans=None,
+        modulus=None,
         *,
         smooth=False,
         flats="plane",
@@ -238,8 +217,7 @@ class Pairs:
         self.labels = ["", *self.surfaces]
         entries = [self.everywhere or Surface(0.0), *self.surfaces.values()]
         self.radii = Radii(radius, [surface.edge_radius for surface in entries])
-        self._spans = spans if callable(spans) else (spans or {}).get if isinstance(spans, dict) else lambda pair: None
-        self.spans = {}
+        self.modulus = modulus
         if isinstance(law, dict):
             if not law:
                 raise DemlawsError("law: an empty dict names no law; give a law, or a dict (label, label) → law")
@@ -264,8 +242,7 @@ class Pairs:
         self.rule, self.state_names, self.rule_curve = rule.tag, rule.state, rule.curve
         if self.springs and rule.springs is None:
             raise DemlawsError(f"shear={SLIP!r} needs an unloading rule with springs, for instance 'hertz', not {rule.name!r}")
-        if not self._make_records(entries, False) and not self._make_records(entries, True):
-            raise DemlawsError("the pairs of surfaces need laws of one kind, or all tables")
+        self._make_records(entries)
         self.hashes = np.array([0] + [layout.label_hash(label) for label in self.surfaces], np.int64)
 
     def _choose_shear(self, shear, levels, ratio):
@@ -301,8 +278,7 @@ class Pairs:
                 )
         return tuple(sorted(pair))
 
-    def _make_records(self, surfaces, widened):
-        """False where the pairs' laws turn out to be of different kinds."""
+    def _make_records(self, surfaces):
         count = len(surfaces)
         self.numbers = np.zeros((count, count), np.int64)
         self.shapes, self.roughnesses, self.only_for, self.combined = [], [], [], []
@@ -312,13 +288,13 @@ class Pairs:
                 pair = surfaces[i].combined(surfaces[j])
                 labels = self.labels[j], self.labels[i]
                 self.combined.append((pair, self.by_pair.get(tuple(sorted(labels)), self.default)))
-                shape, only_for = self._pair(pair, labels, widened)
+                shape, only_for = self._pair(pair, labels)
                 self.shapes.append(shape)
                 self.only_for.append(only_for)
                 self.roughnesses.append(pair.roughness or 0.0)  # of a smooth law it need not be given
         kinds = {numba.typeof(shape) for shape in self.shapes if shape is not None}
         if len(kinds) > 1:
-            return False
+            raise DemlawsError("the pairs of surfaces need laws of one kind, or all tables")
         if not kinds and self.rule_curve == "law":
             raise DemlawsError(
                 f"law {self.name}: no pair of surfaces has what the law needs, and a smooth contact has no such unloading. "
@@ -328,7 +304,7 @@ class Pairs:
             ((shape, n) for n, shape in enumerate(self.shapes) if shape is not None), (HertzShape(), len(self.shapes) - 1)
         )
         self.kind = numba.typeof(example)
-        radius, modulus = self.specimen(number)
+        radius, modulus = self.typical_contact(number)
         params = scale_contact(example, radius, modulus, clamped_roughness(self.roughnesses[number], radius))
         self.params_kind = numba.typeof(params)
         own = tuples.own_fields(self.params_kind, self.kind)
@@ -341,7 +317,6 @@ class Pairs:
             record["radius"], record["modulus"] = only_for
             if shape is not None:
                 tuples.pack(shape, record, "shape", self._keep)
-        return True
 
     def of_a_law(self):
         """Two labels whose pair the law is for, and its record: the last ones, which are listed if any is."""
@@ -350,14 +325,15 @@ class Pairs:
         i, j, number = next((place for place in places if self.shapes[place[2]] is not None), places[0])
         return (self.labels[i], self.labels[j]), number
 
-    def specimen(self, number):
+    def typical_contact(self, number):
         """R [m] and E* [Pa] of a contact that the law of this record serves."""
-        if self.only_for[number][0] > 0.0:
-            return self.only_for[number]
-        span = self.spans.get(number, Span(**NOMINAL))
-        return span.radius[1], span.modulus[1]
+        surface, source = self.combined[number]
+        if source is None:
+            return TYPICAL_RADIUS, TYPICAL_MODULUS
+        radius, modulus = source.contacts(surface, self.modulus)
+        return float(np.min(radius)), float(np.min(modulus))
 
-    def _pair(self, surface, labels, widened):
+    def _pair(self, surface, labels):
         source = self.by_pair.get(tuple(sorted(labels)), self.default)
         complete = all(labels) or self.everywhere is not None or self.smooth
         if source is None:
@@ -370,37 +346,15 @@ class Pairs:
             names = "materials without a surface" if self.everywhere is None else "surface for all materials"
         else:
             names = " on ".join(repr(label) if label else "unlisted materials" for label in labels)
-        span = self._spans(labels)
-        if span is None:
-            if source.needs_span and surface.roughness != 0.0 and complete:
-                raise DemlawsError(
-                    f"{names}: the curve of law {source.name!r} is solved for the contacts that occur: make the law "
-                    "after materials and bodies, or give radii=(smallest, largest) in m and moduli=(smallest, largest) in Pa"
-                )
-            span = Span(**NOMINAL).around(surface.roughness or 0.0)
-            if source.needs_span:
-                return None, (math.nan, math.nan)  # no such contact is expected, and none is served
-        if not span.meets and source.needs_one_contact:
-            return None, (math.nan, math.nan)
-        span = span.widened() if widened else span
-        self.spans[len(self.shapes)] = span
         try:
-            shape = source.shape(surface, self.unloading, span)
+            shape = source.shape(surface, self.unloading, self.modulus)
         except DemlawsError as error:
             missing = isinstance(error, MissingQuantity)
             text = f"{names}: {error.given_by(f'Surface({error.quantity}=...)') if missing else error}"
             if not complete and len(self.labels) > 1:
                 return None, (math.nan, math.nan)  # such a contact, should it occur, stops the simulation
             raise DemlawsError(text) from None
-        return shape, (0.0, 0.0) if shape is None else source.only_for(span)
-
-    def known_spans(self):
-        """(labels, `Span`) of all pairs of which something is known."""
-        for i, second in enumerate(self.labels):
-            for first in self.labels[: i + 1]:
-                span = self._spans((first, second))
-                if span is not None:
-                    yield (first, second), span
+        return shape, (0.0, 0.0) if shape is None else source.only_for()
 
     def number(self, first, second):
         """Record of two materials' labels."""

@@ -16,7 +16,7 @@ from demlaws.laws.registry import home_of, laws
 from demlaws.yade import layout
 from demlaws.yade.binding import Binding
 from demlaws.yade.omega import real_contacts
-from demlaws.yade.pairs import NOMINAL, LawSource, Pairs, Span
+from demlaws.yade.pairs import TYPICAL_MODULUS, TYPICAL_RADIUS, LawSource, Pairs
 from demlaws.yade.radii import Curvature
 
 FORMER_VERSION = (
@@ -70,7 +70,7 @@ def pairs_text(pairs, identity=False):
     """JSON from which `pairs_from` makes the same pairs in another process; identity: what makes two laws the same."""
     content = {
         "unloading": pairs.unloading,
-        "spans": [[a, b, *span] for (a, b), span in pairs.known_spans()],
+        "modulus": pairs.modulus,
         "surfaces": {label: vars(surface) for label, surface in pairs.all_surfaces().items()},
         "default": pairs.default and _source_content(pairs.default),
         "special": [[*pair, _source_content(source)] for pair, source in pairs.by_pair.items()],
@@ -84,7 +84,7 @@ def pairs_text(pairs, identity=False):
     if _user_laws(pairs):
         content["answers"] = _answers(pairs)
     if identity:
-        del content["spans"], content["smooth"]
+        del content["modulus"], content["smooth"]
     try:
         return json.dumps(content, default=lambda value: value.portable())
     except (TypeError, AttributeError) as error:
@@ -99,11 +99,10 @@ def pairs_from(text):
     law = {(a, b): _source_from(one) for a, b, one in content["special"]}
     if content["default"]:
         law = _source_from(content["default"])
-    spans = {(a, b): Span(tuple(radius), tuple(modulus), *meets) for a, b, radius, modulus, *meets in content["spans"]}
     options = {name: content[name] for name in ("smooth", "flats", "shear", "shear_ratio")}
     options["levels"], radius = content["levels"] or None, content["radius"]
     options["radius"] = Curvature(*radius) if isinstance(radius, list) else radius
-    pairs = Pairs(law, content["surfaces"], content["unloading"], {}, spans, **options)
+    pairs = Pairs(law, content["surfaces"], content["unloading"], {}, content.get("modulus"), **options)
     answers = content.get("answers")
     if answers is not None and not np.allclose(answers, _answers(pairs), rtol=1e-8, atol=0.0, equal_nan=True):
         raise DemlawsError(
@@ -133,7 +132,7 @@ def _answers(pairs):
     """
     rows = np.zeros(len(pairs.shapes), layout.CONTACT)
     rows["ratio"], rows["tag"] = 1.0, 1.0 + np.arange(len(rows))
-    rows["radius"], rows["modulus"] = NOMINAL["radius"][0], NOMINAL["modulus"][0]
+    rows["radius"], rows["modulus"] = TYPICAL_RADIUS, TYPICAL_MODULUS
     forces = []
     for depth in (1e-5, 1e-4, 1e-3, 9e-4, 4e-3):
         rows["overlap"] = depth * rows["radius"]
@@ -144,7 +143,7 @@ def _answers(pairs):
 def _source_content(source):
     """Plain content of a `LawSource`."""
     if source.table is None:
-        content = {"law": source.name, "options": source.options}
+        content = {"law": source.name, "options": source.options, "only": source.only}
         return content if source.curve is None else {**content, "curve": _source_content(source.curve), "ratios": source.ratios}
     with tempfile.TemporaryDirectory() as folder:
         text = source.table.save(Path(folder) / "table.txt").read_bytes()
@@ -160,6 +159,7 @@ def _source_from(content):
                 "as it was (dl.register, dl.load_laws) before O.load"
             )
         source = LawSource(content["law"], content["options"])
+        source.only = content.get("only") and tuple(content["only"])
         if "curve" in content:
             source.curve, source.ratios = _source_from(content["curve"]), tuple(content["ratios"])
             source.unloading = GIVEN

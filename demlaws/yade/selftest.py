@@ -141,7 +141,7 @@ def _compare(binding):
     binding.attachment.patch(functor)
     binding.attachment.watch_itself()
     labels, number = pairs.of_a_law()
-    effective_radius, modulus = pairs.specimen(number)
+    effective_radius, modulus = pairs.typical_contact(number)
     radius, young = 2.0 * effective_radius, 2.0 * modulus * (1.0 - POISSON**2)
     _two_spheres(functor, labels, radius, young)
     row = np.zeros(1, layout.CONTACT)

@@ -170,10 +170,12 @@ def cautions(definition, law):
         sentences.append("It needs a measured height map; with a roughness alone, use another law.")
     if definition.implicit:
         sentences.append("Its force is the root of an equation, solved at each call: for many contacts use its table.")
-    if definition.solved:
+    if definition.needs_map:
         sentences.append(
             "Its curve is a numerical solution, stored as a table: the first use for a new contact takes some seconds."
         )
+    elif definition.solved:
+        sentences.append("Its curve is data of the package, within 1e-5 of a numerical solution.")
     if not definition.collapses:
         sentences.append("One dimensionless curve does not serve all contacts: an engine needs a table for each radius.")
     for limit in quietly(definition.limits, law.contact, **law.options):

@@ -9,6 +9,7 @@ import yade.utils
 from demlaws.contact import GRANITE, Surface
 from demlaws.laws import HERTZ
 from demlaws.laws.registry import find
+from demlaws.make import law as bind_law
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
 from studies.extremes import stability
 from studies.extremes.extremes import results
@@ -24,17 +25,16 @@ class Yade:
     name = "YADE"
     evaluation = "closed form"
 
-    def _scene(self, case, contact, roughness, moduli, effective_radii):
+    def _scene(self, case, contact, roughness):
         """An empty scene; returns its law functor and a function that gives the material of a modulus and roughness."""
         O.reset()
         labels = {float(s): f"surface{n}" for n, s in enumerate(np.unique(roughness))}
         hardness = GRANITE.hardness if contact.hardness is None else contact.hardness
         surfaces = {name: Surface(s, contact.fractal_dimension, hardness) for s, name in labels.items()}
-        options = dict(case.options)
-        if find(case.law).solved:  # the others serve whatever comes
-            radii, span = (tuple(float(f(x)) for f in (np.min, np.max)) for x in (effective_radii, moduli))
-            options |= {"radii": radii, "moduli": span}
-        law = Law2_ScGeom_MindlinPhys_Demlaws(case.law, case.unloading, surfaces, **options)
+        given, options = (case.law, case.unloading), case.options
+        if find(case.law).needs_map:  # the others serve whatever comes
+            given, options = (bind_law(case.law, contact, case.unloading, **options), None), {}
+        law = Law2_ScGeom_MindlinPhys_Demlaws(*given, surfaces, **options)
         made = {}
 
         def material(modulus, sigma):
@@ -57,8 +57,7 @@ class Yade:
 
     def _pairs(self, group):
         """A scene of pairs, the second sphere of each at x = 0, the first to its left; states of the second ones."""
-        radius = group.radius1 * group.radius2 / (group.radius1 + group.radius2)
-        law, material = self._scene(group.case, group.contact, group.roughness, group.modulus, radius)
+        law, material = self._scene(group.case, group.contact, group.roughness)
         states, height = [], 0.0
         for n in range(group.size):
             stuff = material(group.modulus[n], group.roughness[n])
@@ -98,8 +97,7 @@ class Yade:
     def let_go(self, packing, stretches, steps, every):
         """`Balance`s of a periodic packing; each stretch starts with velocities of its own."""
         radius = packing.radius
-        few = np.array([radius[-1] / 2.0, radius[0] / 2.0])
-        law, material = self._scene(packing.case, packing.law.contact, [packing.roughness], packing.modulus, few)
+        law, material = self._scene(packing.case, packing.law.contact, [packing.roughness])
         stuff = material(packing.modulus, packing.roughness)
         O.periodic = True
         O.cell.hSize = yade.Matrix3(packing.side, 0, 0, 0, packing.side, 0, 0, 0, packing.side)
@@ -143,7 +141,7 @@ class Yade:
         """YADE's error after a fault (see `extremes.stops`), or None."""
         case, pair = stability.Case(HERTZ, "elastic", "closed form"), stability.GRANITE
         radius = 2.0 * pair.radius
-        law, material = self._scene(case, pair, [1e-6], pair.modulus, np.array([pair.radius]))
+        law, material = self._scene(case, pair, [1e-6])
         stuff = material(pair.modulus, 1e-6)
         spacing = 1.9999 * radius if touching else 3.0 * radius
         bodies = [self._sphere(stuff, radius, (n * spacing, 0, 0), 0.01, True) for n in range(4)]

@@ -6,7 +6,6 @@ import yade
 from yade.utils import kineticEnergy, sphere, wall
 
 from demlaws.contact import Surface
-from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, quiet
 from demlaws.laws.registry import find
 from demlaws.make import example
@@ -23,12 +22,8 @@ def functor(law, rule, shear, poisson):
         return yade.Law2_ScGeom_MindlinPhys_Mindlin()
     pair = contact(poisson)
     surface = Surface(pair.roughness / math.sqrt(2.0), pair.fractal_dimension, pair.hardness)
-    given, options = (example(law, pair, rule), {}) if rule == GIVEN else (law, dict(find(law).example))
-    if find(law).needs_map:  # solved for one contact: walls with YADE's own radius there
-        options |= {"radii": (pair.radius, pair.radius), "moduli": (pair.modulus, pair.modulus)}
-        options["flats"] = "yade"
-    unloading = None if rule == GIVEN else rule
-    return Law2_ScGeom_MindlinPhys_Demlaws(given, unloading, surface, shear=shear, **options)
+    flats = "yade" if find(law).needs_map else "plane"  # solved for one contact: walls with YADE's own radius there
+    return Law2_ScGeom_MindlinPhys_Demlaws(example(law, pair, rule), None, surface, shear=shear, flats=flats)
 
 
 def simulate(given, poisson, friction, shear):

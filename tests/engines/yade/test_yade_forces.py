@@ -45,17 +45,21 @@ BULK = [("hertz", YIELDED), ("thornton", {"yield_pressure": 3e8, "yield_at": "lo
 def test_two_spheres_every_law(omega, name, rule, more):
     wanted = options = find(name).example | more
     given = name, rule
-    if rule == GIVEN:  # a law that has its curve with it, on surfaces a quarter as rough
+    if rule == GIVEN or find(name).needs_map:  # a law that has its curve with it, or the map of one contact
         pair = GRANITE.combined(GRANITE)
         contact = dl.Contact(0.005, MODULUS, pair.roughness, pair.fractal_dimension, pair.hardness)
-        given, options = (example(name, contact, rule), None), {}
-    law = functor(*given, radii=(0.005, 0.005), moduli=(MODULUS, MODULUS), **options)
+        given, options = (example(name, contact, rule, **more), None), {}
+    law = functor(*given, **options)
     two_spheres(law, sideways=0.02)
     recorder = Recorder()
     recorder.step(400)
     omega.bodies[1].state.vel = (0.0, 0, -0.5)  # again, deeper
     recorder.step(600)
-    assert recorder.exact(name, rule, **wanted) > 300
+    if find(name).fitting.free == ("roughness",) and find(name).solved:  # the law has the mean of four curves, YADE the four
+        wrong, tangent, steps = recorder.worst(name, rule, **wanted)
+        assert wrong <= 1e-12 and tangent <= 1e-11 and steps > 300
+    else:
+        assert recorder.exact(name, rule, **wanted) > 300
 
 
 def test_periodic_packing(omega):
@@ -241,25 +245,23 @@ def test_never_erase(omega):
     recorder.exact()
 
 
-@pytest.mark.slow
-def test_solved_law_needs_the_contacts(omega):
-    with pytest.raises(dl.DemlawsError, match="radii="):
-        functor("yip-venart", "hertz")
-
+def test_a_law_made_before_the_bodies_serves_every_size(omega):
+    """One curve per N_H; the law has those of all N_H, without bodies or materials in the scene."""
+    law = functor("yip-venart", "hertz")
     stone = material()
     for n, radius in enumerate((0.005, 0.01, 0.02)):
         omega.bodies.append(sphere((n, 0, 0), 0.01, fixed=True, material=stone))
         omega.bodies.append(sphere((n, 0, 0.01 + radius), radius, material=stone))
         omega.bodies[-1].state.vel = (0, 0, -0.05)
-    law = functor("yip-venart", "hertz")
     set_engines(law)
     recorder = Recorder()
     recorder.step(300)
-    wrong, _, _ = recorder.worst("yip-venart", "hertz")
-    assert wrong <= 2e-4  # between solved curves
+    wrong, tangent, _ = recorder.worst("yip-venart", "hertz")
+    assert wrong <= 1e-12 and tangent <= 1e-11
     omega.reset()
-    two_spheres(functor("yip-venart", "hertz", radii=(0.005, 0.005), moduli=(1e9, 2e9)))
-    stops("no finite force", 50)
+    soft = dl.Surface(2e-6, hardness=1e6)  # N_H = 0.003 on this stone
+    two_spheres(functor("yip-venart", "hertz", {"granite": soft}))
+    stops("N_H", 50)
 
 
 @pytest.mark.parametrize("damping", [{}, {"betan": 0.05, "betas": 0.05}])

@@ -254,7 +254,7 @@ def test_table_of_a_law_without_one_curve(omega):
     two_spheres(functor(table, None), steps=100)
     omega.reset()
     two_spheres(functor(table, None), radius=0.02)
-    stops("made for other contacts", 100)
+    stops("that of another contact", 100)
 
 
 @pytest.mark.parametrize(
@@ -267,8 +267,8 @@ def test_table_of_a_law_without_one_curve(omega):
         {"surfaces": {"granite": dl.Surface(2e-6)}},
         {"law": "/nowhere/table"},
         {"law": {("granite", "steel"): "hertz"}},
-        {"radii": (2.0, 1.0)},
-        {"moduli": (1e9, float("inf"))},
+        {"radii": (1.0, 2.0)},
+        {"law": "asperity"},
         {"colour": "red"},
         {"law": "walton-braun", "unloading": None, "surfaces": None, "smooth": True},
     ],
@@ -297,7 +297,7 @@ def test_laws_by_pair(omega):
 
 
 def test_a_measured_map_beside_a_wall(omega):
-    """Two walls do not meet: their pair has a range of radii that no map serves, and needs none."""
+    """The law of the map is that of one contact; pairs that do not meet need no other."""
     from yade.utils import sphere, wall
 
     from demlaws.laws.registry import find
@@ -305,12 +305,12 @@ def test_a_measured_map_beside_a_wall(omega):
 
     stone, steel = material(), material("steel")
     omega.bodies.append([sphere((0, 0, 0.01 - 2e-6), 0.01, fixed=True, material=stone), wall(0, 2, material=steel)])
-    options = find("asperity").example
-    law = functor("asperity", "elastic", {"granite": GRANITE, "steel": dl.Surface(0)}, **options)
+    pair = dl.Contact(0.01, MODULUS, GRANITE.roughness, GRANITE.fractal_dimension, GRANITE.hardness)
+    given = dl.law("asperity", pair, "elastic", **find("asperity").example)
+    law = functor(given, None, {"granite": GRANITE, "steel": dl.Surface(0)})
     set_engines(law, 1e-9)
     advance(3)
-    pair = dl.Contact(0.01, MODULUS, GRANITE.roughness, GRANITE.fractal_dimension, GRANITE.hardness)
-    wanted = dl.law("asperity", pair, "elastic", **options).force(law.contacts().overlap[0])
+    wanted = given.force(law.contacts().overlap[0])
     assert omega.forces.f(0)[2] == pytest.approx(wanted, rel=1e-13)
     text = pairs_text(law.binding.pairs)
     assert pairs_text(pairs_from(text)) == text
@@ -320,11 +320,12 @@ def test_a_measured_map_is_refused_for_another_contact(omega):
     """A law made for R = 5 mm gives 0.8765 N at R = 10 mm, where the map gives 0.8699 N."""
     from demlaws.laws.registry import find
 
-    stone, spans = material(), {"radii": (0.005, 0.005), "moduli": (MODULUS, MODULUS)}
-    law = functor("asperity", "elastic", **spans, **find("asperity").example)
+    stone, pair = material(), GRANITE.combined(GRANITE)
+    contact = dl.Contact(0.005, MODULUS, pair.roughness, pair.fractal_dimension, pair.hardness)
+    law = functor(dl.law("asperity", contact, "elastic", **find("asperity").example), None)
     omega.bodies.append([sphere((0, 0, z), 0.02, fixed=True, material=stone) for z in (0, 0.04 - 2e-6)])
     set_engines(law, 1e-9)
-    stops("made for other contacts")
+    stops("that of another contact")
 
 
 # --- the command

@@ -184,7 +184,7 @@ def test_no_step_of_a_random_path_creates_energy(omega, levels):
 @pytest.mark.parametrize("shear", CHOICES)
 def test_a_gas_gains_no_energy(omega, name, rule, shear):
     """27 spheres without damping in a periodic cell, which collide and rub at ν = 0."""
-    law = functor(name, rule, {} if name == "hertz" else {"granite": GRANITE}, shear=shear, radii=(5e-3, 5e-3))
+    law = functor(name, rule, {} if name == "hertz" else {"granite": GRANITE}, shear=shear)
     stone, side, generator = material(friction=math.atan(1.0), poisson=0.0), 2.02 * RADIUS, np.random.default_rng(3)
     omega.periodic = True
     omega.cell.setBox(3 * side, 3 * side, 3 * side)

@@ -326,7 +326,7 @@ def test_a_sphere_on_a_flat_has_its_own_radius(omega, flat):
 
 @pytest.mark.parametrize("flat", ["facet", "wall"])
 def test_hertzian_flats_are_understood(omega, flat):
-    """hertzian=True: YADE gives R = r, which a law solved for the scene's contacts must serve."""
+    """hertzian=True: YADE gives R = r, which the law must serve."""
     on_flat(flat)
     geometries = [yade.Ig2_Facet_Sphere_ScGeom(hertzian=True), yade.Ig2_Wall_Sphere_ScGeom(hertzian=True)]
     for flats in ("plane", "yade"):

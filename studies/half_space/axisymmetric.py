@@ -35,7 +35,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from demlaws.errors import DemlawsError
-from demlaws.solvers.influence import ORDER, influence_matrix, nodes_of, panel_edges, reference_rules
+from demlaws.solvers.master_curves import ELASTIC_LAYER, PLASTIC_LAYER
+from studies.half_space.influence import ORDER, influence_matrix, nodes_of, panel_edges, reference_rules
 
 if TYPE_CHECKING:
     from scipy.interpolate import BPoly
@@ -48,7 +49,7 @@ _OUTER = 4  # panels from the flank to the end of the tail
 _FLANK = math.log(1e-3)  # pressure over central pressure where the inner panels end
 _END = math.log(1e-14)  # and where the outer ones do
 _STEP = 0.5  # nodes of a curve, in ln f
-_RANGE = (0.05, 1e5)  # of N_H and of mu
+_RANGE = (0.03, 2e5)  # of N_H and of mu: somewhat wider than the range of the package's data
 
 
 class MasterCurve(NamedTuple):
@@ -67,7 +68,7 @@ class MasterCurve(NamedTuple):
 
 
 class _YipVenart:
-    name = "yip-venart"
+    name = PLASTIC_LAYER
     parameter = "hardness number N_H = (H_m / E*) sqrt(8 R / sigma)"
 
     @staticmethod
@@ -94,7 +95,7 @@ class _YipVenart:
 
 
 class _GreenwoodTripp:
-    name = "greenwood-tripp"
+    name = ELASTIC_LAYER
     parameter = "mu = (8/3) eta sigma sqrt(2 R beta)"
 
     @staticmethod
@@ -114,8 +115,6 @@ class _GreenwoodTripp:
 
 
 _MODELS = {m.name: m for m in (_YipVenart, _GreenwoodTripp)}
-ELASTIC_LAYER = _GreenwoodTripp.name
-"""The model whose asperities stay elastic."""
 
 
 def half_moments(s, orders):
@@ -320,7 +319,7 @@ class Curve(NamedTuple):
     U = a^2 + 2 A a / pi + c(f), where c fades and makes value and slope continuous (our derivation; measured against
     the solved contact for N_H = 1, 10, 23: force 2e-4, stiffness 5e-4).
 
-    Relative errors in the solved range: f(U) 2e-7, stiffness 1e-6 (tests/solvers/test_axisymmetric.py).
+    Relative errors in the solved range: f(U) 2e-7, stiffness 1e-6 (tests/studies/test_half_space.py).
     """
 
     model: str
@@ -481,8 +480,8 @@ def solve(model, parameter, forces):
     """
     parameter = _check(model, parameter)
     forces = np.atleast_1d(_positive(forces, "force"))
-    if forces.min() < 1e-12 or forces.max() > 1e8:
-        raise DemlawsError(f"force {forces.min():g} to {forces.max():g} is outside 1e-12 to 1e8 (dimensionless)")
+    if forces.min() < 1e-13 or forces.max() > 1e8:
+        raise DemlawsError(f"force {forces.min():g} to {forces.max():g} is outside 1e-13 to 1e8 (dimensionless)")
     solver = _Solver(model, parameter)
     solver.reach(min(math.log(LOWEST_FORCE), math.log(forces.min())))
     rows = {}
@@ -500,50 +499,3 @@ def _flat_point(whole, force):
     radius = math.sqrt(math.sqrt(2) * force / (math.pi * whole.parameter))
     central = whole.parameter / (8 * hertz_radius / math.pi)
     return u, force, force / du, central, 3 * math.pi / 8 * radius / hertz_radius, 1 / (2 * hertz_radius**2), math.nan
-
-
-# ---- contacts of many radii -----------------------------------------------------------------------
-
-
-def _blend(model, parameters, weight, reference_force, overlap):
-    s, slope = 0.0, 0.0
-    for parameter, share in zip(parameters, (1 - weight, weight), strict=False):
-        one = curve(model, parameter)
-        value, steepness = one.hertz_overlap(one.approach(reference_force) + overlap)
-        s, slope = s + share * value, slope + share * steepness
-    return (4 / 3) * s * np.sqrt(s), 2 * np.sqrt(s) * slope
-
-
-def _blend_error(model, low, high, reference_force, highest):
-    middle = curve(model, math.sqrt(low * high))
-    forces = np.geomspace(reference_force, min(highest, middle.bulk_yield_force()), 400)
-    u = middle.approach(forces)
-    f, k = _blend(model, [low, high], 0.5, reference_force, u - middle.approach(reference_force))
-    return max(np.abs(f / forces - 1).max(), np.abs(k / middle.evaluate(u)[1] - 1).max())
-
-
-def family(model, low, high, *, rtol=1e-4, reference_force=1e-4, highest=1e6):
-    """Geometrically spaced parameters low..high whose curves, blended linearly in ln A, meet rtol in force and stiffness.
-
-    What is blended is s = (3f/4)^(2/3) at equal overlap x = U - U(f_ref), where f_ref is one dimensionless force for all
-    curves: four to forty times better than at equal U, where the tails differ by the ratio of the parameters. The error grows
-    as the square of ln(ratio of neighbours): for 1e-3, 1e-4, 1e-5 the ratio is about 1.4, 1.12, 1.04. f_ref belongs at or just
-    below the smallest seating load. [our derivation]
-
-    Force range: reference_force to highest, or to the yield of the bulk (Yip-Venart). Up to eight gaps are all measured
-    at their middle; of more, eight spread evenly, the ends among them.
-    """
-    low, high = _check(model, low), _check(model, high)
-    if not 1e-7 <= rtol < 1:
-        raise DemlawsError(f"rtol = {rtol!r}: blending two curves reaches 1e-7 at best, give 1e-7 to 1")
-    if high < low * (1 + 1e-9):
-        return np.array([low])
-    gaps = max(1, math.ceil(math.log(high / low) / 0.35))
-    while True:
-        parameters = np.geomspace(low, high, gaps + 1)
-        parameters[[0, -1]] = low, high
-        measured = np.unique(np.linspace(0, gaps - 1, 8).astype(int))
-        worst = max(_blend_error(model, *map(float, parameters[i : i + 2]), reference_force, highest) for i in measured)
-        if worst <= rtol:
-            return parameters
-        gaps = max(gaps + 1, math.ceil(gaps * math.sqrt(1.05 * worst / rtol)))

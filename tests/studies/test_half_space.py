@@ -1,4 +1,4 @@
-"""The implicit rough-sphere models: published check numbers, convergence, tangent, limits, blending."""
+"""The implicit rough-sphere models: published check numbers, convergence, tangent, limits; the package's data."""
 
 import math
 
@@ -7,8 +7,9 @@ import pytest
 from examples import shared
 
 from demlaws.errors import DemlawsError
-from demlaws.solvers import axisymmetric
-from demlaws.solvers.axisymmetric import curve, family, half_moments, solve
+from demlaws.solvers.master_curves import load, yield_force
+from studies.half_space import axisymmetric, master_curves
+from studies.half_space.axisymmetric import curve, half_moments, solve
 
 CASES = [("yip-venart", a) for a in (1.0, 23.0, 100.0, 1e4)] + [("greenwood-tripp", a) for a in (0.1, 4.0, 17.0, 1e3)]
 EVERY = [("yip-venart", a) for a in (0.05, 0.3, 3.0, 10.0, 300.0, 1e5)] + [("greenwood-tripp", a) for a in (0.05, 1.0, 1e5)]
@@ -169,24 +170,30 @@ def test_bulk_yield_force():
     assert curve("greenwood-tripp", 4.0).bulk_yield_force() == math.inf
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("model", "low", "high", "most"),
-    [("yip-venart", 15, 30, 8), ("yip-venart", 40, 160, 12), ("greenwood-tripp", 2, 8, 15)],
-)
-def test_family_meets_its_tolerance_everywhere(model, low, high, most):
-    members = family(model, low, high, rtol=1e-4)
-    assert members.size <= most
-    for parameter in np.geomspace(low, high, 7):
-        one = curve(model, float(parameter))
-        forces = np.geomspace(1e-4, min(1e6, one.bulk_yield_force()), 200)
-        u = one.approach(forces)
-        place = (members.size - 1) * math.log(parameter / low) / math.log(high / low)
-        i = min(int(place), members.size - 2)
-        neighbours = [float(value) for value in members[i : i + 2]]
-        f, k = axisymmetric._blend(model, neighbours, place - i, 1e-4, u - one.approach(1e-4))
-        np.testing.assert_allclose(f, forces, rtol=1.05e-4)
-        np.testing.assert_allclose(k, one.evaluate(u)[1], rtol=1.05e-4)
+@pytest.mark.parametrize(("model", "rows"), [("yip-venart", (0, 31, 122)), ("greenwood-tripp", (0, 40, 74))])
+def test_the_data_of_the_package_are_what_the_solver_gives(model, rows):
+    """Some rows of the files, solved again."""
+    data, values = load(model), master_curves.numbers(model)[0]
+    assert (data.log_first, data.log_ratio) == master_curves.numbers(model)[1]
+    assert len(data.offset.values) == values.size
+    for n in rows:
+        for name, found in master_curves.row(model, float(values[n])).items():
+            column = getattr(data, name)
+            assert (column.start, column.step) == (master_curves.nodes(model, name)[0], master_curves.COLUMNS[model][name][1])
+            np.testing.assert_allclose(column.values[n], found, rtol=2e-6 if name != "offset" else 1e-9, atol=2e-9)
+
+
+CERTIFIED = [("yip-venart", a) for a in (0.053, 9.2, 28.0, 310.0, 9e4)] + [("greenwood-tripp", a) for a in (0.055, 4.3, 900.0)]
+
+
+@pytest.mark.parametrize(("model", "number"), shared(CERTIFIED, [("yip-venart", 28.0), ("greenwood-tripp", 4.3)].__contains__))
+def test_between_the_rows_the_laws_are_the_solver_to_1e_5(model, number):
+    found = master_curves.certify(model, number)
+    assert max(found.force, found.stiffness) <= 1e-5 and max(found.seat, found.pressure) <= 3e-5
+    assert not found.radius > 1e-5
+    assert found.beyond <= 2e-3
+    if model == "yip-venart":
+        assert yield_force(number) == pytest.approx(min(curve(model, number).bulk_yield_force(), math.inf), rel=1e-4)
 
 
 @pytest.mark.parametrize(
