@@ -118,7 +118,7 @@ def test_stiffness_and_conductance_by_the_law(tmp_path, capsys):
     assert found["contact_radius (m)"] == pytest.approx((0.75 * force * radius / modulus) ** (1 / 3), rel=1e-6)
     assert found["conductance (m)"] == pytest.approx(expected / modulus, rel=1e-6)
     capsys.readouterr()
-    rough = ["--law", "pohrt-popov", *contact, "--csv", str(tmp_path / "y.csv")]
+    rough = ["--law", "pohrt-popov", *contact, "--roughness", "1.7um", "--csv", str(tmp_path / "y.csv")]
     assert main(["contacts", grains, contacts, *rough]) == 2  # without a fractal dimension
     assert "fractal" in capsys.readouterr().err and not (tmp_path / "y.csv").exists()
 
