@@ -39,6 +39,7 @@ class Way(NamedTuple):
     # "frame": components along a unit vector turned by "cross" and across it; "rotation": from normal to normal, then about n
     spin_about: str = "before"  # the normal about which bodies spin, or "now"
     first: bool = False  # the normal before the first contact is known
+    by_speed: bool = False  # n - n_before of two spheres from the velocity of their centres over the distance of now
     half_step: bool = True  # False: as engines have it, without the term
 
 
@@ -210,6 +211,8 @@ def _displacement(way, first, radius, motion, step, places, point, normal, befor
     result = dt * relative
     if way.half_step and before is not None:
         change = np.cross(np.cross(before, normal), normal)  # of n, in its plane
+        if way.by_speed and not first.flat:
+            change = dt * (v2 - v1 - ((v2 - v1) @ normal) * normal) / np.linalg.norm(places[1] - places[0])
         r2 = radius if way.term_lever == "radius" else np.linalg.norm(arm2)
         r1 = first.radius if way.term_lever == "radius" else np.linalg.norm(arm1)
         if first.flat:

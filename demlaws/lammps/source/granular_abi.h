@@ -49,6 +49,11 @@ struct Abi {
     mod->allow_synchronization = 1;
   }
   template <class SUB_MOD> static void synchronize(SUB_MOD *, long) {}
+  template <class MODEL> static auto has_half_step(const MODEL *m, int) -> decltype(m->synchronized_verlet != 0) {
+    return m->synchronized_verlet != 0;
+  }
+  template <class MODEL> static bool has_half_step(const MODEL *, long) { return false; }
+  static bool synchronized(const Model *m) { return has_half_step(m, 0); }
 
   struct TangentialMod : public GranSubModTangential {
     const Instance of;

@@ -194,6 +194,8 @@ template <bool LATE> struct Abi {
     bool synchronized() const { return LATE && synchronized_verlet[0]; }
   };
 
+  static bool synchronized(const Model *m) { return m->synchronized(); }
+
   // A normal model of ours for the proof: its virtual functions must be called where LAMMPS calls its own.
   struct Probe : public NormalMod {
     enum { OUTPUTS = 2 };

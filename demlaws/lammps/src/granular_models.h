@@ -430,6 +430,7 @@ template <class ABI> struct Granular {
       ratio_ = normal_->shear_ratio();
       this->k = 2. * ratio_ * normal_->effective_modulus(); // K_t over the contact radius: twisting
     }
+    void init() { synchronized_ = ABI::synchronized(gm); } // after all words of the line
     // Then: of a restart file, or of a wall, whose line is written again.
     void compare(bool restart, bool wall) const {
       int &of_restart = Range::of(this->of.lmp).of_restart;
@@ -466,18 +467,21 @@ template <class ABI> struct Granular {
       for (int k = 0; k < 3; k++) m->fs[k] = -step.force[k] - damping * motion.velocity[k];
       return step;
     }
-    // dt: 0 where nothing is to be kept. All from dx, vr and wr: nx, vnnr and vtr are those of the half step where
-    // LAMMPS has synchronized_verlet.
+    // dt: 0 where nothing is to be kept.
     __attribute__((always_inline)) inline demlaws::Motion motion_of(double dt) {
       Model *const m = gm;
       const double *const v = m->vr, *const w = m->wr, *const wi = m->omegai, *const wj = m->omegaj;
-      const double n[3] = {m->rinv * m->dx[0], m->rinv * m->dx[1], m->rinv * m->dx[2]};
-      const double along = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
-      const double slip[3] = {v[0] - along * n[0] - (w[1] * n[2] - w[2] * n[1]),
-                              v[1] - along * n[1] - (w[2] * n[0] - w[0] * n[2]),
-                              v[2] - along * n[2] - (w[0] * n[1] - w[1] * n[0])};
-      double change[3] = {0., 0., 0.};
-      if (m->contact_type == PAIR) demlaws::Motion::change_of_spheres(n, v, along, m->r, dt, change);
+      const double *n = m->nx, *slip = m->vtr;
+      double along = m->vnnr, change[3] = {0., 0., 0.}, now[3], apart[3];
+      if (__builtin_expect(synchronized_, 0)) { // LAMMPS has those of the half step
+        for (int k = 0; k < 3; k++) now[k] = m->rinv * m->dx[k];
+        along = v[0] * now[0] + v[1] * now[1] + v[2] * now[2];
+        for (int k = 0, i = 1, j = 2; k < 3; k++, i = j, j = (j + 1) % 3)
+          apart[k] = v[k] - along * now[k] - (w[i] * now[j] - w[j] * now[i]);
+        n = now;
+        slip = apart;
+      }
+      if (m->contact_type == PAIR) demlaws::Motion::change_of_spheres(n, v, along, m->rinv, dt, change);
       else if (keeps_normal_) demlaws::Motion::change_of_kept(n, m->history + history_index + size_, dt > 0., change);
       const double lever = w[0] * n[0] + w[1] * n[1] + w[2] * n[2],
                    spin = (wi[0] + wj[0]) * n[0] + (wi[1] + wj[1]) * n[1] + (wi[2] + wj[2]) * n[2];
@@ -500,7 +504,7 @@ template <class ABI> struct Granular {
     Ledger &ledger_;
     const Table *normal_;
     int springs_, levels_, size_ = 0; // springs_ 0: the contact sticks until it slides; size_: of what they keep
-    bool keeps_normal_ = false;
+    bool keeps_normal_ = false, synchronized_ = false;
     double ratio_ = 0.; // K_t / K
   };
 

@@ -148,7 +148,7 @@ private:
     if (!WALL) {
       const double *const v2 = data.v_j, *const w2 = data.omega_j,
                           apart[3] = {v[0] - v2[0], v[1] - v2[1], v[2] - v2[2]};
-      demlaws::Motion::change_of_spheres(n, apart, data.vn, data.r, dt, change);
+      demlaws::Motion::change_of_spheres(n, apart, data.vn, data.rinv, dt, change);
       return demlaws::Motion(n, slip, change, lever, vectorDot3D(w, n) + vectorDot3D(w2, n), dt);
     }
     demlaws::Motion::change_of_kept(n, data.contact_history + normal_at_, dt > 0., change);
