@@ -4,6 +4,7 @@ Changed are pair_style, pair_coeff and wall lines, also in quoted commands of `i
 variables of the input. A granular line that is not converted stays as it is and is named with its line and the reason.
 """
 
+import contextlib
 import os
 import re
 from pathlib import Path
@@ -437,8 +438,11 @@ def _lammps(job, words):
             return None
         why = "has no single value in this input" if "$" in what else "is not a normal model of LAMMPS"
         return job.leave(f"{what}: {_unknown(words[: at + 1]) or normal or 'nothing'} {why}; write {_MATERIAL} E eta nu here")
-    job.note(f"{_MATERIAL} is now demlaws/table with {job.table}")
     rest = words[at + 1 :]
+    with contextlib.suppress(ValueError, IndexError):
+        if float(rest[0]) <= 0.0:  # of all types, before lines of some
+            return job.leave(f"{what} {rest[0]}: a placeholder without a modulus: write the line of each pair of types instead")
+    job.note(f"{_MATERIAL} is now demlaws/table with {job.table}")
     _ask_about_modulus(job, rest[:1], rest[2:3])
     _name_damping(job, rest)
     shear = rest.index("tangential") + 1 if "tangential" in rest else len(rest)

@@ -89,6 +89,7 @@ def test_what_is_not_served_stays_and_is_listed(engine, line, tmp_path, capsys):
         ("lammps", ["fix w all wall/gran granular jkr 1e6 0.5 0.3 10 tangential mindlin NULL 1 0.5 zplane 0 1"], [1]),
         ("lammps", ["pair_coeff * * mdr 5e6 0.4 1.9e5 2.0 0.5 0.5"], [1]),
         ("lammps", ["pair_coeff * * dmt 1e6 0.5 0.3 10"], [1]),
+        ("lammps", ["pair_coeff * * hertz/material 0 0 0 tangential linear_nohistory 0 0"], [1]),
         ("lammps", ["pair_style gran/hertz/history 1e5 2e4 50 25 0.5 1", "pair_coeff * *"], [1]),
         ("lammps", ["pair_style hybrid/overlay gran/hooke 1e5 2e4 50 25 0.5 1 zero 1", "pair_coeff * * gran/hooke"], [1]),
         ("lammps", ["fix w all wall/gran hertz/history 1e5 2e4 50 25 0.5 1 zplane 0 1"], [1]),
