@@ -23,6 +23,7 @@ FOLLOWED = {"contact-regime": "which-law", "scan": "liggghts-ballast", "fit": "y
 STORED = {
     "pictures/angular.png": "studies.shapes --figure {out}",
     "pictures/creep.png": "studies.shear --creep {out}",
+    "pictures/neck.png": "studies.shear --neck {out}",
     "pictures/shear.png": "studies.shear --figure {out}",
     "pictures/regime.png": "studies.jamari --figure {out}",
     "pictures/repeated.png": "studies.jamari --repeat isotropic --figure {out}",

@@ -51,6 +51,7 @@ def parser():
     )
     parser.add_argument("--figure", type=output, help="picture of loops and of oblique impacts")
     parser.add_argument("--creep", type=output, help="picture of creep under vibration, with the runs of vibration.jsonl")
+    parser.add_argument("--neck", type=output, help="picture of a small grain between large ones, with the runs of neck.csv")
     parser.set_defaults(func=run)
     return parser
 
@@ -68,6 +69,9 @@ def run(arguments):
         return
     if arguments.creep is not None:
         print(plots.save(figure.draw_creep(), arguments.creep))
+        return
+    if arguments.neck is not None:
+        print(plots.save(figure.draw_neck(), arguments.neck))
         return
     if arguments.memory:
         memory.print_table()

@@ -1,5 +1,6 @@
-"""Pictures of shear: loops of partial slip, oblique impacts compared with measurements, and creep under vibration."""
+"""Pictures of shear: loops of partial slip, oblique impacts compared with measurements, creep under vibration, and the neck."""
 
+import csv
 import itertools
 import json
 from pathlib import Path
@@ -87,4 +88,35 @@ def draw_creep():
     right.set(xlabel="cycles from 50 to 500 kPa", ylabel="settlement since the first cycle (µm)", xscale="log")
     right.set(title="oedometer, 150 rough granite spheres")
     right.legend()
+    return fig
+
+
+NECK = Path(__file__).with_name("neck.csv")
+"""What yade_neck.py prints."""
+
+
+def draw_neck():
+    """Height of a small grain between large ones over time, and how far it is from that of the shortest step."""
+    fig, (left, right) = figure(columns=2, width=5.0, height=3.8)
+    with NECK.open(newline="") as file:
+        rows = {(float(r["ratio"]), float(r["step_us"]), r["model"]): r["heights_mm"].split() for r in csv.DictReader(file)}
+    fallen = {run: np.array(heights, float) for run, heights in rows.items()}
+    times = 0.3 * np.arange(1, 61) / 60
+    for step, shade in ((1.0, "#de2d26"), (0.5, "#fb6a4a"), (0.25, "#fcae91")):
+        left.plot(times, fallen[20.0, step, "stock"], color=shade, label=f"Hertz–Mindlin of YADE, {step:g} µs")
+    for step, style in ((1.0, "-"), (0.25, ":")):
+        left.plot(times, fallen[20.0, step, "elastic"], style, color="k", label=f"default of demlaws, {step:g} µs")
+    left.set(xlabel="time (s)", ylabel="height (mm)", title="grain of 0.5 mm between spheres of 10 mm")
+    left.legend(fontsize=8)
+    ratios = sorted({ratio for ratio, _, _ in fallen})
+    for model, colour, label in (
+        ("stock", "#de2d26", "Hertz–Mindlin of YADE"),
+        ("elastic", "k", "default"),
+        ("slip", "#1f77b4", "slip"),
+    ):
+        away = [max(abs(fallen[r, 1.0, model][-1] - fallen[r, 0.5, model][-1]), 1e-3) for r in ratios]
+        right.plot(ratios, away, "o-", color=colour, label=label)
+    right.set(xlabel="ratio of sizes", xscale="log", yscale="log", ylabel="change of height with half the step (mm)")
+    right.set(title="steps of 1 and 0.5 µs, after 0.3 s")
+    right.legend(fontsize=8)
     return fig
