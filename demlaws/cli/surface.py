@@ -258,7 +258,7 @@ def _contact(arguments, name):
     from demlaws.regime import assess
     from demlaws.surfaces.plausibility import resolution_doubts
 
-    if arguments.young is None:
+    if arguments.young is None or arguments.poisson is None:
         raise DemlawsError("--young and --poisson missing: give those of the ball and of the map's body")
     if arguments.load is None and arguments.table is None:
         raise DemlawsError("--load missing: the load in N (or --table, for the law alone)")
