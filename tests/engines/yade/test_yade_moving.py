@@ -12,10 +12,10 @@ YOUNG, POISSON, TIMESTEP = 5e8, 0.25, 1e-6
 CORNERS = [(-0.05, -0.05, 0), (0.05, -0.05, 0), (0, 0.05, 0)]
 FIRST = {"sphere": reference.sphere(OTHER), "wall": reference.plane((0, 0, 1)), "facet": reference.triangle(CORNERS)}
 WAYS = {
-    "sphere": reference.Way("radius", "radius", turn="cross"),
-    "arms to the contact": reference.Way("contact", "radius", turn="cross"),
-    "wall": reference.Way("contact", "radius", 1.0, "cross"),
-    "facet": reference.Way("contact", "radius", 0.5, "cross"),
+    "sphere": reference.Way(lever="radius", term_lever="radius", turn="cross"),
+    "arms to the contact": reference.Way(term_lever="radius", turn="cross"),
+    "wall": reference.Way(term_lever="radius", wall_share=1.0, turn="cross"),
+    "facet": reference.Way(term_lever="radius", turn="cross"),
 }
 
 
