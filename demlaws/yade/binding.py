@@ -36,14 +36,14 @@ class _Request:
 class Binding:
     """A law at work under a functor's label, in the scene whose token is `scene` (None: in none).
 
-    contacts: how many there is room for; runner: the PyRunner before this law's contacts; share: the part of the critical step
-    for a time stepper, from `engines(law, timestep=…)`.
+    runner: the PyRunner before this law's contacts; share: the part of the critical step for a time stepper, from
+    `engines(law, timestep=…)`.
     """
 
-    def __init__(self, label, pairs, contacts=native.MOST_ROWS):
+    def __init__(self, label, pairs):
         self.label, self.pairs = label, pairs
         self.runner = self.share = None
-        self.attachment = native.Attachment(pairs, contacts)
+        self.attachment = native.Attachment(pairs)
         self.context = self.attachment.context
         self.context["may_be_unlisted"] = pairs.needs_no_judgement
         self.scene, self.left, self.guards, self.warned, self._scenes = None, None, 0, False, 0
@@ -72,9 +72,17 @@ class Binding:
         self.context.forget()
 
     def leave(self):
-        """The law is no longer in its scene's engine list."""
+        """The law is no longer in the engine list of the current scene."""
         self.scene, self.left = None, self.scene
         self.watched_by(None)
+        if O.interactions.countReal() == 0:
+            self.attachment.rows.release()
+
+    def end(self):
+        """The scene of the law is gone, with its contacts."""
+        self.scene = self.left = None
+        self.watched_by(None)
+        self.attachment.rows.release()
 
     def watched_by(self, runner):
         """Set the guard's PyRunner before this law's contacts, or None."""

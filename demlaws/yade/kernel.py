@@ -22,7 +22,7 @@ from demlaws.units import LARGEST_OVERLAP, LARGEST_ROUGHNESS, RANGES, SMALL_OVER
 from demlaws.yade import layout, objects
 from demlaws.yade.layout import CONTEXT, SEEN, SHAPE
 from demlaws.yade.mindlin import Contact, body_of, native_go, with_states
-from demlaws.yade.records import add_float, add_integer, array, foreign, pointee, view
+from demlaws.yade.records import add_float, add_integer, array, exchange_if, foreign, pointee, view
 from demlaws.yade.shear import Slip, apply_mindlin, compress, synchronise
 from demlaws.yade.tuples import keep_params, keep_state, params_of_row, shape_of, state_of
 
@@ -31,6 +31,8 @@ rare = numba.njit(error_model="numpy", nogil=True)
 """Compile a function that few contacts call, not inlined."""
 call_gap_radius = foreign(types.float64, *[types.int64] * 8, *[types.float64] * 2)
 """`curvature.gap_radius`."""
+call_map_memory = foreign(types.int64, types.int64, types.int64, *[types.int32] * 3, types.int64)
+"""void* mmap(void* address, size_t size, int protection, int flags, int file, off_t offset)."""
 
 
 # --- the law
@@ -337,15 +339,43 @@ def initialise_contact(context, pairs, row, geom, phys, interaction):
 
 
 @kernel
-def row_number(context, code, phys, rows):
-    """Number of the row that `code` names; -1 for a row of another contact or process."""
-    number = code & 0xFFFFFFF
-    return number if code >> 28 == context.generation and rows[number].phys == phys else -1
+def block_address(context, number):
+    """Address of the block that has a row; 0: it has not been made."""
+    return array(context.blocks, layout.BLOCKS, np.int64)[number >> layout.ROWS_BITS]
+
+
+@kernel
+def place_of_row(block, number, row_dtype):
+    """Address of a row in the block at an address."""
+    rows = array(block, layout.ROWS, row_dtype)
+    return block + (number & (layout.ROWS - 1)) * rows.itemsize
+
+
+@kernel
+def find_row(context, mark, phys, phys_address, row_dtype):
+    """Address of the row that a contact's mark has; 0 for a row of another contact, law or process."""
+    if phys.prevU[2] != context.generation:
+        return 0
+    place = abs(mark)
+    return place if view(place, row_dtype).phys == phys_address else 0
+
+
+@rare
+def make_block(context, number, size):
+    """Make the block that has a row, unless another thread has made it; 0: there is no memory, or no such block."""
+    if number >> layout.ROWS_BITS >= layout.BLOCKS:
+        return 0
+    made = call_map_memory(context.map_memory, (0, size, layout.READ_AND_WRITE, layout.OF_ITS_OWN, -1, 0))
+    if made == -1:
+        return 0
+    place = context.blocks + (number >> layout.ROWS_BITS) * 8
+    other = exchange_if(place, 0, made)
+    return made if other == 0 else other  # a second one remains unused
 
 
 @kernel
 def free_row(context):
-    """Number of a row that no contact has; -1: there is none. The guard looks for more before they are used up."""
+    """Number of a row that no contact has. The guard looks for rows to use again before new ones are taken."""
     if context.free_taken[0] < context.free_count:
         place = add_integer(context.free_taken.ctypes.data, 1)
         if place == context.collect_at:
@@ -355,7 +385,7 @@ def free_row(context):
     number = add_integer(context.rows_used.ctypes.data, 1)
     if number >= context.collect_at and context.free_count == 0:
         alarm(context)
-    return number if number < context.capacity else -1
+    return number
 
 
 @kernel
@@ -367,24 +397,25 @@ def clear(row_address, size):
 
 
 @rare
-def make_row(kind, context, pairs, rows, geom, phys, interaction, phys_address, interaction_address):
-    """The code of a new contact's row, negative for a smooth pair; 0: there is no room, or the contact's row is lost."""
+def make_row(kind, context, pairs, row_dtype, geom, phys, interaction, phys_address, interaction_address):
+    """Address of a new contact's row, negative for a smooth pair; 0: there is no memory for it, or its row is lost."""
     if phys.prevU[1] != 0.0:
         note_fault(context, layout.LOST_ROW, interaction, 0.0)
         return 0
-    number = free_row(context)
-    if number < 0:
+    number, size = free_row(context), array(context.blocks, 1, row_dtype).itemsize
+    block = block_address(context, number) if number >> layout.ROWS_BITS < layout.BLOCKS else 0
+    block = make_block(context, number, layout.ROWS * size) if block == 0 else block
+    if block == 0:
         note_fault(context, layout.NO_ROW, interaction, 0.0)
         return 0
-    clear(context.rows + number * rows.itemsize, rows.itemsize)
-    row = rows[number]
+    place = place_of_row(block, number, row_dtype)
+    clear(place, size)
+    row = view(place, row_dtype)
     pair = initialise_contact(context, pairs, row, geom, phys, interaction)
     row.phys, row.interaction, row.pair = phys_address, interaction_address, context.pairs + pair * pairs.itemsize
-    code = (context.generation << 28) + number
-    if fill_params(kind, row, pairs[pair]):
-        code = -code
-    phys.prevU[1] = float(code)
-    return code
+    mark = -place if fill_params(kind, row, pairs[pair]) else place
+    phys.prevU[1], phys.prevU[2] = float(mark), context.generation
+    return mark
 
 
 @rare
@@ -423,9 +454,9 @@ def unknown_class(context, contact, interaction):
 
 
 @kernel
-def law_of_contact(kind, params_kind, shear, mode, rule, code, pair, row, overlap, old):
-    """`response` of a contact by what its row has; code: negative for a smooth pair."""
-    if code > 0:
+def law_of_contact(kind, params_kind, shear, mode, rule, mark, pair, row, overlap, old):
+    """`response` of a contact by what its row has; mark: negative for a smooth pair."""
+    if mark > 0:
         p = params_of_row(params_kind, kind, row, pair)
         force, stiffness, sideways, new = response(shear, rule, p, overlap, old)
         compress(mode, rule, p, row, overlap, force, sideways, new)
@@ -456,22 +487,20 @@ def act(kind, params_kind, shear, mode, rule, own, pair_dtype, row_dtype, contex
     if not handles(context, geom, phys):
         return unknown_class(context, contact, interaction)
     overlap = -1.0 if geom.penetrationDepth == -math.inf else geom.penetrationDepth  # newer YADE: level sets apart
-    rows, code = array(context.rows, context.capacity, row_dtype), np.int64(phys.prevU[1])
-    number = row_number(context, abs(code), phys_address, rows)
-    if number < 0:
+    mark = np.int64(phys.prevU[1])
+    if find_row(context, mark, phys, phys_address, row_dtype) == 0:
         pairs = array(context.pairs, context.surfaces * (context.surfaces + 1) // 2, pair_dtype)
-        code = make_row(kind, context, pairs, rows, geom, phys, interaction, phys_address, contact.interaction)
-        if code == 0:
+        mark = make_row(kind, context, pairs, row_dtype, geom, phys, interaction, phys_address, contact.interaction)
+        if mark == 0:
             return without_row(context, contact, phys)
-        number = abs(code) & 0xFFFFFFF
-    row = rows[number]
+    row = view(abs(mark), row_dtype)
     pair = view(row.pair, pair_dtype)
     if row.interaction != contact.interaction and context.shared == layout.UNSEEN:
         note_shared(context, interaction)
     if overlap > 0.0 and context.radius_mode == layout.CURVATURE_RADIUS:
         renew_radius(kind, context, geom, interaction, row, pair)
     old = state_of(rule, row)
-    force, stiffness, sideways, new = law_of_contact(kind, params_kind, shear, mode, rule, code, pair, row, overlap, old)
+    force, stiffness, sideways, new = law_of_contact(kind, params_kind, shear, mode, rule, mark, pair, row, overlap, old)
     wrong = fault_of(context, row, overlap, force)
     if wrong != 0:
         note_fault(context, wrong, interaction, overlap)
@@ -500,7 +529,7 @@ def act(kind, params_kind, shear, mode, rule, own, pair_dtype, row_dtype, contex
         add_integer(context.open.ctypes.data, -1)
         row.tag = 0.0
         row.phys = 0
-        phys.prevU[1] = 0.0  # at a joint of a chain, another contact has the same phys
+        phys.prevU[1] = phys.prevU[2] = 0.0  # at a joint of a chain, another contact has the same phys
     return keep
 
 

@@ -4,6 +4,8 @@ The address of the context is behind the functor's table of virtual functions, s
 serves every functor of a law. What YADE's own objects look like is in `objects`.
 """
 
+import mmap
+
 import numpy as np
 
 WRONG_CLASS, NOT_FINITE, WRONG_CONTACT, TOO_ROUGH, TOO_DEEP, WRONG_MODULUS, NO_ROW, LOST_ROW, UNGUARDED = range(1, 10)
@@ -22,6 +24,12 @@ UNSEEN, SEEN, REPORTED = 0, 1, 2
 MOST_CLASSES = 8
 """Classes of geometry or shapes of which a context can have the tables of virtual functions."""
 
+ROWS_BITS, BLOCKS_BITS = 14, 14
+ROWS, BLOCKS = 2**ROWS_BITS, 2**BLOCKS_BITS
+"""Rows of contacts in a block, and the largest number of blocks of a law."""
+READ_AND_WRITE, OF_ITS_OWN = mmap.PROT_READ | mmap.PROT_WRITE, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS
+"""How a block of memory is mapped: used only where something is written."""
+
 _FUNCTIONS = ("go", "body_by_id", "rotate", "apply_force", "gap_radius")  # addresses; go: the native one
 _CLASSES = ("physics", "capillary", "facet", "wall", "box")  # addresses of tables of virtual functions: how objects begin
 _TABLES = (
@@ -30,9 +38,8 @@ _TABLES = (
     "pair_numbers",  # address of the numbers of pairs of two surfaces
     "pairs",
     "edges",  # address of the surfaces' edge radii [m]
-    "rows",
-    "capacity",
-    "generation",  # drawn at random, part of the code of a row: a row of another process is not taken
+    "blocks",  # address of the addresses of blocks of rows, 0 where there is none yet
+    "map_memory",  # address of mmap of the C library, by which a block is made
     "free",  # address of numbers of rows that may be used again
     "free_count",
     "collect_at",  # number of a row, or place in `free`, at which the guard looks for rows of contacts that have ended
@@ -79,6 +86,7 @@ def _context():
         fields += [(f"{name}_classes", "i8", (MOST_CLASSES,)), (f"{name}_count", "i8")]
     fields += [
         ("largest_radius", "f8"),
+        ("generation", "f8"),  # drawn at random, beside the address of a row: one of another process or law is not taken
         ("shear_ratio", "f8"),
         ("apart", "i8", (8,)),
     ]  # what threads write is a cache line apart
@@ -121,8 +129,8 @@ def row_dtype(levels, own_fields, springs):
     phys, interaction: addresses of the contact's objects; pair: of its pair; lever: how its surfaces turn. The history; the
     levels of shear: upper bounds of their stiffness K_t [N/m] and stretches [m]; `hertz`, or the numbers of the contact's
     Params that are its own (derived numbers, which cost too much to derive at each step: a law that yields finds its yield
-    point by bisection); with partial slip its springs. MindlinPhys.prevU[1], which Mindlin's law does not use, has the code of
-    the row, negative for a smooth pair.
+    point by bisection); with partial slip its springs. MindlinPhys.prevU, which Mindlin's law does not use, has the address of
+    the row, negative for a smooth pair, and the generation of the rows.
     """
     fields = [*own_fields, ("phys", "i8"), ("interaction", "i8"), ("pair", "i8"), ("lever", "i8"), *_HISTORY]
     if levels:

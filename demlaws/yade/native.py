@@ -13,13 +13,14 @@ Mindlin functor of the process. It would survive `O.load`; here a guard attaches
 """
 
 import ctypes
-import mmap
 import os
+import weakref
 
 import numpy as np
 import yade
 import yade.config
 
+from demlaws.errors import DemlawsError
 from demlaws.yade import kernel, layout, mindlin, objects
 from demlaws.yade.omega import O, scratch_scene, set_engines
 from demlaws.yade.records import memory_at
@@ -68,15 +69,16 @@ ROUND_SHAPES = ("Sphere", "GridNode", "GridConnection", "PFacet", "ChainedCylind
 """Shapes with a radius of their own, where YADE has them."""
 GEOMETRIES = ("ScGeom", "ScGeom6D", "ScGridCoGeom", "CylScGeom", "CylScGeom6D", "ChCylGeom6D")
 """Classes derived from ScGeom: spheres touch grids, facets between grid nodes, and chained cylinders by these."""
-MOST_ROWS = 2**23
-"""Contacts that a law can act on at a time: the address space of their rows is reserved, memory is used as they are made."""
+MORE_MEMORY = "raise the limit of memory (`ulimit -v`), or make fewer contacts or laws in this process"
 FEW_ROWS = 1024
 """Rows that are made before rows are looked for that may be used again."""
 COPIED = 64  # words of a virtual table that are copied; Mindlin's has 8
 
-MAP_NORESERVE = 0x4000  # of Linux; Python 3.11 has no name for it
-
 _forever = []  # never freed, since native code may still point there
+_libc = ctypes.CDLL(None)
+_libc.mmap.restype = ctypes.c_void_p
+_libc.mmap.argtypes = [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_int, ctypes.c_int, ctypes.c_int, ctypes.c_long]
+_libc.munmap.argtypes = [ctypes.c_void_p, ctypes.c_size_t]
 
 
 NUMBERS = (11223344, 55667788, 99001122)
@@ -310,7 +312,7 @@ def _entry(pairs, step):
     return _entries[key].address
 
 
-_attachments = {}  # address of a patched table of virtual functions → Attachment
+_attachments = weakref.WeakValueDictionary()  # address of a patched table of virtual functions → Attachment
 
 
 def acting(functor):
@@ -319,30 +321,104 @@ def acting(functor):
     return _attachments.get(memory_at(window(functor)[0] + offset).value)
 
 
-def _reserve(count, row):
-    """Address space for `count` rows of a dtype: memory is used only where something was written."""
-    while True:
-        try:
-            block = mmap.mmap(-1, count * row.itemsize, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS | MAP_NORESERVE)
-            break
-        except OSError:  # ulimit -v
-            count //= 2
-            if count < 1024:
-                raise BridgeUnavailable(f"no memory for the history of {2 * count} contacts") from None
-    _forever.append(block)
-    return np.frombuffer(block, row)
+class Rows:
+    """The rows of a law's contacts: blocks of memory that are made when contacts need them, by native code or here."""
+
+    def __init__(self, dtype, context):
+        self.dtype, self.context = dtype, context
+        self.blocks = np.zeros(layout.BLOCKS, np.int64)
+        context["blocks"], context["map_memory"] = self.blocks.ctypes.data, ctypes.cast(_libc.mmap, ctypes.c_void_p).value
+        self.size = layout.ROWS * dtype.itemsize
+        self.release()
+        weakref.finalize(self, _retire, context, self.blocks, self.size).atexit = False
+
+    def release(self):
+        """All contacts are gone: return the memory; a row of before is not taken for one of those to come."""
+        _unmap(self.blocks, self.size)
+        for name in ("rows_used", "free_count", "free_taken"):
+            self.context[name] = 0
+        self.context["collect_at"] = FEW_ROWS
+        self.context["generation"] = 1 + int.from_bytes(os.urandom(6), "little")
+
+    def _block(self, number):
+        """The rows of a block, not copied."""
+        return read_memory(int(self.blocks[number]), self.size, ctypes.c_uint8).view(self.dtype)
+
+    def __getitem__(self, number):
+        """One row, not copied."""
+        return self._block(number >> layout.ROWS_BITS)[number & (layout.ROWS - 1)]
+
+    def place(self, number):
+        """Address of a row."""
+        return int(self.blocks[number >> layout.ROWS_BITS]) + (number & (layout.ROWS - 1)) * self.dtype.itemsize
+
+    def numbers(self, places):
+        """Numbers of the rows at these addresses, -1 where no row is."""
+        blocks = np.flatnonzero(self.blocks)
+        if not len(blocks):
+            return np.full(len(places), -1)
+        blocks = blocks[np.argsort(self.blocks[blocks])]
+        block = blocks[np.maximum(np.searchsorted(self.blocks[blocks], places, "right") - 1, 0)]
+        row, rest = np.divmod(places - self.blocks[block], self.dtype.itemsize)
+        return np.where((rest == 0) & (row >= 0) & (row < layout.ROWS), block * layout.ROWS + row, -1)
+
+    def copied(self, numbers, dtype):
+        """The fields of a packed dtype of the rows of these numbers; zeros for numbers of no row."""
+        result, blocks = np.zeros(len(numbers), dtype), numbers >> layout.ROWS_BITS
+        for block in np.unique(blocks[numbers >= 0]):
+            mine = blocks == block
+            result[mine] = layout.copied(self._block(block)[numbers[mine] & (layout.ROWS - 1)], dtype)
+        return result
+
+    def used(self):
+        """Blocks of rows that contacts have or have had, not copied, in order, up to one for which there was no memory."""
+        count = min(int(self.context["rows_used"]), layout.ROWS * layout.BLOCKS)
+        for block in range(-(-count // layout.ROWS)):
+            if not self.blocks[block]:
+                return
+            yield self._block(block)[: count - block * layout.ROWS]
+
+    def new(self):
+        """Number of a new row, of zeros."""
+        number = int(self.context["rows_used"])
+        block = number >> layout.ROWS_BITS
+        if block >= layout.BLOCKS or not (self.blocks[block] or self._make(block)):
+            raise DemlawsError(f"no memory for the history of contact {number + 1} of a law: {MORE_MEMORY}")
+        self.context["rows_used"] = number + 1
+        self[number] = np.zeros((), self.dtype)
+        return number
+
+    def __setitem__(self, number, row):
+        self._block(number >> layout.ROWS_BITS)[number & (layout.ROWS - 1)] = row
+
+    def _make(self, block):
+        made = _libc.mmap(None, self.size, layout.READ_AND_WRITE, layout.OF_ITS_OWN, -1, 0)
+        self.blocks[block] = 0 if made in (None, ctypes.c_void_p(-1).value) else made
+        return self.blocks[block] != 0
+
+
+def _retire(context, blocks, size):
+    """Return the memory of a law that is gone. Native code that called it all the same would find no row and give no force."""
+    context["generation"], context["rows_used"], context["free_count"] = -1, layout.ROWS * layout.BLOCKS, 0
+    _unmap(blocks, size)
+    _forever.append(blocks)
+
+
+def _unmap(blocks, size):
+    for block in blocks[blocks != 0].tolist():
+        _libc.munmap(block, size)
+    blocks[:] = 0
 
 
 class Attachment:
     """A law made ready for functors: context, pairs of surfaces, rows and a patched table of virtual functions."""
 
-    def __init__(self, pairs, contacts=MOST_ROWS):
+    def __init__(self, pairs):
         self.layout, self.context = find_layout(), layout.Context()
         self._fill_context(pairs)
         self.saved_dtype = pairs.saved
         self._pairs, self._runner = pairs, None  # referenced: native code reads the pairs and writes into the runner
-        self.rows, self._free = _reserve(contacts, pairs.row), np.zeros(0, np.int64)
-        self.context["rows"], self.context["capacity"] = self.rows.ctypes.data, len(self.rows)
+        self.rows, self._free = Rows(pairs.row, self.context), np.zeros(0, np.int64)
         probe = yade.Law2_ScGeom_MindlinPhys_Mindlin()
         offset, index, _ = self.layout.find_slot(probe)
         point = memory_at(address(probe) + offset).value
@@ -352,7 +428,7 @@ class Attachment:
         )  # from two before its address point
         self.table[2 + index] = _entry(pairs, self.layout.step)
         self.table[COPIED + 2] = self.context.address
-        _forever.append(self)
+        _forever.append((self.table, self.context))
         _attachments[self.table.ctypes.data + 16] = self
 
     def _fill_context(self, pairs):
@@ -364,8 +440,6 @@ class Attachment:
             context[f"{name}_count"] = len(classes)
         for name in OWN:
             context[name] = found.allowed[name]
-        context["collect_at"] = FEW_ROWS
-        context["generation"] = 1 + int.from_bytes(os.urandom(3), "little")
         context["surfaces"], context["label_hashes"] = len(pairs.labels), pairs.hashes.ctypes.data
         context["pair_numbers"], context["pairs"] = pairs.numbers.ctypes.data, pairs.records.ctypes.data
         context["plane_flats"] = pairs.flats == "plane"
@@ -383,22 +457,20 @@ class Attachment:
 
     def _numbers(self, contacts):
         """Numbers of the rows of contacts that the law has seen, -1 for others."""
-        marks = np.array([contact.phys.prevU[1] for contact in contacts], float)
-        codes = np.abs(np.where(np.isfinite(marks) & (np.abs(marks) < 2.0**53), marks, 0.0)).astype(np.int64)
-        return np.where(codes >> 28 == self.context["generation"], codes & 0xFFFFFFF, -1)
+        marks = np.array([tuple(contact.phys.prevU) for contact in contacts], float).reshape(-1, 3)
+        mine = marks[:, 2] == self.context["generation"]
+        return self.rows.numbers(np.abs(np.where(mine, marks[:, 1], 0.0)).astype(np.int64))
 
     def rows_of(self, contacts):
         """The contacts' histories as an array of `layout.CONTACT`; tag 0 where the law has not seen the contact."""
         numbers = self._numbers(contacts)
-        rows = layout.copied(self.rows[numbers], layout.CONTACT)
-        rows["tag"][numbers < 0] = 0.0
-        return rows
+        return self.rows.copied(numbers, layout.CONTACT)
 
     def saved(self, contacts):
         """Bodies and rows, without addresses, of contacts that the law has seen: what `restore` takes."""
         numbers = self._numbers(contacts)
         bodies = np.array([(c.id1, c.id2) for c in contacts], np.int64).reshape(-1, 2)[numbers >= 0]
-        return bodies, layout.copied(self.rows[numbers[numbers >= 0]], self.saved_dtype)
+        return bodies, self.rows.copied(numbers[numbers >= 0], self.saved_dtype)
 
     def restore(self, bodies, saved, contacts):
         """Give contacts of a scene that was loaded the rows that `saved` has of them."""
@@ -408,11 +480,10 @@ class Attachment:
             place = place_of.get((contact.id1, contact.id2))
             if place is None:
                 continue
-            number = int(self.context["rows_used"])
-            self.context["rows_used"] = number + 1
-            self.rows[number] = np.zeros((), self.rows.dtype)
+            number = self.rows.new()
+            row = self.rows[number]
             for name in saved.dtype.names:
-                self.rows[name][number] = saved[name][place]
+                row[name] = saved[name][place]
             self._fill(number, contact)
 
     def _fill(self, number, contact):
@@ -422,8 +493,9 @@ class Attachment:
         row["lever"] = self._lever(contact)
         pair = self._pairs.records[int(row["tag"]) - 1]
         row["pair"] = self.context["pairs"] + (int(row["tag"]) - 1) * self._pairs.records.itemsize
-        code = (int(self.context["generation"]) << 28) + number
-        contact_phys.prevU = yade.Vector3(0.0, -code if kernel.fill_row(self._pairs.kind, row, pair) else code, 0.0)
+        mark = self.rows.place(number)
+        mark = -mark if kernel.fill_row(self._pairs.kind, row, pair) else mark
+        contact_phys.prevU = yade.Vector3(0.0, mark, self.context["generation"])
 
     def _lever(self, contact):
         """`kernel.lever_of` the contact's bodies."""
@@ -442,10 +514,15 @@ class Attachment:
         count = int(context["rows_used"])
         if (context["free_taken"] if context["free_count"] else count) < context["collect_at"]:
             return
-        live = self.rows["tag"][:count] != 0.0
+        blocks = list(self.rows.used())
+        if not blocks:
+            return
+        live = np.concatenate([rows["tag"] != 0.0 for rows in blocks])
+        count = len(live)
         if contacts is not None and 2 * live.sum() > count:
             live = np.isin(np.arange(count), self._numbers(contacts()))
-            self.rows[:count][~live] = np.zeros((), self.rows.dtype)
+            for first, rows in zip(range(0, count, layout.ROWS), blocks, strict=True):
+                rows[~live[first : first + layout.ROWS]] = np.zeros((), rows.dtype)
         free = np.flatnonzero(~live)
         if 8 * len(free) < count:  # not worth it: take new rows until there are 50 % more
             free = free[:0]
@@ -456,14 +533,8 @@ class Attachment:
     def set_radius(self, contact, radius):
         """Give a contact that the law has seen another R, and its row what follows from it."""
         number = int(self._numbers([contact])[0])
-        self.rows["radius"][number] = radius
+        self.rows[number]["radius"] = radius
         self._fill(number, contact)
-
-    def forget_rows(self):
-        """All contacts are gone."""
-        for name in ("rows_used", "free_count", "free_taken"):
-            self.context[name] = 0
-        self.context["collect_at"] = FEW_ROWS
 
     def watch_itself(self):
         """Act without a guard, for a test: who calls this looks for faults."""
@@ -472,9 +543,9 @@ class Attachment:
 
     def live(self):
         """Histories of the law's contacts in all scenes (`layout.CONTACT`), and the addresses of their interactions."""
-        rows = self.rows[: min(int(self.context["rows_used"]), len(self.rows))]
-        rows = rows[rows["phys"] != 0]
-        return layout.copied(rows, layout.CONTACT), rows["interaction"].copy()
+        parts = [rows[rows["phys"] != 0] for rows in self.rows.used()]
+        rows = [layout.copied(part, layout.CONTACT) for part in parts] or [np.zeros(0, layout.CONTACT)]
+        return np.concatenate(rows), np.concatenate([part["interaction"] for part in parts] or [np.zeros(0, np.int64)])
 
     def bodies_of(self, interaction):
         """Numbers of the two bodies of the interaction at an address, which must be alive."""

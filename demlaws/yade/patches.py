@@ -1,8 +1,8 @@
 """The entry points of YADE that this package replaces; `remove` restores them.
 
 `O.engines` hides the guards; a dispatcher's `functors` that are assigned in a scene get theirs; `O.energy` contains the laws'
-energies; saving writes the laws to the scene. A loaded scene gets its laws at its first step, or when one of these is read
-before. Importing a name from `demlaws.yade` installs the replacements.
+energies; saving writes the laws to the scene; a reset ends their contacts. A loaded scene gets its laws at its first step, or
+when one of these is read before. Importing a name from `demlaws.yade` installs the replacements.
 """
 
 import functools
@@ -26,6 +26,9 @@ def install():
     for name in ("save", "saveTmp", "sceneToString"):
         native = getattr(omega, name)
         _replace_attribute(omega, name, functools.wraps(native)(_saving(native)))
+    for name, one in (("reset", False), ("resetAllScenes", False), ("resetThisScene", True), ("resetCurrentScene", True)):
+        native = getattr(omega, name)
+        _replace_attribute(omega, name, functools.wraps(native)(_resetting(native, one)))
     scene.attach_saved()
 
 
@@ -38,6 +41,15 @@ def remove():
 def _replace_attribute(cls, name, new):
     _originals.append((cls, name, getattr(cls, name)))
     setattr(cls, name, new)
+
+
+def _resetting(native, one):
+    def reset(omega):
+        number = omega.thisScene if one else None
+        native(omega)
+        scene.end_laws(number)
+
+    return reset
 
 
 def _saving(native):

@@ -85,6 +85,18 @@ add_integer, add_float = _adder(types.int64, "add"), _adder(types.float64, "fadd
 """Atomically add to the number at an address; return its old value."""
 
 
+@intrinsic
+def exchange_if(typing_context, address, expected, value):
+    """Atomically write an integer at an address where `expected` is there; returns what was there."""
+
+    def generate(context, builder, signature, arguments):
+        place = builder.inttoptr(arguments[0], _WORD.as_pointer())
+        old = builder.cmpxchg(place, arguments[1], arguments[2], "acq_rel", "acquire")
+        return builder.extract_value(old, 0)
+
+    return types.int64(types.int64, types.int64, types.int64), generate
+
+
 def foreign(result, *arguments):
     """Compiled function that calls a C++ function of this signature: `call(address, arguments)`, arguments a tuple."""
 

@@ -67,7 +67,7 @@ def fault_text(binding, kind, bodies, *, value, radius=None):
             "Load it by O.load after `import demlaws.yade`, or let all contacts begin again: O.interactions.clear()"
         )
     if kind == layout.NO_ROW:
-        return f" is one too many: there is memory for {int(binding.context['capacity'])} contacts"
+        return f" has no memory for its history: {native.MORE_MEMORY}"
     if kind == layout.TOO_DEEP:
         return f": {too_large_overlap(value, float(binding.context['deep_radius']) if radius is None else radius)}"
     if kind == layout.WRONG_MODULUS:

@@ -16,7 +16,6 @@ from demlaws.contact import effective_modulus, effective_radius
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.units import SMALL_OVERLAP
 from demlaws.yade.binding import Binding
-from demlaws.yade.native import FEW_ROWS
 from demlaws.yade.omega import O, contact_engines, scratch_scene, set_engines
 
 STEPS = 600
@@ -78,7 +77,7 @@ def _like(body):
 
 
 def _bounce(pairs, lower, upper, *, mass, speed, en):
-    binding = Binding("impact", pairs, FEW_ROWS)
+    binding = Binding("impact", pairs)
     size, radius, stone = 4 * _radius(upper), _radius(upper), _like(lower)
     if _radius(lower):
         base = utils.sphere((0, 0, -_radius(lower)), _radius(lower), fixed=True, material=stone)

@@ -208,8 +208,8 @@ def _take_over(functor, old):
     from demlaws.yade.saving import are_same
 
     if are_same(functor.binding, old.binding):
+        old.binding.attachment.patch(functor)  # while its own attachment still exists
         functor.binding = old.binding
-        old.binding.attachment.patch(functor)
 
 
 def _refuse_switch(engines, before, laws, old):
@@ -349,12 +349,20 @@ def attach_saved():
     for dispatcher, label, text in placeholders:
         law = _restored(label, _at_work.get(O.thisScene, {}).get(label), text)
         FUNCTORS.__set__(dispatcher, [law if f.label == label else f for f in dispatcher.functors])
+        law.binding.attachment.rows.release()  # those of the scene that this one replaces
         law.binding.enter(token, json.loads(text)["account"])
         saving.restore(law.binding, _tag(HISTORY.format(label=label)))
         command = GUARD_COMMAND.format(label=label)
         law.binding.watched_by(next((e for e in get_engines() if getattr(e, "command", None) == command), None))
     set_engines(get_engines())  # YADE sets its variables named by labels
     _at_work[O.thisScene] = laws_here()
+
+
+def end_laws(number=None):
+    """A scene is gone, or all scenes: their laws may be used in another one, and their contacts' memory again."""
+    for one in list(_at_work) if number is None else [number]:
+        for functor in _at_work.get(one, {}).values():
+            functor.binding.end()
 
 
 def _attach_loaded():

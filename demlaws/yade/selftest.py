@@ -171,6 +171,6 @@ def _compare(binding):
     if native.find_layout().step_refused == native.NOT_TRIED:
         try_own_step(binding.context, functor, deepest)
     binding.account = 0.0, 0, 0.0, 0.0
-    binding.attachment.forget_rows()
+    binding.attachment.rows.release()
     binding.attachment.watched_by(None)
     return steps, wrong / largest
