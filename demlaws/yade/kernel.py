@@ -6,7 +6,6 @@
 
 import math
 
-import numba
 import numpy as np
 from numba import types
 
@@ -18,17 +17,16 @@ from demlaws.core.numba_compat import callback, kernel, loop
 from demlaws.core.shear import shear_stiffness
 from demlaws.core.unloading import rule_of_smooth_contact
 from demlaws.laws.hertz import HertzParams, HertzShape
-from demlaws.units import LARGEST_OVERLAP, LARGEST_ROUGHNESS, RANGES, SMALL_OVERLAP
+from demlaws.units import LARGEST_ROUGHNESS, RANGES, SMALL_OVERLAP
 from demlaws.yade import layout, objects
 from demlaws.yade.layout import CONTEXT, SEEN, SHAPE
 from demlaws.yade.mindlin import Contact, body_of, native_go, with_states
-from demlaws.yade.records import add_float, add_integer, array, exchange_if, foreign, pointee, view
+from demlaws.yade.notes import alarm, check_depth, note_changed, note_fault, note_shared, rare
+from demlaws.yade.records import add_float, add_integer, array, assign, exchange_if, foreign, pointee, vector, view
 from demlaws.yade.shear import Slip, apply_mindlin, compress, synchronise
 from demlaws.yade.tuples import keep_params, keep_state, params_of_row, shape_of, state_of
 
 LOWEST_MODULUS = RANGES["modulus"].low
-rare = numba.njit(error_model="numpy", nogil=True)
-"""Compile a function that few contacts call, not inlined."""
 call_gap_radius = foreign(types.float64, *[types.int64] * 8, *[types.float64] * 2)
 """`curvature.gap_radius`."""
 call_map_memory = foreign(types.int64, types.int64, types.int64, *[types.int32] * 3, types.int64)
@@ -134,59 +132,6 @@ def surface_of(context, body):
     return 0
 
 
-# --- notes for the guard
-
-
-@kernel
-def alarm(context):
-    """Have the guard run before the contacts of the next step."""
-    if context.alarm != 0:
-        array(context.alarm, 1, np.int64)[0] = 0
-
-
-@rare
-def note_fault(context, kind, interaction, value):
-    """Note a fault for the guard, which stops the simulation before the next step with a message about the last one."""
-    alarm(context)
-    context.fault = 1
-    context.fault_kind = kind
-    context.fault_body1 = interaction.id1
-    context.fault_body2 = interaction.id2
-    context.fault_value = value
-
-
-@rare
-def note_shared(context, interaction):
-    """Note a contact that has the physics of another one: both get the force."""
-    context.shared_body1 = interaction.id1
-    context.shared_body2 = interaction.id2
-    context.shared = SEEN
-    alarm(context)
-
-
-@rare
-def note_changed(context, interaction):
-    """Note a contact of which something else has changed kno or kso, which the law writes."""
-    context.changed_body1 = interaction.id1
-    context.changed_body2 = interaction.id2
-    context.changed = SEEN
-    alarm(context)
-
-
-@rare
-def check_depth(context, row, overlap):
-    """TOO_DEEP for an overlap beyond LARGEST_OVERLAP of R, else 0. The guard reports the first one beyond SMALL_OVERLAP."""
-    if row.modulus == 0.0:
-        return 0  # a marker
-    if overlap > LARGEST_OVERLAP * row.radius:
-        context.deep_radius = row.radius
-        return layout.TOO_DEEP
-    if context.deep == layout.UNSEEN:
-        context.deep = SEEN
-        alarm(context)
-    return 0
-
-
 # --- R of a contact
 
 
@@ -269,8 +214,29 @@ def renew_radius(kind, context, geom, interaction, row, pair):
     if row.modulus == 0.0 or not (has_no_radius(context, body1) or has_no_radius(context, body2)):
         return
     radius = curvature_radius(context, geom, interaction, body1, body2, row.radius)
-    if abs(radius - row.radius) <= 1e-12 * row.radius:
+    if abs(radius - row.radius) > 1e-12 * row.radius:
+        take_radius(kind, context, interaction, row, pair, radius)
+
+
+@rare
+def follow_radii(kind, context, geom, interaction, row, pair):
+    """Renew R and the row of a contact whose bodies have grown or shrunk; E* remains."""
+    row.reach = geom.refR1 + geom.refR2
+    body1, body2 = body_of(context, interaction.id1, 0), body_of(context, interaction.id2, 0)
+    if row.modulus == 0.0:
         return
+    if context.radius_mode == layout.FUNCTION_RADIUS:
+        context.new_contacts = 1  # the guard calls the function again
+        alarm(context)
+    elif not (has_no_radius(context, body1) or has_no_radius(context, body2)):
+        radius = contact_radius(context, geom, body1, body2)
+        if radius > 0.0:  # else the guard names the body
+            take_radius(kind, context, interaction, row, pair, radius)
+
+
+@rare
+def take_radius(kind, context, interaction, row, pair, radius):
+    """Give a contact another R [m]; a fault where the law does not serve it."""
     if not serves(pair, radius, row.modulus):
         note_fault(context, layout.WRONG_CONTACT, interaction, radius)
     elif pair.roughness > LARGEST_ROUGHNESS * radius:
@@ -323,6 +289,7 @@ def initialise_contact(context, pairs, row, geom, phys, interaction):
     pair = pairs[number]
     row.radius, row.modulus, row.ratio, row.tag = radius, modulus, 0.0, number + 1.0
     row.written, row.lever = phys.kno + phys.kso, lever_of(context, body1, body2)
+    row.reach = geom.refR1 + geom.refR2
     add_integer(context.open.ctypes.data, 1)
     if phys.kno == 0.0:
         return number  # a marker
@@ -497,6 +464,8 @@ def act(kind, params_kind, shear, mode, rule, own, pair_dtype, row_dtype, contex
     pair = view(row.pair, pair_dtype)
     if row.interaction != contact.interaction and context.shared == layout.UNSEEN:
         note_shared(context, interaction)
+    if geom.refR1 + geom.refR2 != row.reach:
+        follow_radii(kind, context, geom, interaction, row, pair)
     if overlap > 0.0 and context.radius_mode == layout.CURVATURE_RADIUS:
         renew_radius(kind, context, geom, interaction, row, pair)
     old = state_of(rule, row)
@@ -521,6 +490,7 @@ def act(kind, params_kind, shear, mode, rule, own, pair_dtype, row_dtype, contex
         synchronise(own, mode, context, contact, row)
     keep = apply_mindlin(own, mode, context, contact, row, tangential)
     row.overlap = overlap
+    assign(row.left, vector(phys.shearElastic))
     if overlap > 0.0:
         phys.kn = stiffness  # Mindlin left 1.5 P/δ here; the time stepper needs the tangent
     else:

@@ -101,9 +101,10 @@ CONTEXT = _context()
 
 # A contact's history: overlap of the last step [m], K_t/K, pair number + 1 (0: no contact), R [m], E* [Pa], state of the
 # unloading rule; K_t of the last step [N/m], the energy of shear that the contact stores and that it has lost, that it has lost
-# by viscous damping [J]; kno + kso as written in the last step.
+# by viscous damping [J]; kno + kso and the elastic shear force [N] as left by the last step; sum of the bodies' radii [m].
 _HISTORY: list = [(name, "f8") for name in ("overlap", "ratio", "tag", "radius", "modulus")]
 _HISTORY += [("state", "f8", (3,)), *[(name, "f8") for name in ("shear", "held", "lost", "viscous", "written")]]
+_HISTORY += [("left", "f8", (3,)), ("reach", "f8")]
 CONTACT = np.dtype(_HISTORY)
 RESPONSE = np.dtype([(name, "f8") for name in ("kno", "kso", "tangent", "force")])
 ENERGY = np.dtype([(name, "f8") for name in ("stored", "dissipated")])

@@ -49,11 +49,11 @@ class Radii:
                 "function of the interaction that returns R in m"
             )
         self.edges = edges
-        self.known = {}  # (body, body) → step in which the contact began, for a function
+        self.known = {}  # (body, body) → step in which the contact began, sum of radii, for a function
 
     def is_new(self, contact):
-        """Whether a contact has not been seen by this method: true once."""
-        key, start = (contact.id1, contact.id2), contact.iterMadeReal
+        """Whether a contact has not been seen by this method, or not with these radii: true once."""
+        key, start = (contact.id1, contact.id2), (contact.iterMadeReal, contact.geom.refR1 + contact.geom.refR2)
         new = self.known.get(key) != start
         self.known[key] = start
         return new

@@ -268,6 +268,32 @@ def _stored_energy(mode, phys, row, stiffness):
 
 
 @kernel
+def is_changed(phys, row):
+    """Whether something else has set the elastic shear force since the last step."""
+    now, left = vector(phys.shearElastic), vector(row.left)
+    return now[0] != left[0] or now[1] != left[1] or now[2] != left[2]
+
+
+def adopt(mode, phys, row, stiffness, force):
+    """Take over an elastic shear force [N] that a script has set; energy [J] of the contact with it."""
+
+
+@overload(adopt, jit_options=INLINED)
+def _adopt(mode, phys, row, stiffness, force):
+    if mode.instance_class is not Levels:
+        return lambda mode, phys, row, stiffness, force: stored_energy(mode, phys, row, stiffness)
+
+    def as_one_level(mode, phys, row, stiffness, force):
+        if stiffness > 0.0:
+            for level in range(len(row.bound)):
+                assign(row.stretch[level], scaled(1.0 / stiffness, force))
+            assign(phys.shearElastic, force)
+        return energy_of_levels(row)
+
+    return as_one_level
+
+
+@kernel
 def account(row, stiffness, stored, loss):
     """Write K_t [N/m], the energy of shear that the contact stores and the energy that it has lost in this step [J]."""
     row.shear = stiffness
@@ -279,7 +305,10 @@ def account(row, stiffness, stored, loss):
 def apply_with_account(step, mode, context, contact, row, stiffness):
     """Mindlin's law, with an account of the energy of shear."""
     geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
+    given, changed = vector(phys.shearElastic), is_changed(phys, row)
     held, loss = row.held, relax_shear(mode, phys, row, stiffness)
+    if changed:
+        held, loss = adopt(mode, phys, row, stiffness, given), 0.0
     first, old = held - loss, vector(phys.shearElastic)
     keep = advance(step, mode, context, contact, row)
     if not stiffness > 0.0:

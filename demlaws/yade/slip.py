@@ -10,8 +10,9 @@ from demlaws.core.slip import stretched
 from demlaws.core.unloading import rule_of
 from demlaws.yade import objects
 from demlaws.yade.mindlin import advance, turned
+from demlaws.yade.notes import rare
 from demlaws.yade.records import assign, cross, dot, minus_scaled, pointee, scaled, unit_perpendicular, vector, view
-from demlaws.yade.shear import Slip, account, apply_mindlin, compress
+from demlaws.yade.shear import Slip, account, apply_mindlin, compress, is_changed
 
 SLACK = 1e-11
 """Of Coulomb's limit: a contact within this is sliding."""
@@ -140,6 +141,30 @@ def _compress(mode, rule, p, row, overlap, force, stiffness, state):
 
 
 @kernel
+def slipped(u, v, longest):
+    """A stretch [m], at most as long as Coulomb's limit allows."""
+    length = sqrt(u * u + v * v)
+    share = longest / length if length > longest else 1.0
+    return share * u, share * v
+
+
+@rare
+def common_stretch(row, top, limit, force):
+    """Stretch over force [m/N] with which all springs, slipped where they must, have this force [N], and their energy [J]."""
+    stretch, energy = force / (top * row.ratio), 0.0
+    for _ in range(100):
+        total, energy = 0.0, 0.0
+        for k in range(len(row.end)):
+            spring = row.ratio * row.share * part_in_contact(top, row.share, k)
+            length = min(stretch, limit * row.compression[k])
+            total, energy = total + spring * length, energy + 0.5 * spring * length * length
+        if total == 0.0 or total >= (1.0 - 1e-13) * force:
+            break
+        stretch *= force / total
+    return stretch / force if force > 0.0 else 0.0, energy
+
+
+@kernel
 def apply_to_springs(step, mode, context, contact, row, stiffness):
     """Set the shear force to that of the springs, apply Mindlin's law and account for the energy; stiffness: K_t [N/m]."""
     geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
@@ -167,6 +192,14 @@ def apply_to_springs(step, mode, context, contact, row, stiffness):
     top, previous = stiffness / ratio, row.shear / ratio
     limit = phys.tangensOfFrictionAngle * row.scale / ratio
     along, across, most, work, stored = 0.0, 0.0, 0.0, 0.0, 0.0
+    changed, given_u, given_v = is_changed(phys, row), 0.0, 0.0
+    if changed:  # by a script
+        given_u, given_v = (
+            dot(vector(phys.shearElastic), old_first) / length,
+            dot(vector(phys.shearElastic), old_second) / length,
+        )
+        stretch, energy = common_stretch(row, top, limit, sqrt(given_u * given_u + given_v * given_v))
+        given_u, given_v = stretch * given_u, stretch * given_v
     du, dv = dot(displacement, first), dot(displacement, second)
     for k in range(count):  # as `slip_step`
         part, part_before = part_in_contact(top, share, k), part_in_contact(previous, share, k)
@@ -176,6 +209,8 @@ def apply_to_springs(step, mode, context, contact, row, stiffness):
         u, v = row.spring[0, k], row.spring[1, k]
         if part > part_before:
             u, v = u * (part_before / part), v * (part_before / part)
+        if changed:
+            u, v = slipped(given_u, given_v, limit * row.compression[k])
         spring = ratio * share * part
         longest = limit * row.compression[k]
         most += spring * longest
