@@ -13,10 +13,10 @@ def register(add):
     """Add this command."""
     parser = add(
         description="Lists the contacts of a dump: bodies, overlap, normal force, largest and plastic overlap, which have "
-        "yielded (keep a plastic overlap) and, of LAMMPS, stored and dissipated energy; with --law and the contact without "
-        "radii also stiffness, contact radius and conductance over conductivity. GRAINS is a dump of the grains of "
-        "LIGGGHTS or LAMMPS, CONTACTS the local dump of their contacts; the last frame is used. --vtk writes lines between the "
-        'centres with these columns. In YADE: law.contacts().save("contacts.vtp").',
+        "deformed plastically (keep a plastic overlap) and, of LAMMPS, stored and dissipated energy; with --law and the "
+        "contact without radii also stiffness, contact radius and conductance over conductivity. GRAINS is a dump of the "
+        "grains of LIGGGHTS or LAMMPS, CONTACTS the local dump of their contacts; the last frame is used. --vtk writes lines "
+        'between the centres with these columns. In YADE: law.contacts().save("contacts.vtp").',
         **example(
             "  demlaws contacts post/grains.5000.txt post/contacts.5000.txt --vtk contacts.vtp\n"
             "  demlaws contacts post/grains.5000.txt post/contacts.5000.txt --law pohrt-popov --unloading hertz \\\n"
@@ -49,12 +49,12 @@ def run(arguments):
     if arguments.vtk:
         print(table.save(arguments.vtk))
     print(table)
-    yielded = table.yielded
-    record(contacts=len(table), yielded=None if yielded is None else int(yielded.sum()))
-    if yielded is None:
+    flattened = table.flattened
+    record(contacts=len(table), flattened=None if flattened is None else int(flattened.sum()))
+    if flattened is None:
         say("history: not in this dump (no law with history, or name its columns: --largest-overlap, --plastic-overlap)")
     elif len(table):
-        print(f"{int(yielded.sum())} of {len(table)} contacts have yielded")
+        print(f"{int(flattened.sum())} of {len(table)} contacts have deformed plastically")
     return 0
 
 
@@ -92,7 +92,7 @@ def read(arguments):
     if arguments.law is not None and len(pairs):
         known |= _stiffnesses(arguments, effective, force, known.get("maximum_overlap"), overlap, rounding)
     if "plastic_overlap" in known:
-        known["yielded"] = known["plastic_overlap"] > 0.0
+        known["flattened"] = known["plastic_overlap"] > 0.0
     if "maximum_overlap" in known:
         known["branch"] = (overlap + rounding < known["maximum_overlap"]).astype(int)
     return Contacts(

@@ -26,11 +26,12 @@ COLUMNS = {
     "stored": ("J", "energy that unloading returns"),
     "dissipated": ("J", "energy that plastic deformation has taken since the bodies touched"),
     "branch": ("", "0: at the largest overlap so far (first loading); 1: below it (unloading or reloading)"),
-    "yielded": (
+    "flattened": (
         "",
-        "whether the bulk has yielded since the bodies touched; of a law without a yield point, whether the contact has "
-        "dissipated energy",
+        "whether the contact has deformed plastically, asperities or bulk: it has dissipated energy; in dumps: a plastic "
+        "overlap remains",
     ),
+    "bulk_yielded": ("", "whether the bulk has passed the yield point of the law; only of laws that have one"),
     "contact_radius": ("m", "radius a = K/(2E*) of the contact area, exact for elastic laws"),
     "conductance": ("m", "conductance of heat or current between the bodies over their conductivity, K/E* = 2a"),
     "sliding": ("", "whether the shear force is at Coulomb's limit"),
@@ -40,7 +41,7 @@ COLUMNS = {
     "viscous": ("J", "energy that viscous damping has taken since the bodies touched"),
 }
 """Name of a column → unit, meaning."""
-MAIN = ("body1", "body2", "overlap", "force", "shear_force", "maximum_overlap", "plastic_overlap", "yielded", "sliding")
+MAIN = ("body1", "body2", "overlap", "force", "shear_force", "maximum_overlap", "plastic_overlap", "flattened", "sliding")
 SHORT = {"maximum_overlap": "largest (m)", "plastic_overlap": "plastic (m)", "shear_force": "shear (N)"}
 """What `str` shows, and shorter titles there."""
 
@@ -67,7 +68,8 @@ class Contacts(Tabular):
     stored: np.ndarray | None = None
     dissipated: np.ndarray | None = None
     branch: np.ndarray | None = None
-    yielded: np.ndarray | None = None
+    flattened: np.ndarray | None = None
+    bulk_yielded: np.ndarray | None = None
     sliding: np.ndarray | None = None
     shear_force: np.ndarray | None = None
     shear_stored: np.ndarray | None = None

@@ -3,11 +3,12 @@
     from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
 
 Importing this package does not import YADE; importing one of its names does, and replaces some entry points of YADE
-(`patches`). Start scripts with `demlaws yade run SCRIPT`, or with plain `yade SCRIPT` where this package is installed for
-YADE's Python.
+(`patches`), as does loading a scene that contains a law (`loading`). Start scripts with `demlaws yade run SCRIPT`, or with
+plain `yade SCRIPT` where this package is installed for YADE's Python.
 """
 
 import importlib
+import sys
 
 from demlaws.errors import BridgeWarning, DemlawsError, ShapeWarning, TimeStepWarning
 
@@ -38,3 +39,9 @@ def __getattr__(name):
     value = getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
     globals()[name] = value
     return value
+
+
+if hasattr(sys.modules.get("yade"), "wrapper"):
+    from demlaws.yade import loading
+
+    loading.watch()

@@ -19,6 +19,10 @@ REACH = 4.0
 to 0.3 R: 2 √(m/4K) with m = 4/3 π ρ r³, K = 2 E* a, R = r/2, E* = E/2 is 5.3 r √(ρ/E); less, for safety [our derivation]"""
 
 
+NO_BOUND = 1e300
+"""maxDt [s] of a time stepper that has none is larger."""
+
+
 class _Request:
     """Work for the thread of a running simulation."""
 
@@ -37,12 +41,14 @@ class Binding:
     """A law at work under a functor's label, in the scene whose token is `scene` (None: in none).
 
     runner: the PyRunner before this law's contacts; share: the part of the critical step for a time stepper, from
-    `engines(law, timestep=…)`.
+    `engines(law, timestep=…)`; bound: the maxDt [s] that the law has given a stepper; counted: losses [J] of plasticity, of
+    shear and of viscous damping that are not in `O.energy` while `O.trackEnergy` is set, that are in it while it is not.
     """
 
     def __init__(self, label, pairs):
         self.label, self.pairs = label, pairs
-        self.runner = self.share = None
+        self.runner = self.share = self.bound = None
+        self.counted = [0.0, 0.0, 0.0]
         self.attachment = native.Attachment(pairs)
         self.context = self.attachment.context
         self.context["may_be_unlisted"] = pairs.needs_no_judgement
@@ -65,7 +71,7 @@ class Binding:
     def enter(self, scene, account=(0.0, 0, 0.0, 0.0)):
         """Begin to act in a scene with this account; the account of a scene that was left continues."""
         if scene != self.left:
-            self.account = account
+            self.account, self.counted = account, [0.0, 0.0, 0.0]
             self._scenes += 1
         self.scene, self.left, self.guards, self.warned = scene, None, 0, False
         self._messages, self._limits = set(), {}
@@ -138,6 +144,19 @@ class Binding:
         stored, dissipated = float(energies["stored"].sum()), float(energies["dissipated"].sum()) + past
         return Totals(stored, dissipated, max(open_count - len(rows), 0), **more)
 
+    def losses(self):
+        """Energies [J] that plasticity, shear and viscous damping have taken since the law began."""
+        totals = self._totals()
+        return [totals.dissipated, totals.shear_dissipated, totals.viscous]
+
+    def toggle_tracking(self):
+        """`O.trackEnergy` changed: `counted` is what had been lost before tracking began, or while it lasted."""
+        self.counted = [one - other for one, other in zip(self.losses(), self.counted, strict=True)]
+
+    def clear_tracking(self, tracking):
+        """`O.energy` counts from now on."""
+        self.counted = self.losses() if tracking else [0.0, 0.0, 0.0]
+
     def contacts(self, interactions=None):
         """`Contacts`: all real contacts of the scene (or of the given ones); also while the simulation runs."""
 
@@ -162,6 +181,8 @@ class Binding:
     def watch(self, functor):
         """Work of the guard: raise the faults of native code, make room, check everything now and then."""
         self.guards += 1
+        if not O.dt > 0.0:
+            self._judge_step()
         self.check_functor(functor)
         self.raise_fault()
         self.answer()
@@ -180,6 +201,12 @@ class Binding:
             self.judge_validity()
         self.check_bodies(thoroughly)
 
+    def _judge_step(self):
+        """Warn once of a step of 0, raise for one that is not a number or negative."""
+        if O.dt != 0.0:
+            raise EngineStopped(f"O.dt = {O.dt:g} s: give a positive time step")
+        self._warn_once("step", "O.dt = 0 s: bodies do not move, and viscous damping has no velocity; set O.dt")
+
     def verify(self):
         """Raise unless every contact of the law's class has this law's mark, and materials are admissible.
 
@@ -189,6 +216,11 @@ class Binding:
         touching = [O.bodies[number] for number in {n for contact in contacts for n in (contact.id1, contact.id2)}]
         self._judge_densities(touching)
         for material in {body.material.id: body.material for body in touching}.values():
+            if any(getattr(material, name, 0.0) for name in ("c1", "c2")):  # FrictMatCDM
+                raise EngineStopped(
+                    f"material {material.label!r} has c1 = {material.c1:g}, c2 = {material.c2:g}: a friction that depends on "
+                    "the force, which the contacts of Ip2_FrictMat_FrictMat_MindlinPhys do not have; set c1 = c2 = 0"
+                )
             if material.young != 0.0:  # 0: a marker, whose contacts have no force
                 for finding in judge(young=material.young, poisson=material.poisson):
                     linear = " (k_s/k_n in YADE's linear laws, not here)" if material.poisson > 0.5 else ""
@@ -326,7 +358,6 @@ class Binding:
 
     def judge_validity(self):
         """Warn once per scene and pair of surfaces of each limit of the law that contacts are beyond, and of roughness."""
-        rows, contacts = self.attachment.live()
         for stone in O.materials:
             angle = getattr(stone, "frictionAngle", 0.0)
             if not 0.0 <= angle < 0.5 * math.pi:
@@ -335,15 +366,46 @@ class Binding:
                     f"material {stone.label!r} has frictionAngle = {angle:g} rad, a friction of {math.tan(angle):.3g}: "
                     "give an angle from 0 to π/2 in radians",
                 )
-        keep = (rows["tag"] > 0.0) & (rows["modulus"] > 0.0) & (rows["overlap"] > 0.0)
-        rows, places = rows[keep].copy(), np.flatnonzero(keep)
+        if any(key not in self._messages for key, _ in self._excesses(self.attachment.live())):
+            contacts = real_contacts()  # rows of contacts that were erased have not been looked for yet
+            for key, text in self._excesses(self.attachment.rows_of(contacts), contacts):
+                self._warn_once(key, text)
+
+    def _excesses(self, rows, contacts=None):
+        """(key, message) of each limit that contacts are beyond; without the contacts of the rows the messages are None."""
+        places = np.flatnonzero((rows["tag"] > 0.0) & (rows["modulus"] > 0.0) & (rows["overlap"] > 0.0))
+        rows = rows[places]
         force = self.pairs.respond(rows)[0]["force"]
         for number in np.unique(rows["tag"]).astype(int) - 1:
             mine = np.flatnonzero((rows["tag"] == number + 1) & (force > 0.0))
-            self._judge_pair(number, rows[mine], force[mine], [contacts[place] for place in places[mine]])
+            if len(mine):
+                of_pair = None if contacts is None else [contacts[place] for place in places[mine]]
+                yield from self._excesses_of_pair(number, rows[mine], force[mine], of_pair)
 
-    def _judge_pair(self, number, rows, force, contacts):
-        sigma, beyond = self.pairs.roughnesses[number], {}
+    def _excesses_of_pair(self, number, rows, force, contacts):
+        if self.pairs.roughnesses[number] > LARGE_ROUGHNESS * np.min(rows["radius"]):
+            smallest = int(np.argmin(rows["radius"]))
+            labels = contacts and self._labels(contacts[smallest])
+            yield (number, "roughness"), labels and self.roughness_text(*labels, float(rows["radius"][smallest]))
+        if np.max(rows["radius"]) > LARGE_RADIUS:
+            yield "radius", judge(radius=float(np.max(rows["radius"])))[0].text
+        for reason, entries in self._beyond_limits(number, rows, force).items():
+            count = sum(int(np.sum(excess > 1.0)) for _, excess, _ in entries)
+            if count:
+                group, excess, limit = max(entries, key=lambda entry: entry[1].max())
+                worst = group[int(np.argmax(excess))]
+                where = "above" if force[worst] > limit.maximum_force else "below"
+                bound = limit.maximum_force if where == "above" else limit.minimum_force
+                text = contacts and (
+                    f"{count} of {len(rows)} contacts are {where} the range of {self.pairs.name}: {reason}. Worst: "
+                    f"{contacts[worst].id1}+{contacts[worst].id2}, {force[worst]:.3g} N, {where} {bound:.3g} N, "
+                    f"R = {rows['radius'][worst]:.3g} m"
+                )
+                yield (number, reason), text
+
+    def _beyond_limits(self, number, rows, force):
+        """Reason of a limit → (rows of one size, their forces over the limit, `Limit`)."""
+        beyond = {}
         # contacts of one size to a percent have the limits of one of them
         sizes = np.round(100.0 * np.log(rows["radius"])) + 1j * np.round(100.0 * np.log(rows["modulus"]))
         for size in np.unique(sizes):
@@ -355,28 +417,11 @@ class Binding:
             for limit in self._limits[key]:
                 excess = np.maximum(force[group] / limit.maximum_force, limit.minimum_force / force[group])
                 beyond.setdefault(limit.reason, []).append((group, excess, limit))
-        if sigma > LARGE_ROUGHNESS * np.min(rows["radius"], initial=np.inf):
-            text = self.roughness_text(*self._labels(contacts[int(np.argmin(rows["radius"]))]), float(np.min(rows["radius"])))
-            self._warn_once((number, "roughness"), text)
-        largest = float(np.max(rows["radius"], initial=0.0))
-        if largest > LARGE_RADIUS:
-            self._warn_once("radius", judge(radius=largest)[0].text)
-        for reason, entries in beyond.items():
-            count = sum(int(np.sum(excess > 1.0)) for _, excess, _ in entries)
-            if count and (number, reason) not in self._messages:
-                group, excess, limit = max(entries, key=lambda entry: entry[1].max())
-                worst = group[int(np.argmax(excess))]
-                where = "above" if force[worst] > limit.maximum_force else "below"
-                bound = limit.maximum_force if where == "above" else limit.minimum_force
-                bodies = self.attachment.bodies_of(contacts[worst])
-                self._warn_once(
-                    (number, reason),
-                    f"{count} of {len(rows)} contacts are {where} the range of {self.pairs.name}: {reason}. Worst: "
-                    f"{bodies[0]}+{bodies[1]}, {force[worst]:.3g} N, {where} {bound:.3g} N, R = {rows['radius'][worst]:.3g} m",
-                )
+        return beyond
 
-    def _labels(self, contact):
-        return [O.bodies[number].material.label for number in self.attachment.bodies_of(contact)]
+    @staticmethod
+    def _labels(contact):
+        return [O.bodies[number].material.label for number in (contact.id1, contact.id2)]
 
     def _warn_once(self, key, text):
         if text is not None and key not in self._messages:
@@ -386,10 +431,11 @@ class Binding:
     # --- the time step
 
     def bound_steppers(self, engines):
-        """Set maxDt of GlobalStiffnessTimeSteppers to a bound that is stable for stiff contacts; returns a warning or None.
+        """Keep maxDt of GlobalStiffnessTimeSteppers at a bound that is stable for stiff contacts; returns a warning or None.
 
-        They use the present stiffness of contacts, and a young contact is soft until the step in which it is not. YADE computes
-        a P-wave step from spheres; before there are any, nothing is changed, and the guard looks again.
+        They use the present stiffness of contacts, and a young contact is soft until the step in which it is not. The bound
+        follows the bodies. A maxDt of the user's, and a stepper with density scaling, are left as they are. YADE computes a
+        P-wave step from spheres; before there are any, nothing is changed, and the guard looks again.
         """
         steppers = [e for e in engines if isinstance(e, yade.GlobalStiffnessTimeStepper) and not e.dead and e.active]
         if not steppers:
@@ -400,20 +446,21 @@ class Binding:
         message = None
         for stepper in steppers if 0.0 < wave < np.inf else ():
             bound = REACH * wave * min(stepper.timestepSafetyCoefficient, 1.0)
-            unbounded = stepper.maxDt > REACH * wave
-            if stepper.maxDt <= bound * (1 + 1e-9) or not (unbounded or self.share is not None):
-                continue
-            if self.share is None and not self.warned:
+            former, scaled = stepper.maxDt, stepper.densityScaling
+            ours = not scaled and (former == self.bound or former > NO_BOUND)
+            if ours and former != bound:
+                stepper.maxDt = self.bound = bound
+            unbounded = former > NO_BOUND if ours else min(former, stepper.targetDt if scaled else former) > REACH * wave
+            if unbounded and (self.share is None or not ours) and not self.warned:
                 self.warned = True
                 from demlaws.yade.reports import stepper_text
 
-                message = stepper_text(self.label, stepper.maxDt, bound, REACH)
-            stepper.maxDt = bound
+                message = stepper_text(self.label, stepper, former, bound, REACH)
         return message
 
     def _without_wave(self, steppers):
         """Warning about steppers that have no bound, in a scene with contacts of other shapes than spheres; or None."""
-        if self.warned or O.interactions.countReal() == 0 or all(stepper.maxDt < 1e300 for stepper in steppers):
+        if self.warned or O.interactions.countReal() == 0 or all(stepper.maxDt < NO_BOUND for stepper in steppers):
             return None
         self.warned = True
         from demlaws.yade.reports import no_wave_text

@@ -127,7 +127,6 @@ class Layout:
         self.addresses["normal_offset"] = found["ScGeom"]["normal"][-1]
         self.allowed = dict.fromkeys(OWN, 0)  # by the self-test
         objects.define(**found)
-        self.interaction = objects.Interaction
 
     @staticmethod
     def _find_members():
@@ -542,15 +541,9 @@ class Attachment:
         self.context["alarm"] = self._alarm.ctypes.data
 
     def live(self):
-        """Histories of the law's contacts in all scenes (`layout.CONTACT`), and the addresses of their interactions."""
-        parts = [rows[rows["phys"] != 0] for rows in self.rows.used()]
-        rows = [layout.copied(part, layout.CONTACT) for part in parts] or [np.zeros(0, layout.CONTACT)]
-        return np.concatenate(rows), np.concatenate([part["interaction"] for part in parts] or [np.zeros(0, np.int64)])
-
-    def bodies_of(self, interaction):
-        """Numbers of the two bodies of the interaction at an address, which must be alive."""
-        offsets = [self.layout.interaction.fields[name][1] for name in ("id1", "id2")]
-        return tuple(memory_at(int(interaction) + offset, ctypes.c_int32).value for offset in offsets)
+        """Histories of the law's contacts in all scenes (`layout.CONTACT`), those that were erased lately among them."""
+        parts = [layout.copied(rows[rows["phys"] != 0], layout.CONTACT) for rows in self.rows.used()]
+        return np.concatenate(parts or [np.zeros(0, layout.CONTACT)])
 
     def patch(self, functor):
         """Make `functor` act by this law: an unchanged Mindlin functor, or one that acts by a law of ours."""

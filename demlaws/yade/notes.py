@@ -51,10 +51,10 @@ def note_changed(context, interaction):
 
 @rare
 def check_depth(context, row, overlap):
-    """TOO_DEEP for an overlap beyond LARGEST_OVERLAP of R, else 0. The guard reports the first one beyond SMALL_OVERLAP."""
+    """TOO_DEEP for an overlap beyond LARGEST_OVERLAP of R, else 0. The guard warns of the first one beyond SMALL_OVERLAP."""
     if row.modulus == 0.0:
         return 0  # a marker
-    if overlap > LARGEST_OVERLAP * row.radius:
+    if overlap > LARGEST_OVERLAP * row.radius and row.hertz == 0.0:  # a smooth contact has Hertz's force, as in YADE's law
         context.deep_radius = row.radius
         return layout.TOO_DEEP
     if context.deep == layout.UNSEEN:

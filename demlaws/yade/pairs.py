@@ -374,18 +374,16 @@ class Pairs:
         kernel.energies_loop(self.kind, self.rule, self.records, contacts, out)
         return out
 
-    def yielded(self, contacts, highest, energies):
-        """Whether contacts have yielded: an array of bool. highest: largest overlaps so far [m]; energies: see above."""
-        lost, stored = energies["dissipated"], energies["stored"]
-        result = lost > 1e-9 * (stored + lost)
-        laws = [source for _, source in self.combined]
-        own = np.array([source is not None and source.definition.bulk is not None for source in laws])
-        mine = own[contacts["tag"].astype(int) - 1] if len(contacts) else np.zeros(0, bool)
-        if mine.any():
-            bulk = np.zeros(len(contacts), bool)
-            kernel.yielded_loop(self.kind, self.records, contacts, highest, bulk)
-            result[mine] = bulk[mine]
-        return result
+    def bulk_yielded(self, contacts, highest):
+        """Whether the bulk of contacts has passed the law's yield point: an array of bool; None: no law has one.
+
+        highest: largest overlaps so far [m]."""
+        own = np.array([source is not None and source.definition.bulk is not None for _, source in self.combined])
+        if not own.any():
+            return None
+        bulk = np.zeros(len(contacts), bool)
+        kernel.yielded_loop(self.kind, self.records, contacts, highest, bulk)
+        return bulk & own[contacts["tag"].astype(int) - 1] if len(contacts) else bulk
 
     def limits(self, number, radius, modulus):
         """`Limit`s of the law of a record for a contact of this R [m] and E* [Pa]."""

@@ -1,8 +1,9 @@
 """The entry points of YADE that this package replaces; `remove` restores them.
 
 `O.engines` hides the guards; a dispatcher's `functors` that are assigned in a scene get theirs; `O.energy` contains the laws'
-energies; saving writes the laws to the scene; a reset ends their contacts. A loaded scene gets its laws at its first step, or
-when one of these is read before. Importing a name from `demlaws.yade` installs the replacements.
+energies since it was cleared or `O.trackEnergy` set; saving writes the laws to the scene; a reset ends their contacts. A loaded
+scene gets its laws at its first step, or when one of these is read before. Importing a name from `demlaws.yade` installs the
+replacements.
 """
 
 import functools
@@ -22,6 +23,10 @@ def install():
     _replace_attribute(omega, "engines", property(lambda o: scene.get_visible(), lambda o, engines: scene.set_visible(engines)))
     energy = omega.energy
     _replace_attribute(omega, "energy", property(lambda o: scene.with_energies(energy.__get__(o)), energy.fset))
+    tracking = omega.trackEnergy
+    _replace_attribute(omega, "trackEnergy", property(tracking.fget, functools.partial(_track, tracking.fset)))
+    clear = yade.wrapper.EnergyTracker.clear
+    _replace_attribute(yade.wrapper.EnergyTracker, "clear", functools.wraps(clear)(_clearing(clear)))
     _replace_attribute(yade.LawDispatcher, "functors", property(scene.FUNCTORS.__get__, scene.set_functors))
     for name in ("save", "saveTmp", "sceneToString"):
         native = getattr(omega, name)
@@ -41,6 +46,23 @@ def remove():
 def _replace_attribute(cls, name, new):
     _originals.append((cls, name, getattr(cls, name)))
     setattr(cls, name, new)
+
+
+def _track(native, omega, value):
+    changes = bool(value) != omega.trackEnergy
+    if changes and value:  # before YADE tracks
+        scene.track_energies()
+    native(omega, value)
+    if changes and not value:
+        scene.track_energies()
+
+
+def _clearing(native):
+    def clear(tracker):
+        native(tracker)
+        scene.clear_energies()
+
+    return clear
 
 
 def _resetting(native, one):

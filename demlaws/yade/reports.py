@@ -69,7 +69,8 @@ def fault_text(binding, kind, bodies, *, value, radius=None):
     if kind == layout.NO_ROW:
         return f" has no memory for its history: {native.MORE_MEMORY}"
     if kind == layout.TOO_DEEP:
-        return f": {too_large_overlap(value, float(binding.context['deep_radius']) if radius is None else radius)}"
+        text = too_large_overlap(value, float(binding.context["deep_radius"]) if radius is None else radius)
+        return f": {text}. Of softened grains: a larger `young`"
     if kind == layout.WRONG_MODULUS:
         of = ", ".join(f"{stone.label!r} young={stone.young:g} Pa, poisson={stone.poisson:g}" for stone in stones)
         return f": its materials make E* = {value:g} Pa; {RANGES['modulus'].remedy} Materials: {of}"
@@ -175,13 +176,26 @@ def deep_text(rows):
     return large_overlap(float(deepest["overlap"]), float(deepest["radius"]), int(np.sum(ratio > SMALL_OVERLAP)), len(rows))
 
 
-def stepper_text(label, former, bound, reach):
-    """Message about a time stepper whose longest step [s] was changed; reach: `binding.REACH`."""
+def stepper_text(label, stepper, former, bound, reach):
+    """Message about a time stepper without a valid bound; former: its maxDt before [s]; reach: `binding.REACH`."""
+    why = (
+        "it uses the present stiffness of contacts, and a young contact is soft until the step in which it is not. The bound "
+        f"is {bound:.3g} s ({reach:g} PWaveTimeStep() of the bodies times its safety coefficient)"
+    )
+    if stepper.densityScaling:
+        return (
+            f"GlobalStiffnessTimeStepper has densityScaling, whose targetDt = {stepper.targetDt:.3g} s is above the bound "
+            f"that is valid for law {label!r} without it: {why}; it is not changed. Take a smaller targetDt if grains rebound "
+            "faster than they came"
+        )
+    if stepper.maxDt == former:
+        return (
+            f"GlobalStiffnessTimeStepper has maxDt = {former:.3g} s, above the bound that is valid for law {label!r}: {why}; "
+            "it is not changed. Give a smaller maxDt"
+        )
     return (
-        f"GlobalStiffnessTimeStepper had no bound that is valid for law {label!r}: it uses the present "
-        "stiffness of contacts, and a young contact is soft until the step in which it is not. Its maxDt was "
-        f"{former:.3g} s and is now {bound:.3g} s ({reach:g} PWaveTimeStep() of the bodies times its safety "
-        "coefficient); give it a maxDt to choose another, or use demlaws.yade.engines(law, timestep=…)"
+        f"GlobalStiffnessTimeStepper had no bound that is valid for law {label!r}: {why}, which is now its maxDt and follows "
+        "the bodies; give it a maxDt to choose another, or use demlaws.yade.engines(law, timestep=…)"
     )
 
 

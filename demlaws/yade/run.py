@@ -4,6 +4,7 @@ import importlib.metadata
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -69,6 +70,7 @@ def environment():
         folder = str(Path(module.__file__).resolve().parent.parent)
         if folder not in folders and not folder.startswith("/usr/lib/python3"):
             folders.append(folder)
+    folders.insert(0, str(Path(__file__).parent / "startup"))
     old = os.environ.get("PYTHONPATH")
     return {**os.environ, "PYTHONPATH": os.pathsep.join([*folders, *([old] if old else [])])}
 
@@ -97,6 +99,14 @@ def command(script, arguments=(), threads=1, *, gui=False, batch=None, stay=Fals
     return [executable(), *ours, *options, script, *map(str, arguments)]
 
 
+def _signal_name(number):
+    """Name and meaning of a signal."""
+    try:
+        return f"signal {signal.Signals(number).name} ({signal.strsignal(number)})"
+    except ValueError:
+        return f"signal {number}"
+
+
 FAILED = re.compile(r"#\d+ \(.*\) FAILED ")
 """How a line of yade-batch about a job that failed begins; its own exit status is 0 nevertheless."""
 
@@ -106,7 +116,11 @@ def run(script, arguments=(), threads=1, *, gui=False, batch=None, stay=False, y
     failed: 1)."""
     line = command(script, arguments, threads, gui=gui, batch=batch, stay=stay, options=yade_options)
     if batch is None or options:
-        return subprocess.run(line, env=environment(), check=False, **options)
+        done = subprocess.run(line, env=environment(), check=False, **options)
+        if done.returncode < 0:
+            print(f"demlaws: YADE was ended by {_signal_name(-done.returncode)}", file=sys.stderr)
+            done.returncode = 128 - done.returncode  # as a shell has it
+        return done
     failed = 0
     unbuffered = environment() | {"PYTHONUNBUFFERED": "1"}
     with subprocess.Popen(line, env=unbuffered, stdout=subprocess.PIPE, text=True) as process:

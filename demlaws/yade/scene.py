@@ -7,6 +7,7 @@ loading and puts the law there. Without a guard YADE ends with an error; the nat
 """
 
 import json
+import sys
 import uuid
 from numbers import Real
 
@@ -87,6 +88,7 @@ def set_visible(engines):
     """`O.engines = …` for users: check the list, put guards before the laws, and let the laws enter the scene."""
     engines = visible(list(engines))
     _attach_loaded()
+    refuse_mpi(DemlawsError if any(is_our_law(f) for _, _, f in law_functors(engines)) else None)
     before, old = get_engines(), laws_here()
     laws = _laws_in(engines)
     _refuse_switch(engines, before, laws, old)
@@ -134,13 +136,37 @@ def with_energies(tracker):
     _attach_loaded()
     for label, functor in laws_here().items() if O.trackEnergy and O.iter else ():
         totals = functor.totals()
-        parts = {"Elastic": totals.stored, "Plastic": totals.dissipated}
-        parts |= {"ShearElastic": totals.shear_stored, "ShearLost": totals.shear_dissipated}
-        parts["Viscous"] = totals.viscous
+        parts = {"Elastic": totals.stored, "ShearElastic": totals.shear_stored}
+        losses = totals.dissipated, totals.shear_dissipated, totals.viscous
+        for name, loss, before in zip(("Plastic", "ShearLost", "Viscous"), losses, functor.binding.counted, strict=True):
+            parts[name] = loss - before
         for name, energy in parts.items():
             if energy == energy:  # the work of viscous forces is not known where the native go acts
                 tracker[label + name] = energy
     return tracker
+
+
+def track_energies():
+    """The laws of the scene follow `O.trackEnergy`, which has just been changed."""
+    _attach_loaded()
+    for functor in laws_here().values():
+        functor.binding.between_engines(functor.binding.toggle_tracking)
+
+
+def clear_energies():
+    """`O.energy` has been cleared: losses count from now on."""
+    for functor in laws_here().values():
+        functor.binding.between_engines(lambda binding=functor.binding: binding.clear_tracking(O.trackEnergy))
+
+
+def refuse_mpi(error):
+    """Raise an error of this kind where YADE runs on several MPI ranks: the history of a contact is in one process."""
+    mpi = sys.modules.get("yade.mpy")
+    if error is not None and (getattr(mpi, "numThreads", None) or 1) > 1:
+        raise error(
+            f"yade.mpy runs on {mpi.numThreads} MPI ranks, between which the histories of contacts do not move: run with "
+            "OpenMP threads (demlaws yade run -j N), or on ranks in LIGGGHTS or LAMMPS"
+        )
 
 
 def _refuse_integrator(engine):
@@ -350,7 +376,9 @@ def attach_saved():
         law = _restored(label, _at_work.get(O.thisScene, {}).get(label), text)
         FUNCTORS.__set__(dispatcher, [law if f.label == label else f for f in dispatcher.functors])
         law.binding.attachment.rows.release()  # those of the scene that this one replaces
-        law.binding.enter(token, json.loads(text)["account"])
+        content = json.loads(text)
+        law.binding.enter(token, content["account"])
+        law.binding.counted, law.binding.bound = content["counted"], content["bound"]
         saving.restore(law.binding, _tag(HISTORY.format(label=label)))
         command = GUARD_COMMAND.format(label=label)
         law.binding.watched_by(next((e for e in get_engines() if getattr(e, "command", None) == command), None))
@@ -377,7 +405,8 @@ def _restored(label, former, text):
     content = json.loads(text)
     if former is not None:
         current = json.loads(saving.law_text(former.binding, content["attributes"]))
-        if current | {"account": None} == content | {"account": None}:
+        changing = dict.fromkeys(("account", "counted", "bound"))
+        if current | changing == content | changing:
             former.updateAttrs(content["attributes"])
             return former
     return Law2_ScGeom_MindlinPhys_Demlaws._from_text(label, text)
@@ -388,6 +417,7 @@ def _restored(label, former, text):
 
 def guard(label):
     """Called by a law's PyRunner: attaches the law in a new process, raises the faults of native code."""
+    refuse_mpi(EngineStopped)
     functor = at_work(label)
     binding = functor.binding
     if not binding.attachment.acts_in(functor):

@@ -50,14 +50,14 @@ def liggghts(folder, history=True):
 def table(path):
     with open(path) as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
-    return {name: [float(row[name]) for row in rows if name != "yielded"] for name in rows[0]}
+    return {name: [float(row[name]) for row in rows if name != "flattened"] for name in rows[0]}
 
 
 @pytest.mark.parametrize("write", [lammps, liggghts])
 def test_columns_of_exported_cases(tmp_path, capsys, write):
     assert main(["contacts", *write(tmp_path), "--csv", str(tmp_path / "x.csv")]) == 0
     text = capsys.readouterr().out
-    assert "1 of 2 contacts have yielded" in text and "to 1e" not in text
+    assert "1 of 2 contacts have deformed plastically" in text and "to 1e" not in text
     columns = table(tmp_path / "x.csv")
     assert columns["overlap (m)"] == pytest.approx([2e-6, 1e-6], rel=1e-5) and columns["force (N)"] == [5.0, 1.0]
     assert columns["maximum_overlap (m)"] == [3e-6, 1e-6] and columns["plastic_overlap (m)"] == [1e-6, 0.0]
@@ -66,7 +66,7 @@ def test_columns_of_exported_cases(tmp_path, capsys, write):
 
 def test_dump_without_history(tmp_path, capsys):
     assert main(["contacts", *liggghts(tmp_path, history=False), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out) == {"contacts": 2, "yielded": None}
+    assert json.loads(capsys.readouterr().out) == {"contacts": 2, "flattened": None}
 
 
 def test_rounded_places_are_reported(tmp_path, capsys):

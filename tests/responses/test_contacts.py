@@ -15,7 +15,7 @@ ONE, TWO = np.array([[0.0, 0, 0], [0, 0, 1], [0, 1, 0]]), np.array([[0.0, 0, 1],
 def three(**more):
     values = {"stored": np.array([1.0, 1.0, 1.0]), "dissipated": np.array([0.0, 1e-14, 0.5])}
     values |= {"maximum_overlap": np.array([2e-6, 2e-6, 3e-6]), "plastic_overlap": np.array([0.0, 0.0, 1e-6])}
-    values |= {"yielded": np.array([False, False, True])}
+    values |= {"flattened": np.array([False, False, True])}
     return Contacts(
         np.array([0, 1, 2]), np.array([1, 2, 3]), np.array([2e-6, 1e-6, 3e-6]), np.array([5.0, 4.0, 9.0]), **(values | more)
     )
@@ -26,7 +26,7 @@ def test_length_indexing_and_columns():
     assert len(contacts) == 3 and len(contacts[contacts.force > 4.5]) == 2
     assert contacts[-1].body2.tolist() == [3] and contacts[[2, 0]].force.tolist() == [9.0, 5.0]
     assert contacts[:1].stiffness is None
-    assert contacts[1:].yielded.tolist() == [False, True]
+    assert contacts[1:].flattened.tolist() == [False, True]
     columns = contacts.columns()
     assert "radius_ratio" not in columns and "stiffness (N/m)" not in columns  # nothing is known of them
     assert columns["plastic_overlap (m)"][2] == 1e-6 and list(columns["sliding"]) == [True, False, False]
@@ -43,7 +43,7 @@ def test_every_column_is_described():
 def test_dataframe():
     pytest.importorskip("pandas")
     frame = three().to_dataframe()
-    assert len(frame) == 3 and frame["force (N)"].sum() == 18.0 and frame["yielded"].sum() == 1
+    assert len(frame) == 3 and frame["force (N)"].sum() == 18.0 and frame["flattened"].sum() == 1
 
 
 @pytest.mark.parametrize(("suffix", "library"), [(".vtu", "meshio"), (".vtk", "meshio"), (".vtp", "pyvista")])
@@ -59,7 +59,7 @@ def test_lines_for_paraview(tmp_path, suffix, library, monkeypatch):
     else:
         lines, data = mesh.lines.reshape(-1, 3)[:, 1:], mesh.cell_data
     assert points[lines[:, 0]] == pytest.approx(ONE) and points[lines[:, 1]] == pytest.approx(TWO)
-    assert np.ravel(data["plastic_overlap"]).tolist() == [0.0, 0.0, 1e-6] and np.ravel(data["yielded"]).tolist() == [0, 0, 1]
+    assert np.ravel(data["plastic_overlap"]).tolist() == [0.0, 0.0, 1e-6] and np.ravel(data["flattened"]).tolist() == [0, 0, 1]
 
 
 @pytest.mark.parametrize(("suffix", "remedy"), [(".vtp", "demlaws\\[vtk\\]"), (".vtu", "meshio"), (".csv", "csv")])

@@ -268,7 +268,7 @@ def test_a_stepper_is_judged_once_there_are_spheres(omega):
         omega.engines = [*dy.engines(law), stepper]
     omega.bodies.append(fixed_pair(material()))
     omega.dt = 1e-9
-    with pytest.warns(dl.errors.TimeStepWarning, match=r"and is now 6\.\d+e-06 s") as seen:
+    with pytest.warns(dl.errors.TimeStepWarning, match=r"bound is 6\.\d+e-06 s") as seen:
         advance(3)
     assert "rough" not in str(seen[0].message) and stepper.maxDt == pytest.approx(0.8 * 4 * yade.utils.PWaveTimeStep())
 
@@ -288,16 +288,21 @@ def test_which_contacts_have_yielded(omega, tabulated):
         omega.bodies[body].state.pos += yade.Vector3(0, 0, 0.5 * yields)
     advance(2)
     state = acts.contacts()
-    assert state.yielded.tolist() == [True, False] and state.branch.tolist() == [1, 1] and len(state) == 2
+    assert (
+        state.bulk_yielded.tolist() == [True, False]
+        and state.flattened.all()
+        and state.branch.tolist() == [1, 1]
+        and len(state) == 2
+    )
 
 
-def test_asperities_yield_from_the_first_touch(omega):
-    """A law without a yield point: whatever has dissipated has yielded. No contacts: arrays of no entries."""
+def test_asperities_flatten_from_the_first_touch(omega):
+    """The bulk of a law without a yield point stays elastic: no word of it. No contacts: arrays of no entries."""
     rough = acting(functor())
-    assert rough.contacts().yielded.tolist() == [True]
-    assert len(rough.contacts([])) == 0 == rough.contacts([]).yielded.size
+    assert rough.contacts().flattened.tolist() == [True] and rough.contacts().bulk_yielded is None
+    assert len(rough.contacts([])) == 0 == rough.contacts([]).flattened.size
     omega.reset()
-    assert acting(functor("pohrt-popov", "elastic")).contacts().yielded.tolist() == [False]
+    assert acting(functor("pohrt-popov", "elastic")).contacts().flattened.tolist() == [False]
 
 
 def test_columns_of_contacts(omega):

@@ -100,7 +100,7 @@ def test_contacts_of_many_blocks(omega, monkeypatch, tmp_path):
     assert forces == [expected()] * count
     contacts = law.contacts()
     assert len(contacts) == count and contacts.force == pytest.approx(forces, rel=1e-13)
-    assert len(law.binding.attachment.live()[0]) == count
+    assert len(law.binding.attachment.live()) == count
     law.binding.context["collect_at"] = 1
     advance(101)
     assert law.binding.context["free_count"] == layout.ROWS - 2
