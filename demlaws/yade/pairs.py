@@ -391,9 +391,9 @@ class Pairs:
         if self.shapes[number] is None:
             source = LawSource(HERTZ, {})
         dimension = 2.0 if surface.fractal_dimension is None and surface.roughness == 0.0 else surface.fractal_dimension
-        with quiet():  # of the roughness
+        with quiet():  # of roughness and radius
             contact = Contact(radius, modulus, surface.roughness, dimension, surface.hardness)
-        return source.definition.limits(contact, **source.options)
+            return source.definition.limits(contact, **source.options)
 
     def serves(self, number, radius, modulus):
         """Whether the law of a record may be used at this R and E*."""
