@@ -1,8 +1,10 @@
 """Folders for machine code, each named by the content of all that the code depends on.
 
-numba's cache (`cache=True`) notices a change of the file that a loop is in, not of the kernels that the loop inlines: it is
-given a folder for each loop and types of its arguments, in which processes that write at once write the same. No folder is
-removed: `demlaws-…` of former versions may be deleted at any time.
+numba's cache (`cache=True`) keeps machine code beside the file that a function is in, or below NUMBA_CACHE_DIR in a folder
+named by that file's, and notices a change of this file, not of the kernels that a loop inlines. So a loop is compiled as if it
+were in a file of its own, in a folder for it and the types of its arguments; processes that write at once write the same there.
+No setting of numba is changed: other threads share it. No folder is removed: `demlaws-…` of former versions may be deleted at
+any time.
 """
 
 import contextlib
@@ -11,6 +13,7 @@ import os
 import sys
 import tempfile
 from pathlib import Path
+from types import FunctionType
 
 import llvmlite.binding
 import numba
@@ -56,3 +59,28 @@ def folder_of(function, kinds, constants):
     if keys is None or _common_folder() is None:
         return None
     return _common_folder() / f"{function.__qualname__}-{digest(kinds, *keys)[:24]}"
+
+
+def placed(function, folder):
+    """The same function as if it were in a file of this folder, which is made: numba keeps its machine code there.
+
+    The file is the same wherever it is made, so that code which another process kept is found again.
+    """
+    file = folder / f"{function.__name__}.py"
+    if not file.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile("w", dir=folder, delete=False) as temporary:
+            temporary.write(f"# Machine code of {function.__module__}.{function.__qualname__} is kept beside this file.\n")
+        os.utime(temporary.name, (0, 0))
+        os.replace(temporary.name, file)
+    code = function.__code__.replace(co_filename=str(file))
+    copy = FunctionType(code, function.__globals__, function.__name__, function.__defaults__, function.__closure__)
+    copy.__qualname__, copy.__module__ = function.__qualname__, function.__module__
+    return copy
+
+
+def discard(function):
+    """Remove the index of the machine code that numba kept of a function: it is compiled again."""
+    with contextlib.suppress(OSError, RuntimeError):
+        for index in Path(numba.njit(cache=True)(function).stats.cache_path).glob("*.nbi"):
+            index.unlink(missing_ok=True)

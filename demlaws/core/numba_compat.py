@@ -13,7 +13,7 @@ import numpy as np
 from numba.extending import lower_builtin, overload, register_jitable, type_callable
 
 from demlaws.core import cache, notice
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, warn
 
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True, "no_cfunc_wrapper": True}
 """Of fastmath only ``contract`` (fused multiply-add): all of it would delete checks for NaN."""
@@ -82,7 +82,7 @@ def _kind(value):
 
 
 def _variant(function, kinds):
-    return _kept(cache.folder_of(function, kinds, {}), lambda keep: numba.njit(kinds, cache=keep, **OPTIONS)(function))
+    return _kept(function, cache.folder_of(function, kinds, {}), lambda f, keep: numba.njit(kinds, cache=keep, **OPTIONS)(f))
 
 
 def callback(signature, function, constants):
@@ -95,28 +95,28 @@ def callback(signature, function, constants):
     bound = FunctionType(function.__code__, {**function.__globals__, **constants}, function.__name__)
     bound.__qualname__ = function.__qualname__
     folder = cache.folder_of(function, signature.args, constants)
-    return _kept(folder, lambda keep: numba.cfunc(signature, cache=keep, **OPTIONS)(bound))
+    return _kept(bound, folder, lambda f, keep: numba.cfunc(signature, cache=keep, **OPTIONS)(f))
 
 
-def _kept(folder, compiled):
-    """compiled(keep): numba's dispatcher or callback, whose machine code is kept in this folder, if there is one."""
+def _kept(function, folder, compiled):
+    """compiled(function, keep): numba's dispatcher or callback, whose machine code is kept in this folder, if there is one."""
     with _compiling:
         notice.begin()
-        before = numba.config.CACHE_DIR
         try:
-            for keep in (True, True, False) if folder else (False,):
-                numba.config.CACHE_DIR = str(folder) if keep else before
+            for attempt in (1, 2) if folder else ():
+                placed = None
                 try:
-                    return compiled(keep)
+                    placed = cache.placed(function, folder)
+                    return compiled(placed, True)
                 except numba.errors.NumbaError:
                     raise
-                except Exception:  # a corrupt file, which is compiled again, or a full disk
-                    if not keep:
-                        raise
-                    for index in folder.rglob("*.nbi"):
-                        index.unlink(missing_ok=True)
+                except Exception as error:  # whatever a corrupt file leads to, which is compiled again, or a full disk
+                    if attempt == 2:
+                        warn(f"machine code cannot be kept in {folder}, each process compiles it again: {error}", UserWarning)
+                    elif placed is not None:
+                        cache.discard(placed)
+            return compiled(function, False)
         finally:
-            numba.config.CACHE_DIR = before
             notice.end()
 
 

@@ -1,8 +1,11 @@
 """Compiled code is loaded from disk unless what it depends on has changed, whatever other processes write at the same time."""
 
+import errno
+import importlib.util
 import os
 import pwd
 import shutil
+import threading
 import time
 
 import numba
@@ -12,7 +15,7 @@ from examples import GRANITE
 from processes import PACKAGE, counted, finish, python, start
 
 import demlaws as dl
-from demlaws.core import cache
+from demlaws.core import cache, numba_compat
 from demlaws.core.loops import FINITE, UNBOUNDED, batch_loop
 from demlaws.plugins.engines import cache_folder
 
@@ -115,7 +118,7 @@ def test_processes_that_compile_the_same_loops_at_once(tmp_path):
     for name, (stiffness, force, _) in zip(names, together, strict=True):
         assert python(code.replace("NAME", name), NUMBA_CACHE_DIR=tmp_path).split() == [stiffness, force, "0"]
     left = [path.name for path in tmp_path.rglob("*") if path.is_file()]
-    assert left and all(name.endswith((".nbi", ".nbc")) for name in left), left
+    assert left and all(name.endswith((".nbi", ".nbc", ".py")) for name in left), left
 
 
 def test_each_set_of_types_has_a_folder():
@@ -141,7 +144,47 @@ def test_no_folder_is_removed(tmp_path):
     python("import demlaws.law, demlaws.core.loops, demlaws.driver", NUMBA_CACHE_DIR=tmp_path)
     assert sorted(tmp_path.iterdir()) == sorted(others)
     hertz(NUMBA_CACHE_DIR=tmp_path)
-    assert len(list(tmp_path.iterdir())) == len(others) + 1 and all(list(folder.iterdir()) for folder in others)
+    assert len(list(tmp_path.iterdir())) > len(others) and all(list(folder.iterdir()) for folder in others)
+
+
+@pytest.fixture
+def theirs(tmp_path):
+    """The module of a program that caches functions of its own."""
+    file = tmp_path / "theirs.py"
+    file.write_text("def double(x):\n    return 2.0 * x\n\n\ndef triple(x):\n    return 3.0 * x\n")
+    spec = importlib.util.spec_from_file_location("theirs", file)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_a_function_that_another_thread_caches_meanwhile_stays_in_its_folder(theirs, monkeypatch):
+    """numba.config.CACHE_DIR was ours while a loop was compiled, for every thread."""
+    found, njit = [], numba.njit
+
+    def other_thread():
+        found.append(njit(cache=True)(theirs.double).stats.cache_path)
+
+    def watched(*arguments, **options):
+        if options.get("cache"):
+            thread = threading.Thread(target=other_thread)
+            thread.start()
+            thread.join()
+        return njit(*arguments, **options)
+
+    monkeypatch.setattr(numba, "njit", watched)
+    assert numba_compat.loop(theirs.triple)(2.0) == 6.0
+    other_thread()
+    assert len(found) > 1 and len(set(found)) == 1
+
+
+def test_a_full_disk_is_one_warning(theirs, monkeypatch):
+    def full(*arguments):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(cache, "placed", full)
+    with pytest.warns(UserWarning, match="No space left"):
+        assert numba_compat.loop(theirs.triple)(2.0) == 6.0
 
 
 def test_works_where_no_folder_takes_a_cache():
