@@ -46,9 +46,9 @@ class MeasuredCurve:
     """Rising curve of measured points: a smoothing spline in ln δ, ln P (`_smooth`).
 
     Fewer than 6 overlaps are interpolated, by Fritsch and Carlson's monotone cubics: points of one overlap become their mean,
-    neighbours whose forces fall are averaged (pool adjacent violators). Points whose force is
-    further from the curve than 25 % (of it, or of a twentieth of the largest) and 4 standard uncertainties are refused, those
-    without an overlap or without a force, which make no knot, too. Below the first knot the curve is a power law with the
+    neighbours whose forces fall are averaged (pool adjacent violators). Points whose force is further from the curve than 25 %
+    (of it, or of a twentieth of the largest) and 4 to 6 standard uncertainties are refused, also those without an overlap or
+    without a force. Below the first knot the curve is a power law with the
     exponent there, from 1 to 4; beyond the last, one with the exponent there.
     """
 
@@ -62,15 +62,32 @@ class MeasuredCurve:
         (overlap, force, sigma), without = _columns(overlap, force, uncertainty, what)
         order = np.argsort(overlap, kind="stable")
         overlap, force, sigma = overlap[order], force[order], sigma[order]
-        smooth, groups = np.unique(overlap).size >= FEWEST, _equal_groups(overlap)
+        groups, fit = self._follow(overlap, force, sigma, what)
+        departure = np.abs(self.evaluate(overlap)[0] - force)
+        most, noise, at_touch = self.LARGEST_NOISE * float(force.max()), 0.0, 0.0
+        if fit is not None:
+            noise = min(fit.noise, most)
+            at_touch = min(max(1.5 * noise, float(np.sqrt(np.mean(departure**2)))), 1.5 * most)
+        self._check_touch((*without[:2], np.fmax(without[2], at_touch)), force.max(), what)
+        allowed = np.maximum(self._allowed(force, sigma, force.max()), 6.0 * noise)
+        worst = int(np.argmax(departure / allowed))
+        if departure[worst] > allowed[worst]:
+            raise DemlawsError(
+                f"{what}: at overlap {overlap[worst]:.6g} m the force is {force[worst]:.6g} N, {departure[worst]:.3g} N from "
+                f"a rising curve through the points: give points of {what} only, in m and N, or their uncertainty [N]"
+            )
+        self.knots = self._knots(groups, fit, sigma, departure)
+
+    def _follow(self, overlap, force, sigma, what):
+        """Set the curve through points in the order of their overlaps; returns the points of each place, and the smoothing."""
+        smooth, groups, fit = np.unique(overlap).size >= FEWEST, _equal_groups(overlap), None
         x = np.array([np.mean(np.log(overlap[g])) for g in groups])
-        y = np.array([np.mean(np.log(force[g])) for g in groups])
-        fit = None
         if smooth:
-            relative = np.array([math.sqrt(float(np.sum((sigma[g] / force[g]) ** 2))) / g.size for g in groups])
-            fit = _smooth(x, y, np.array([g.size for g in groups]), relative)
+            means = np.array([np.mean(force[g]) for g in groups])
+            errors = np.array([math.sqrt(float(np.sum(sigma[g] ** 2))) / g.size for g in groups])
+            fit = _smooth(x, means, errors, np.array([g.size for g in groups]))
         else:
-            x, y, groups = _rising(x, y, groups)
+            x, y, groups = _rising(x, np.array([np.mean(np.log(force[g])) for g in groups]), groups)
         if x.size < 2 or (smooth and fit is None):
             raise DemlawsError(
                 f"{what}: the forces do not rise with the overlap (from {force[0]:.6g} N at {overlap[0]:.6g} m to "
@@ -81,35 +98,26 @@ class MeasuredCurve:
         self.first = min(max(1.0, self._slope), 4.0)
         self.last = max(float(self._spline(x[-1], 1)), 1e-3)
         self.largest = float(overlap[-1])
-        noise = 0.0 if fit is None else min(fit.noise, self.LARGEST_NOISE * force.max())
-        departure = np.abs(self.evaluate(overlap)[0] - force)
-        allowed = np.maximum(self._allowed(force, sigma, force.max()), 6.0 * noise)
-        self._check_touch((*without[:2], np.fmax(without[2], 1.5 * noise)), force.max(), what)
-        worst = int(np.argmax(departure / allowed))
-        if departure[worst] > allowed[worst]:
-            raise DemlawsError(
-                f"{what}: at overlap {overlap[worst]:.6g} m the force is {force[worst]:.6g} N, {departure[worst]:.3g} N from "
-                f"a rising curve through the points: give points of {what} only, in m and N, or their uncertainty [N]"
-            )
+        return groups, fit
+
+    def _knots(self, groups, fit, sigma, departure):
+        """What a table keeps of the points."""
+        overlap, force = np.exp(self.x), np.exp(self._spline(self.x))
         if fit is not None:
-            at = np.unique(np.linspace(0, x.size - 1, min(x.size, SHOWN)).round().astype(int))
-            force = np.exp(fit.values)
-            text = f"spline by generalised cross-validation, {fit.freedom:.1f} degrees of freedom"
+            at = np.unique(np.linspace(0, self.x.size - 1, min(self.x.size, SHOWN)).round().astype(int))
+            text = f"smoothing spline by restricted likelihood, {fit.freedom:.1f} degrees of freedom"
             sigmas = fit.relative_error * force
-            self.knots = Knots(np.exp(x[at]), force[at], sigmas[at], int(overlap.size), float(departure.max()), text)
-            return
-        averaged = len(groups) < overlap.size
+            return Knots(overlap[at], force[at], sigmas[at], int(sigma.size), float(departure.max()), text)
+        averaged = len(groups) < sigma.size
         sigmas = np.array([_uncertainty(sigma[g], departure[g], averaged) for g in groups])
-        text = (
-            f"{overlap.size} points averaged to {len(groups)} knots"
-            if averaged
-            else f"none: one knot per point ({len(groups)})"
-        )
-        self.knots = Knots(np.exp(x), np.exp(y), sigmas, int(overlap.size), float(departure.max()), text)
+        points = f"{sigma.size} points averaged to {len(groups)} knots"
+        text = points if averaged else f"none: one knot per point ({len(groups)})"
+        return Knots(overlap, force, sigmas, int(sigma.size), float(departure.max()), text)
 
     def _allowed(self, force, sigma, largest):
         """How far points may lie from the curve [N]."""
-        return np.maximum(self.FURTHEST * np.maximum(force, 0.05 * largest), 4.0 * np.nan_to_num(sigma))
+        widths = max(4.0, math.sqrt(2.0 * math.log(1e3 * max(sigma.size, 1))))  # of one in a thousand sets of so many points
+        return np.maximum(self.FURTHEST * np.maximum(force, 0.05 * largest), widths * np.nan_to_num(sigma))
 
     def _check_touch(self, points, largest, what):
         """Points without overlap carry no force, and those without force lie where it has none."""
@@ -148,53 +156,62 @@ class _Smoothed(NamedTuple):
     relative_error: np.ndarray  # standard uncertainty of ln P at the places
 
 
-def _smooth(x, y, counts, relative):
-    """Natural cubic smoothing spline of y over x, rising; None where no rising one is found.
+def _smooth(x, force, sigma, counts):
+    """Natural cubic smoothing spline η(x) of ln P, rising; None where no rising one is found.
 
-    counts: points that each place stands for; relative: their standard uncertainty of y, NaN if unknown. Then
-    the noise of the force is taken as a² + b² P² and found from the residuals. The smoothing is that of the lowest generalised
-    cross-validation, with 1.4 degrees of freedom counted for each (Kim & Gu 2004), or more where the curve would not rise.
+    force, sigma: mean force of each place and its standard uncertainty [N]; unknown ones (NaN, 0) are a² + b² P², found from
+    the residuals; counts: points that each place stands for. Residuals are those of the force, P - exp η, so that noise does
+    not shift the logarithm (Green & Silverman 1994, ch. 5). The curve is the mean over smoothings, weighted by their
+    restricted likelihood (Wood 2011), and the uncertainty includes the spread of these.
     """
     from scipy.interpolate import CubicSpline
     from scipy.optimize import nnls
 
-    h = np.diff(x)
-    second = np.zeros((x.size - 2, x.size))  # Qᵀ of Green & Silverman 1994, ch. 2
-    rows = np.arange(x.size - 2)
+    penalty, fine, top, noise = _penalty(x), np.linspace(x[0], x[-1], 8 * x.size), float(np.max(force)), 0.0
+    known = bool(np.all(sigma > 0.0))
+    error = sigma if known else 0.02 * top / np.sqrt(counts)
+    values = np.log(np.maximum(force, 0.03 * top))
+    for turn in range(40):
+        curve = np.exp(values)
+        relative, response = error / curve, values + (force - curve) / curve
+        stiffness, vectors = np.linalg.eigh(penalty * relative * relative[:, None])
+        stiffness[:2], data = 0.0, vectors.T @ (response / relative)
+        smoothing = np.geomspace(1e-4 / stiffness[-1], 10.0 / stiffness[2], 120)[:, None]  # no mere power law [our choice]
+        shrinkage = 1.0 / (1.0 + smoothing * stiffness)
+        squares = np.sum((1.0 - shrinkage) * data**2, axis=1)
+        score = squares if known else (x.size - 2.0) * np.log(np.maximum(squares, 1e-300))
+        score = score - np.sum(np.log(smoothing * stiffness[2:] * shrinkage[:, 2:]), axis=1)
+        curves = relative * ((shrinkage * data) @ vectors.T)
+        rising = np.min(CubicSpline(x, curves.T, bc_type="natural")(fine, 1), axis=0) > 0.0
+        if not np.any(rising):
+            return None
+        weight = np.where(rising, np.exp(-0.5 * (score - np.min(score[rising]))), 0.0)
+        weight /= np.sum(weight)
+        best, scale = weight @ curves, 1.0 if known else float(weight @ squares) / (x.size - 2.0)
+        variance = scale * (weight @ (shrinkage @ (vectors**2).T)) * relative**2 + weight @ (curves - best) ** 2
+        step = np.clip(best - values, -1.0, 1.0)
+        values, freedom = values + step, float(weight @ np.sum(shrinkage, axis=1))
+        if np.max(np.abs(step)) < 1e-9 or (turn > 12 and np.max(np.abs(step)) < 1e-4):
+            break
+        if not known and turn > 1:
+            curve = np.exp(values)
+            square = (force - curve) ** 2 * counts / max(1.0 - freedom / x.size, 0.2)
+            model = np.column_stack([np.ones(x.size), curve**2])
+            inverse = 1.0 / (model @ [1e-6 * top**2, 1e-4])
+            (constant, share), _ = nnls(model * inverse[:, None], square * inverse)
+            noise = math.sqrt(constant)
+            error = np.sqrt((constant + share * curve**2 + 1e-12 * curve**2) / counts)
+    return _Smoothed(values, CubicSpline(x, values, bc_type="natural"), freedom, noise, np.sqrt(variance))
+
+
+def _penalty(x):
+    """Matrix of ∫η'' ² dx of a natural cubic spline with the values η at x (Green & Silverman 1994, ch. 2)."""
+    h, rows = np.diff(x), np.arange(x.size - 2)
+    second = np.zeros((x.size - 2, x.size))
     second[rows, rows], second[rows, rows + 2] = 1.0 / h[:-1], 1.0 / h[1:]
     second[rows, rows + 1] = -(1.0 / h[:-1] + 1.0 / h[1:])
     band = np.diag((h[:-1] + h[1:]) / 3.0) + np.diag(h[1:-1] / 6.0, 1) + np.diag(h[1:-1] / 6.0, -1)
-    penalty = second.T @ np.linalg.solve(band, second)
-    force, absolute, noise = np.exp(y), bool(np.all(relative > 0.0)), 0.0
-    error = relative if absolute else np.max(force) / force / np.sqrt(counts)  # at first: the same at all forces
-    for _ in range(1 if absolute else 4):
-        stiffness, vectors = np.linalg.eigh(penalty * error * error[:, None])
-        stiffness[:2] = 0.0
-        data = vectors.T @ (y / error)
-        best = None
-        for smoothing in np.geomspace(1e-3 / stiffness[-1], 1e4 / stiffness[2], 240):
-            shrinkage = 1.0 / (1.0 + smoothing * stiffness)
-            freedom = x.size - 1.4 * shrinkage.sum()
-            score = np.sum(((1.0 - shrinkage) * data) ** 2) / freedom**2 if freedom > 0.0 else math.inf
-            if best is not None and score >= best[0]:
-                continue
-            spline = CubicSpline(x, error * (vectors @ (shrinkage * data)), bc_type="natural")
-            if np.all(spline(np.linspace(x[0], x[-1], 8 * x.size), 1) > 0.0):
-                best = score, shrinkage, spline
-        if best is None:
-            return None
-        _, shrinkage, spline = best
-        values = spline(x)
-        scatter = np.sum(((y - values) / error) ** 2) / max(x.size - shrinkage.sum(), 1.0)
-        certain = np.sqrt((1.0 if absolute else scatter) * (vectors**2 @ shrinkage)) * error
-        if not absolute:
-            square = (np.exp(values) * (y - values)) ** 2 * counts
-            model = np.column_stack([np.ones(x.size), np.exp(2.0 * values)])
-            weight = 1.0 / (model @ [1e-6 * force.max() ** 2, 1e-4])
-            (constant, share), _ = nnls(model * weight[:, None], square * weight)
-            noise = math.sqrt(constant)
-            error = np.sqrt((constant / force**2 + share + 1e-12) / counts)
-    return _Smoothed(values, spline, float(shrinkage.sum()), noise, certain)
+    return second.T @ np.linalg.solve(band, second)
 
 
 def _equal_groups(overlap):
