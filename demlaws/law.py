@@ -460,7 +460,7 @@ class Table(Law):
         name: str = "points",
         description: str = "measured points",
     ) -> "Table":
-        """`Table` of a rising curve through measured points, smoothed by generalised cross-validation.
+        """`Table` of a rising curve through measured points, smoothed by restricted likelihood.
 
         Below the first point the curve is a power law. `table.knots` has points of the curve with the standard uncertainty
         of their force.
