@@ -251,7 +251,7 @@ class Definition(NamedTuple):
 
     >>> from demlaws.laws.registry import find
     >>> find("hertz").equation, find("pohrt-popov").needed()
-    ('P = (4/3) E* √R δ^1.5', ('fractal_dimension',))
+    ('P = (4/3) E* √R δ^1.5', ('roughness', 'fractal_dimension'))
     """
 
     name: str
