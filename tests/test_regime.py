@@ -165,3 +165,15 @@ def test_breaches_begin_with_the_largest_excess(largest):
         found = dl.law(name, GRANITE).breaches(1e-2, largest)
         factors = [max(b.value / b.bound, b.bound / b.value) for b in found]
         assert len(found) > 1 and factors == sorted(factors, reverse=True) and min(factors) > 1.0
+
+
+@pytest.mark.parametrize(("dimension", "warned"), [(2.5, False), (2.6, True)])
+def test_fractal_dimensions_beyond_those_of_the_theory(dimension, warned):
+    """0.2567 Df is within 4 % of 1/(1 + H) of Pastewka et al. 2013 up to Df 2.5; beyond it a warning."""
+    assert abs(0.2567 * 2.5 * (1 + 3 - 2.5) - 1) < 0.04 and abs(0.2567 * 2.8 * (1 + 3 - 2.8) - 1) > 0.13
+    contact = GRANITE.with_values(fractal_dimension=dimension)
+    for name, options in (("pohrt-popov", {}), ("rough-plastic", {"yield_pressure": 1.66e9})):
+        law = dl.law(name, contact, **options)
+        threshold = float(dl.law("pohrt-popov", contact, "elastic").limits()[-1].minimum_force)
+        found = [breach for breach in law.breaches(1.0, 2.0) if "fractal dimension" in breach.reason]
+        assert len(found) == warned and all(breach.bound == pytest.approx(threshold) for breach in found)
