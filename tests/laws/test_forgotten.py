@@ -13,7 +13,7 @@ from demlaws.cli import main
 from demlaws.errors import MissingQuantity
 from demlaws.laws.registry import find, registry
 from demlaws.plugins.grains import Case, Grain
-from demlaws.yade.pairs import Pairs, Span
+from demlaws.yade.pairs import Pairs
 
 OF_CONTACT = ("roughness", "fractal_dimension", "hardness")
 LEFT_OUT = [(law, name) for law, definition in registry().items() for name in definition.needed(**options_of(law))]
@@ -54,8 +54,7 @@ def between(law, name, folder):
 
 
 def in_yade(law, name, folder):
-    surface, span = dl.Surface(**without(name)), Span((4e-3, 4e-3), (32e9, 32e9))
-    return Pairs(law, {"granite": surface}, None, options_of(law), lambda labels: span, smooth=True)
+    return Pairs(law, {"granite": dl.Surface(**without(name))}, None, options_of(law), 32e9, smooth=True)
 
 
 def in_a_case(law, name, folder):
