@@ -14,13 +14,14 @@ Mindlin functor of the process. It would survive `O.load`; here a guard attaches
 
 import ctypes
 import os
+import warnings
 import weakref
 
 import numpy as np
 import yade
 import yade.config
 
-from demlaws.errors import DemlawsError
+from demlaws.errors import BridgeWarning, DemlawsError
 from demlaws.yade import kernel, layout, mindlin, objects
 from demlaws.yade.omega import O, scratch_scene, set_engines
 from demlaws.yade.records import memory_at
@@ -268,19 +269,13 @@ class Layout:
 
     @property
     def untested(self):
-        """A line about a YADE on which the tests have not run, or of which a contact step is not known; None: neither."""
-        lines = []
-        if self.version not in TESTED:
-            lines.append(
-                f"this is YADE {self.version}, on which demlaws has not been tested ({', '.join(TESTED)} are): the checks of "
-                "its memory layout have passed, and a self-test is made with each kind of law"
-            )
-        if not self.knows_velocities:
-            lines.append(
-                f"shear has the lever of YADE's full step, with which small grains stick between much larger ones "
-                f"(docs/shear.md): {self.step_refused}"
-            )
-        return "; ".join(lines) or None
+        """A line about a YADE on which the tests have not run, or None."""
+        if self.version in TESTED:
+            return None
+        return (
+            f"this is YADE {self.version}, on which demlaws has not been tested ({', '.join(TESTED)} are): the checks of its "
+            "memory layout have passed, and a self-test is made with each kind of law"
+        )
 
 
 _layout = None
@@ -295,6 +290,9 @@ def find_layout():
                 f"it needs Linux on a processor of x86-64, this is {os.uname().sysname} {os.uname().machine}"
             )
         _layout = Layout()
+        if not _layout.knows_velocities:
+            line = "shear has the lever of YADE's full step: small grains may stick between much larger ones (docs/shear.md)"
+            warnings.warn(f"{line}; {_layout.step_refused}", BridgeWarning, stacklevel=2)
     return _layout
 
 
