@@ -80,8 +80,7 @@ public:
       stiffness_ = pair.modulus * sqrt(radius * length);
       scale_ = stiffness_ * length;
     } else {
-      const double root =
-          2. * pair.modulus * sqrt(keeps_radius(pair.rule) ? radius * state[2] : radius);
+      const double root = 2. * pair.modulus * sqrt(keeps_radius(pair.rule) ? radius * state[2] : radius);
       stiffness_ = 1.;
       scale_ = 1. / (3. * root * root); // K = root sqrt(z)
     }

@@ -168,7 +168,7 @@ def cautions(definition, law):
         sentences.append(f"It needs the contact's {', '.join(f'`{n}`' for n in definition.needs)}.")
     if definition.needs_map:
         sentences.append("It needs a measured height map; with a roughness alone, use another law.")
-    if definition.implicit:
+    if definition.implicit and not definition.needs_map and not definition.solved:
         sentences.append("Its force is the root of an equation, solved at each call: for many contacts use its table.")
     if definition.needs_map:
         sentences.append(
