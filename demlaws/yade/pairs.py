@@ -25,7 +25,7 @@ from demlaws.yade.shear import MODES, SPRINGS, Levels
 EVERY = "*"
 """In place of a label: every material whose label is not listed."""
 FLATS = ("yade", "plane")
-TYPICAL_RADIUS, TYPICAL_MODULUS = 1e-4, 30e9
+TYPICAL_RADIUS, TYPICAL_MODULUS = 5e-4, 30e9
 """Effective radius [m] and modulus [Pa] with which a law is made and tested, since contacts are not known yet: those of a small
 grain, as some options must not be below R; the kernels give NaN where a contact does not fit."""
 
@@ -154,7 +154,7 @@ class LawSource:
         only = self.only_for()
         if only[0] > 0.0:
             return only
-        radius = max(TYPICAL_RADIUS, 30.0 * (surface.roughness or 0.0))  # whether it fits the bodies is seen when they meet
+        radius = max(TYPICAL_RADIUS, 100.0 * (surface.roughness or 0.0))  # whether it fits the bodies is seen when they meet
         modulus = modulus or (5.0 * surface.hardness if surface.hardness else TYPICAL_MODULUS)
         return np.array([radius, 2.0 * radius]), np.full(2, modulus)
 

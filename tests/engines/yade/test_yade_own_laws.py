@@ -40,6 +40,7 @@ def test_a_law_of_ones_own_is_exact(omega, page, registered_here):
 def test_answers_tell_laws_of_one_name_apart(omega, monkeypatch):
     """A saved scene knows a user's law by its name: what it answered is saved with it, and compared."""
     from demlaws.yade import saving
+    from demlaws.yade.pairs import TYPICAL_MODULUS, TYPICAL_RADIUS
     from demlaws.yade.saving import pairs_from, pairs_text
 
     monkeypatch.setattr(saving, "home_of", lambda name: "mine.py" if name == "pohrt-popov" else "demlaws")
@@ -49,8 +50,9 @@ def test_answers_tell_laws_of_one_name_apart(omega, monkeypatch):
     omega.bodies.append(sphere((0, 0, 0), 0.03, material=material()))
     assert pairs_text(functor().binding.pairs, True) == pairs_text(made, True)  # whatever bodies have come
     content = json.loads(text)
-    pair = dl.Contact(5e-3, 30e9, GRANITE.roughness * 2**0.5, GRANITE.fractal_dimension, GRANITE.hardness)
-    assert content["answers"][-1][-1] == pytest.approx(dl.law("pohrt-popov", pair, "hertz").force(2e-5), rel=1e-9)
+    pair = dl.Contact(TYPICAL_RADIUS, TYPICAL_MODULUS, GRANITE.roughness * 2**0.5, GRANITE.fractal_dimension)
+    answer = dl.law("pohrt-popov", pair, "hertz").force(4e-3 * TYPICAL_RADIUS)
+    assert content["answers"][-1][-1] == pytest.approx(answer, rel=1e-9)
     content["answers"][-1][-1] *= 1 + 1e-6
     with pytest.raises(dl.DemlawsError, match=r"law 'pohrt-popov' is registered, but gives other forces"):
         pairs_from(json.dumps(content))
