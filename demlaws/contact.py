@@ -406,7 +406,7 @@ class Contact:
 
 def smooth_overlap(contact: Contact, force: Any) -> Any:
     """Overlap [m] of a smooth contact under `force` > 0 [N], (9 P²/(16 R E*²))^(1/3)."""
-    return (9.0 * force**2 / (16.0 * contact.radius * contact.modulus**2)) ** (1 / 3)
+    return (0.75 * force / (contact.modulus * np.sqrt(contact.radius))) ** (2 / 3)
 
 
 def pressure_of(contact: Contact, value: Any, name: str) -> float:

@@ -94,7 +94,7 @@ class Regime(NamedTuple):
         )
 
 
-def check_load(contact: Contact, force: Any) -> None:
+def _check_load(contact: Contact, force: Any) -> None:
     """DemlawsError where a smooth contact's overlap under `force` [N] is beyond R, a warning where it is beyond R/10."""
     try:
         text = check_overlaps(smooth_overlap(contact, force), contact.radius)
@@ -140,7 +140,7 @@ def assess(contact: Contact, force: Any, mu: float | None = None, *, yield_press
     if as_contact(contact).size is not None:
         raise DemlawsError("assess takes one contact; this one is an array: use pressure_ratio and transition_force")
     force = number(force, "force", "N")
-    check_load(contact, force)
+    _check_load(contact, force)
     p0, alpha = float(hertz_pressure(contact, force)), float(contact.roughness_parameter(force))
     if yield_pressure is not None:
         limit = _yield_pressure(yield_pressure)
@@ -235,7 +235,7 @@ def advise(contact: Contact, force: Any, yield_pressure: Any = None, *, mu: floa
     """
     as_contact(contact)
     force = number(force, "force", "N")
-    check_load(contact, force)
+    _check_load(contact, force)
     alpha = float(np.max(contact.roughness_parameter(FIRST * force)))
     if yield_pressure is not None:
         ratio = float(np.max(hertz_pressure(contact, force))) / _yield_pressure(yield_pressure)

@@ -40,6 +40,7 @@ class Way(NamedTuple):
     spin_about: str = "before"  # the normal about which bodies spin, or "now"
     first: bool = False  # the normal before the first contact is known
     by_speed: bool = False  # n - n_before of two spheres from the velocity of their centres over the distance of now
+    half_turn: bool = False  # the displacement of a step turns about n by half of the angle of the springs
     half_step: bool = True  # False: as engines have it, without the term
 
 
@@ -253,6 +254,8 @@ def follow(first, radius, motion, law, *, ratio, friction, way=None, levels=3, s
             continue
         model.touch(stiffness[step])
         moved = _displacement(way, first, radius, motion, step, at[step], point, normal, turn.before, overlap[step])
+        if way.half_turn:
+            moved = rotation(0.25 * dt * normal @ motion.spin[step].sum(axis=0) * normal) @ moved
         sideways = -model.displace(turn.to(normal, motion.spin[step]), moved)
         along, viscous = normal_force[step], np.zeros(3)
         if damping is not None:

@@ -27,7 +27,7 @@ namespace demlaws {
 struct Motion {
   double normal[3];       // now
   double velocity[3];     // of the surfaces, in the tangent plane, at the half step [m/s]
-  double displacement[3]; // of the step, likewise [m]
+  double displacement[3]; // of the step, in the tangent plane of now [m]
   double row[3][3];       // of the matrix that turns a vector of the previous tangent plane into that of now
 
   // slip: velocity of the surfaces in the tangent plane with n of now. change: n - n_previous in that plane. lever:
@@ -39,12 +39,17 @@ struct Motion {
     for (int k = 0; k < 3; k++) {
       normal[k] = n[k];
       velocity[k] = slip[k] + 0.5 * lever * across[k];
-      displacement[k] = velocity[k] * dt;
     }
     // First n_previous to n: s - (s n) g with g = (n + n_previous)/(1 + n n_previous), here n - change/2. Then by the
     // angle about n. Both keep lengths but for an eighth of the fourth power of an angle.
     const double angle = 0.5 * dt * spin, square = angle * angle, sine = angle - angle * square * (1. / 6.),
                  cosine = 1. - square * (0.5 - square * (1. / 24.));
+    // The displacement belongs to the half step: it turns by half of that angle, else springs gain or lose energy.
+    const double half = 0.5 * angle, side = dt * half * (1. - half * half * (1. / 6.)),
+                 ahead = dt * (1. - 0.5 * half * half);
+    displacement[0] = ahead * velocity[0] + side * (n[1] * velocity[2] - n[2] * velocity[1]);
+    displacement[1] = ahead * velocity[1] + side * (n[2] * velocity[0] - n[0] * velocity[2]);
+    displacement[2] = ahead * velocity[2] + side * (n[0] * velocity[1] - n[1] * velocity[0]);
     for (int k = 0; k < 3; k++) {
       const double turned = cosine * (n[k] - 0.5 * change[k]) - 0.5 * sine * across[k]; // g
       for (int d = 0; d < 3; d++) row[k][d] = -turned * n[d];

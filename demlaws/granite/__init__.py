@@ -70,10 +70,7 @@ def _spheres(name, radius, roughness, dimension, stages=((100.0,),)):
 
 def _cone(name, radius, stages, assumed="", bulk_radius=None):
     """A test of a cone's tip on a flat: R and R_b [mm]; one p_y for both cones, that of RFC10's stiffness after yield."""
-    assumed = (
-        f"fractal dimension {CONE_DIMENSION} is assumed: the paper's Table 3 has it (footnote c) and the roughness "
-        "(footnote b), but the table's body is missing in the text that we have" + assumed
-    )
+    assumed = f"fractal dimension {CONE_DIMENSION} is assumed: the paper's Table 3 has it, its body our text lacks" + assumed
     bulk = None if bulk_radius is None else bulk_radius * MILLI
     values = (radius * MILLI, 5.04 * MICRO, CONE_DIMENSION, GRANITE_YIELD_PRESSURE)
     return Test(name, *values, stages, assumed, yield_at="load", bulk_radius=bulk)

@@ -14,7 +14,7 @@ YOUNG, POISSON, TIMESTEP = 5e8, 0.25, 1e-6
 RATIO = 2 * (1 - POISSON) / (2 - POISSON)
 CORNERS = [(-0.05, -0.05, 0), (0.05, -0.05, 0), (0, 0.05, 0)]
 FIRST = {"sphere": reference.sphere(OTHER), "plane": reference.plane((0, 0, 1)), "triangle": reference.triangle(CORNERS)}
-OURS = {"stretched": False, "turn": "rotation", "spin_about": "now"}
+OURS = {"stretched": False, "turn": "rotation", "spin_about": "now", "half_turn": True}
 WAYS = {
     ("liggghts", "sphere"): reference.Way(first=True, by_speed=True, **OURS),
     ("liggghts", "plane"): reference.Way(first_share=1.0, **OURS),
