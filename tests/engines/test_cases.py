@@ -177,8 +177,10 @@ def test_ballast(engine, tmp_path):
     cycles = ballast.Cycles(engine, tmp_path, quick=True)
     log, steps = cycles.log, np.diff(cycles.settlement)
     assert log["KinEng"][0] <= 0.01 * log["stored"].max()
-    # the worst row is a grain that slips and takes the load off the plate for an instant
-    assert np.median(cycles.error()) <= 0.02 and np.quantile(cycles.error(), 0.95) <= 0.05
+    # the worst row is a grain that slips and takes the load off the plate for an instant; in the first cycle the deposited bed
+    # may collapse under the plate, by a distance that is chance (docs/validation/ballast.md)
+    later = cycles.error()[cycles.error().size // 4 :]
+    assert np.median(cycles.error()) <= 0.02 and np.quantile(later, 0.95) <= 0.05
     assert len(steps) == 4 and cycles.settlement[-1] >= 0 and steps[-1] <= steps[0]
     assert np.diff(log["lost"]).min() >= -1e-12 * log["lost"][-1]
     assert len(list(cycles.table())) == 3 + 4 and [row[2] for row in cycles.rows()][-1] == 4
