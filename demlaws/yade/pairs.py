@@ -25,9 +25,9 @@ from demlaws.yade.shear import MODES, SPRINGS, Levels
 EVERY = "*"
 """In place of a label: every material whose label is not listed."""
 FLATS = ("yade", "plane")
-TYPICAL_RADIUS, TYPICAL_MODULUS = 5e-4, 30e9
-"""Effective radius [m] and modulus [Pa] with which a law is made and tested, since contacts are not known yet: those of a small
-grain, as some options must not be below R; the kernels give NaN where a contact does not fit."""
+TYPICAL_RADIUS, TYPICAL_MODULUS = 5e-3, 30e9
+"""Effective radius [m] and modulus [Pa] with which a law is made and tested, since contacts are not known yet; the kernels give
+NaN where a contact does not fit."""
 
 NOT_SERVED = (
     "no law was given for it: the surfaces of its materials are not listed, or the table or the measured map is that of "
@@ -154,7 +154,9 @@ class LawSource:
         only = self.only_for()
         if only[0] > 0.0:
             return only
-        radius = max(TYPICAL_RADIUS, 100.0 * (surface.roughness or 0.0))  # whether it fits the bodies is seen when they meet
+        # at most the given radius of the bulk; whether the law fits the bodies is seen when they meet
+        bulk = self.options.get("bulk_radius") or math.inf
+        radius = max(min(TYPICAL_RADIUS, bulk), 100.0 * (surface.roughness or 0.0))
         modulus = modulus or (5.0 * surface.hardness if surface.hardness else TYPICAL_MODULUS)
         return np.array([radius, 2.0 * radius]), np.full(2, modulus)
 

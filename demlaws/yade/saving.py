@@ -16,7 +16,7 @@ from demlaws.laws.registry import home_of, laws
 from demlaws.yade import layout
 from demlaws.yade.binding import Binding
 from demlaws.yade.omega import real_contacts
-from demlaws.yade.pairs import TYPICAL_MODULUS, TYPICAL_RADIUS, LawSource, Pairs
+from demlaws.yade.pairs import TYPICAL_MODULUS, LawSource, Pairs
 from demlaws.yade.radii import Curvature
 
 FORMER_VERSION = (
@@ -132,7 +132,8 @@ def _answers(pairs):
     """
     rows = np.zeros(len(pairs.shapes), layout.CONTACT)
     rows["ratio"], rows["tag"] = 1.0, 1.0 + np.arange(len(rows))
-    rows["radius"], rows["modulus"] = TYPICAL_RADIUS, TYPICAL_MODULUS
+    rows["radius"] = [pairs.typical_contact(number)[0] for number in range(len(rows))]
+    rows["modulus"] = TYPICAL_MODULUS
     forces = []
     for depth in (1e-5, 1e-4, 1e-3, 9e-4, 4e-3):
         rows["overlap"] = depth * rows["radius"]
