@@ -425,7 +425,9 @@ def test_a_law_that_says_so_is_chosen_from():
         return 1.5 * p.factor * p.hertz_coefficient * sqrt(overlap)
 
     dl.register(dl.define("near-hertz", force, stiffness, options={"factor": 0.9}, collapses=True, candidate=True, smooth=True))
-    choices = dl.choose(dl.Scene(radii=5e-3, materials=dl.Material(210e9, 0.3), force=(1.0, 10.0), tolerance=0.2))
+    choices = dl.choose(
+        dl.Scene(radii=5e-3, materials=dl.Material(210e9, 0.3), surfaces=dl.Surface(0), force=(1.0, 10.0), tolerance=0.2)
+    )
     found = [choice for choice in choices if choice.name == "near-hertz"]
     assert {choice.evaluation for choice in found} == {"closed form", "table"}
     assert all(0.1 <= choice.error <= 0.15 and choice.meets for choice in found)
