@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 
 from demlaws import units
-from demlaws.cells import Decimals, is_missing, separator, split
 from demlaws.errors import DemlawsError, MapWarning, did_you_mean, warn
 from demlaws.files import as_path, read_text, write_atomically
 from demlaws.surfaces import plausibility
+from demlaws.surfaces.cells import Decimals, is_missing, separator, split
 from demlaws.surfaces.heightmap import UNITS, HeightMap, box_correction, length, self_affine
 
 __all__ = ["UNITS", "HeightMap", "box_correction", "length", "read", "self_affine", "write"]

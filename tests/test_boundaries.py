@@ -110,7 +110,7 @@ def test_facts_have_one_place(pattern, home):
 
 LAYERS = (
     "errors lazy",
-    "__init__ cells core files units",
+    "__init__ core files units",
     "contact",
     "surfaces",
     "solvers surface",

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.cells import Decimals, is_missing, is_number, separator, split
 from demlaws.errors import DemlawsError, warn
 from demlaws.files import read_text
+from demlaws.surfaces.cells import Decimals, is_missing, is_number, separator, split
 from demlaws.units import LARGEST_OVERLAP, UNITS, plain_unit, unmasked
 
 UNLOADED = 0.02
