@@ -350,7 +350,7 @@ class Contact:
 
     @property
     def sigma(self) -> float | np.ndarray:
-        """σ [m] for laws of smooth contacts, whose curve does not depend on it: the roughness, 0 where none is given."""
+        """σ [m] for laws of smooth contacts, whose curve does not depend on it: the roughness, 0 by default."""
         return 0.0 if self.roughness is None else self.roughness
 
     @property

@@ -60,7 +60,7 @@ class _LawFile(argparse.Action):
 
 
 class _Once(argparse._StoreAction):
-    """As argparse's store, for an option that is given once: a second one would replace the first without a word."""
+    """As argparse's store, for an option that is given once: a second one would replace the first silently."""
 
     def __call__(self, parser, namespace, values, option_string=None):
         if option_string is not None and self.dest in parser._stored:

@@ -22,8 +22,8 @@ namespace demlaws {
 // at the half step (velocity Verlet, leapfrog): docs/theory/shear.md, "The displacement of a step".
 //
 // The lever n of a velocity v - (r1 w1 + r2 w2) x n belongs to the half step, as w does: with n of now the velocity
-// lacks (r1 w1 + r2 w2) x (n - n_previous)/2. What the contact keeps in its tangent plane turns with the normal, and
-// about it by the mean spin of both bodies [our derivation].
+// lacks (r1 w1 + r2 w2) x (n - n_previous)/2. Vectors that the contact keeps in its tangent plane turn with the normal,
+// and about it by the mean spin of both bodies [our derivation].
 struct Motion {
   double normal[3];       // now
   double velocity[3];     // of the surfaces, in the tangent plane, at the half step [m/s]

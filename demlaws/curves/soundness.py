@@ -334,7 +334,7 @@ def _fault_of_rule(rule, params, top, steps=400):
         if np.any(wrong):
             k = int(np.argmax(wrong))
             return f"{where}, at overlap {path[k]:.6g} m, the rule gives {branch[k]:.6g} N, the law {first[k]:.6g} N"
-    # a rule may unload much more steeply than the law loads: what the stiffness explains is no jump
+    # a rule may unload much more steeply than the law loads: a change that the stiffness explains is not a jump
     explained = 1.1 * abs(stiffness[steps]) * (path[steps - 1] - path[steps])
     if abs(force[steps] - force[steps - 1]) > 1e-6 * force[steps - 1] + explained:
         before, after = force[steps - 1], force[steps]

@@ -1,4 +1,4 @@
-"""`python -m studies.half_space`: the certificate of the master curves of the package, or the curves anew."""
+"""`python -m studies.half_space`: the certificate of the master curves of the package, or the curves again."""
 
 import math
 import sys
@@ -23,7 +23,7 @@ def parser():
         ),
     )
     parser.add_argument("--values", type=whole(), default=8, help="values of N_H and of μ (default 8)")
-    parser.add_argument("--save", action="store_true", help="compute the data anew first")
+    parser.add_argument("--save", action="store_true", help="compute the data again first")
     parser.set_defaults(func=run)
     return parser
 

@@ -62,7 +62,7 @@ def compute(model):
 
 
 def save(model):
-    """Compute the file of a model anew, beside the module that reads it: some minutes. Returns its path."""
+    """Compute the file of a model again, beside the module that reads it: some minutes. Returns its path."""
     path = FILES / f"{model}.npz"
     np.savez_compressed(path, **compute(model))
     return path

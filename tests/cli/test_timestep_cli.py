@@ -148,7 +148,7 @@ def test_friction_rotation_and_shear_ratio(tmp_path, capsys):
         (lambda t: t.replace("-20", "0"), 1),
         (lambda t: t[: t.index("1 1 17")].replace("193", "0"), 1),  # no contacts
         (lambda t: t.replace("1 1 17 -", "1 1 1 -"), 1),
-        (lambda t: t.replace("1 1 17 -20", "1 1 17 nan"), 1),  # such contacts were left out without a word
+        (lambda t: t.replace("1 1 17 -20", "1 1 17 nan"), 1),  # such contacts were left out silently
         (lambda t: re.sub(r"\n64 1 \S+", "\n64 1 nan", t), 0),
         (lambda t: t.replace("64 1 0.02", "nan 1 0.02"), 0),
         (lambda t: t.replace("2 1 5 -0 -20", "2 17 1 20 -0"), 1),  # listed twice: counted twice

@@ -118,7 +118,7 @@ def test_a_verdict_is_about_the_law_that_ran(without):
 
 
 def test_both_radii_of_a_cone():
-    """Yield, unloading and the range of overlaps go by the bulk's radius, roughness by the tip's."""
+    """Yield, unloading and the range of overlaps follow the bulk's radius, roughness the tip's."""
     run, _ = granite.run_test("rough-plastic", granite.find_test("FC5"))
     assert run.radius == 0.62e-3 and run.law.contact.radius == 0.33e-3
     assert run.law.params.yield_stiffness == pytest.approx(np.pi * 0.62e-3 * 1.66e9, rel=1e-12)
