@@ -165,6 +165,17 @@ def common_stretch(row, top, limit, force):
 
 
 @kernel
+def turned_tangent(context, geom, tangent, normal):
+    """Unit vector of a tangent that turns with the contact, and the length which the turn gave it; any one and 0 for zeros."""
+    first = turned(context, geom, tangent)
+    first = minus_scaled(first, dot(first, normal), normal)  # `turned` leaves the plane by the square of the turn
+    length = sqrt(dot(first, first))
+    if length > 0.0:
+        return (first[0] / length, first[1] / length, first[2] / length), length
+    return unit_perpendicular(normal), 0.0
+
+
+@kernel
 def apply_to_springs(step, mode, context, contact, row, stiffness):
     """Set the shear force to that of the springs, apply Mindlin's law and account for the energy; stiffness: K_t [N/m]."""
     geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
@@ -179,14 +190,10 @@ def apply_to_springs(step, mode, context, contact, row, stiffness):
         assign(row.tangent[0], (0.0, 0.0, 0.0))
         return keep
     displacement = scaled(-1.0, vector(geom.shearInc))  # positive along the force that it makes
-    normal, first = vector(geom.normal), turned(context, geom, old_first)
-    first = minus_scaled(first, dot(first, normal), normal)  # `turned` leaves the plane by the square of the turn
-    length = sqrt(dot(first, first))
-    if length > 0.0:
-        first = (first[0] / length, first[1] / length, first[2] / length)
-    else:  # a new contact
-        first, length = unit_perpendicular(normal), 1.0
-        old_first, old_second = first, cross(normal, first)
+    normal = vector(geom.normal)
+    first, length = turned_tangent(context, geom, old_first, normal)
+    if length == 0.0:  # a new contact
+        length, old_first, old_second = 1.0, first, cross(normal, first)
     second = cross(normal, first)
     share, ratio = row.share, row.ratio
     top, previous = stiffness / ratio, row.shear / ratio
