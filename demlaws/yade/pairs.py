@@ -154,9 +154,9 @@ class LawSource:
         only = self.only_for()
         if only[0] > 0.0:
             return only
-        # at most the given radius of the bulk; whether the law fits the bodies is seen when they meet
+        # both at most the given radius of the bulk; whether the law fits the bodies is seen when they meet
         bulk = self.options.get("bulk_radius") or math.inf
-        radius = max(min(TYPICAL_RADIUS, bulk), 100.0 * (surface.roughness or 0.0))
+        radius = max(min(TYPICAL_RADIUS, 0.5 * bulk), 100.0 * (surface.roughness or 0.0))
         modulus = modulus or (5.0 * surface.hardness if surface.hardness else TYPICAL_MODULUS)
         return np.array([radius, 2.0 * radius]), np.full(2, modulus)
 
