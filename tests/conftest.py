@@ -3,6 +3,9 @@ processes."""
 
 import gc
 import os
+import shutil
+import tempfile
+from pathlib import Path
 
 # One thread of YADE in the test process, set before any module loads OpenMP, which reads it then: two add forces in changing
 # order, and trajectories of a packing part from rounding. What two threads do is tested in processes of its own.
@@ -21,6 +24,15 @@ settings.load_profile("demlaws")
 
 # numba makes objects by the million, which all live: looking for garbage less often saves a tenth of what compiling takes
 gc.set_threshold(100_000, 20, 20)
+
+
+MPI_FOLDER = Path(tempfile.gettempdir()) / f"mpi-{os.getpid()}"
+
+
+def pytest_configure():
+    """Each process of the tests has a folder for the files of MPI: where two share one, as by default, Open MPI 4 (LIGGGHTS)
+    removes it when a run of the one ends, while a run of the other begins."""
+    os.environ.update({"OMPI_MCA_orte_tmpdir_base": str(MPI_FOLDER)})
 
 
 @pytest.fixture(autouse=True)
@@ -84,6 +96,7 @@ def pytest_runtest_logreport(report):
 
 def pytest_sessionfinish(session, exitstatus):
     """In CI a test that needs an engine and did not run is a failure: there the engines can be installed."""
+    shutil.rmtree(MPI_FOLDER, ignore_errors=True)
     if os.environ.get("CI") and _skipped_engines and exitstatus == 0:
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
 

@@ -122,6 +122,7 @@ from yade_scenes import *
 law = functor()
 still(law)
 size = int(open("/proc/self/statm").read().split()[0]) * 4096
+size += law.binding.attachment.rows.size - 65536  # less than a block, enough for a message
 resource.setrlimit(resource.RLIMIT_AS, (size, size))
 try:
     advance(5)
