@@ -52,7 +52,8 @@ def synchronise(step, mode, context, contact, row):
 
     Surfaces move by -(r1 ω1 + r2 ω2) × n. With n of the half step the displacement differs by dt/2 (r1 ω1 + r2 ω2) × (n -
     n_before), in the plane dt/2 (r1 ω1 + r2 ω2)·n (n_before × n). Without this a small grain that spins about n is held between
-    much larger ones. [our derivation] `Native` is left out: it is Mindlin's law as YADE has it.
+    much larger ones. The springs turn about n by dt/2 (ω1 + ω2)·n; the displacement, of the half step, by half of that angle,
+    else the turn adds or takes energy. [our derivation] `Native` is left out: it is Mindlin's law as YADE has it.
     """
 
 
@@ -66,14 +67,23 @@ def _synchronise(step, mode, context, contact, row):
         scene, interaction = view(law.scene, objects.Scene), view(contact.interaction, objects.Interaction)
         first, second = view(contact.first, objects.State), view(contact.second, objects.State)
         shift = half_step_shift(context, scene, interaction, geom, row, first, second)
-        assign(geom.shearInc, minus_scaled(vector(geom.shearInc), -0.5 * scene.dt, shift))
+        moved = minus_scaled(vector(geom.shearInc), -0.5 * scene.dt, shift)
+        normal, spins = vector(geom.normal), minus_scaled(vector(first.angVel), -1.0, vector(second.angVel))
+        assign(geom.shearInc, turned_about(moved, normal, 0.25 * scene.dt * dot(spins, normal)))
 
     return to_half_step
 
 
 @kernel
+def turned_about(a, normal, angle):
+    """A vector across a normal, turned about it by an angle below 0.1, to the fourth power of the angle."""
+    square = angle * angle
+    return minus_scaled(scaled(1.0 - 0.5 * square, a), -angle * (1.0 - square / 6.0), cross(normal, a))
+
+
+@kernel
 def half_step_shift(context, scene, interaction, geom, row, first, second):
-    """2/dt times the change of the displacement by `synchronise` [m/s]."""
+    """2/dt times the change of the displacement by the lever of the half step [m/s]."""
     normal, axis = vector(geom.normal), turn_of_normal(context, geom)
     spin1, spin2 = vector(first.angVel), vector(second.angVel)
     if row.lever == layout.ROUND:
