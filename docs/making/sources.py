@@ -54,6 +54,7 @@ MEASURED = {
     "tables/cost-memory.csv": "sizes of the history in each engine",
     "tables/cost-scale.csv": "make bench-scale",
     "tables/cost-steps.csv": "the command of each row",
+    "tables/cost-targets.csv": "python tools/benchmarks/targets.py",
     "tables/cost-waits.csv": "python tools/benchmarks/ratios.py --only waits",
     "tables/liggghts-checks.csv": "the command of each row",
     "tables/liggghts-restitution.csv": "the case impact of liggghts_inputs",

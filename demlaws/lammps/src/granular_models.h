@@ -468,7 +468,7 @@ template <class ABI> struct Granular {
       return step;
     }
     // dt: 0 where nothing is to be kept.
-    __attribute__((always_inline)) inline demlaws::Motion motion_of(double dt) {
+    __attribute__((noinline)) demlaws::Motion motion_of(double dt) {
       Model *const m = gm;
       const double *const v = m->vr, *const w = m->wr, *const wi = m->omegai, *const wj = m->omegaj;
       const double *n = m->nx, *slip = m->vtr;

@@ -141,7 +141,8 @@ public:
 
 private:
   // dt: 0 where nothing is to be kept.
-  template <bool WALL> inline demlaws::Motion motion_of(const SurfacesIntersectData &data, double dt) {
+  template <bool WALL>
+  __attribute__((noinline)) demlaws::Motion motion_of(const SurfacesIntersectData &data, double dt) {
     const double *const n = data.en, *const v = data.v_i, *const w = data.omega_i;
     double slip[3] = {data.vtr1, data.vtr2, data.vtr3}, change[3];
     const double lever = data.r * (data.wr1 * n[0] + data.wr2 * n[1] + data.wr3 * n[2]);
