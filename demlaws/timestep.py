@@ -38,7 +38,7 @@ SOFTENING_SAFETY = 0.56
 """The same for a curve without loss whose tangent falls at some overlap (`conical-damage`, with "elastic" unloading or as the
 unloading curve of another law): an oscillation about such a kink is in resonance in narrow windows of the step, which get rarer
 and slower as the step falls but do not end. Where unloading is stiffer than loading, energy is lost, and no window was found
-(docs/plastic-laws.md)."""
+(docs/theory/notes/conical-damage.md)."""
 COORDINATION = 6.0
 """Default mean number of contacts per grain, and the least that the estimate of a packing is made for."""
 

@@ -10,7 +10,7 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 from docutils import nodes  # noqa: E402
-from making import pages  # noqa: E402
+from making import links, pages  # noqa: E402
 
 import demlaws  # noqa: E402
 
@@ -27,7 +27,7 @@ html_show_sphinx = False
 html_static_path = ["making/static"]
 html_css_files = ["site.css"]
 html_theme_options = {"footer_icons": []}
-exclude_patterns = ["making", "inside", "gallery", "README.md", "paper.md", "results/*"]
+exclude_patterns = ["making", "inside", "gallery", "theory/notes", "README.md", "paper.md", "results/*"]
 myst_heading_anchors = 4
 myst_enable_extensions = ["colon_fence"]
 suppress_warnings = ["misc.highlighting_failure", "myst.header"]
@@ -38,27 +38,27 @@ add_module_names = False
 nitpicky = False
 
 LISTS = pages.write()
-LISTS |= {section.upper(): pages.members(section) for section in pages.SECTIONS}
-BUILT = f"{datetime.date.today().isoformat()}, demlaws {version}, Python {platform.python_version()}, {platform.machine()}"
+LISTS["BUILT"] = (
+    f"{datetime.date.today().isoformat()}, demlaws {version}, Python {platform.python_version()}, {platform.machine()}"
+)
 
 
 def source_read(app, name, source):
-    """Insert lists of pages and rewrite links to files that are elsewhere on the site."""
+    """Insert what is made of records, and rewrite links to files that are elsewhere on the site."""
     text = source[0]
-    for key, listed in LISTS.items():
-        text = text.replace(f"{{{{{key}}}}}", "\n".join(listed if key == "SYMBOLS" else (f"/{page}" for page in listed)))
-    text = text.replace("{{BUILT}}", BUILT)
+    for key, made in LISTS.items():
+        text = text.replace(f"{{{{{key}}}}}", made)
     if not name.startswith("made/"):
-        text = pages.relinked(text, f"docs/{name}.md", f"{name}.md")
-    if name.startswith("tutorials/") and name != "tutorials/index":
+        text = links.relinked(text, f"docs/{name}.md", f"{name}.md")
+    if name.startswith("tutorials/"):
         file = f"../made/notebooks/{name.partition('/')[2]}"
         text += f"\n\nDownload this page as {{download}}`a notebook <{file}.ipynb>` or {{download}}`a script <{file}.sh>`.\n"
     source[0] = text
 
 
 def outdated(app, env, added, changed, removed):
-    """Index pages are always read again, since new pages may exist."""
-    return [name for name in env.found_docs if name == "index" or name.endswith("/index")]
+    """Pages with made parts are always read again."""
+    return ["index", "symbols", "install", "bibliography", "theory/contact"]
 
 
 def doctree_read(app, doctree):

@@ -111,7 +111,7 @@ SPRING = """
         unloading=("elastic", "slack"),
         rules=(SLACK,),
         default_unloading="slack",
-        drawing=Drawing("spring"),
+        drawing=Drawing(),
         options={"stiffness": Option("N/m", "above 0", "k"), "lost": Option("", "0 to 1", "share that stays")},
     ))
 """

@@ -351,14 +351,14 @@ def main():
         print(f"{name:24}{onwards:9.3f}{backwards:11.3f}{loading:15.3f}{single:13.3f}{cost}")
     print("per contact: onwards, B/N against p/N with N contacts; one contact alone has 0.333 (Hertz), 0.565 (Pohrt-Popov)")
     left.set(
-        xlabel="pressure [kPa]", ylabel="bulk stiffness [MPa]", title="probe onwards (—), backwards (- -), while loading (···)"
+        xlabel="pressure (kPa)", ylabel="bulk stiffness (MPa)", title="probe onwards (—), backwards (- -), while loading (···)"
     )
     left.set_xticks([p / 1e3 for p in pressures], [f"{p / 1e3:.0f}" for p in pressures])
     left.xaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
     left.yaxis.set_minor_formatter(matplotlib.ticker.ScalarFormatter())
     left.yaxis.set_major_formatter(matplotlib.ticker.ScalarFormatter())
     left.legend(title="law, unloading: exponents", fontsize=7)
-    right.set(ylabel="share of contacts [%]", title="branches; laws in the order of the left legend")
+    right.set(ylabel="share of contacts (%)", title="branches; laws in the order of the left legend")
     right.set_xticks(np.arange(len(pressures)) * (len(LAWS) + 1) + 1.5, [f"{p / 1e3:.0f} kPa" for p in pressures])
     right.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     picture = Path(arguments.out) / "ballast.png"

@@ -75,7 +75,7 @@ def main():
         slope = np.polyfit(np.log(forces), np.log(speeds), 1)[0]
         print(f"{name}: speed ∝ F^{slope:.4f}")
         axis.loglog(forces, speeds, "o-", label=f"{name}: speed ∝ F^{slope:.3f}")
-    axis.set(xlabel="force in the chain [N]", ylabel="speed of a small wave [m/s]")
+    axis.set(xlabel="force in the chain (N)", ylabel="speed of a small wave (m/s)")
     axis.legend()
     picture = Path(arguments.out) / "chain.png"
     picture.parent.mkdir(parents=True, exist_ok=True)

@@ -72,7 +72,7 @@ def main():
         print(f"{flat:7}{radius / RADIUS:19.4f}{modulus / 1e9:8.2f} GPa{force.max():10.1f} N{error:20.1e}{force.size:7d}")
         (line,) = axis.plot(1e6 * overlap, force, label=f"{flat}: normal")
         axis.plot(1e6 * overlap, shear, ":", color=line.get_color(), label=f"{flat}: shear")
-    axis.set(xlabel="overlap [µm]", ylabel="force [N]")
+    axis.set(xlabel="overlap (µm)", ylabel="force (N)")
     axis.legend(fontsize=8)
     picture = Path(arguments.out) / "facet_and_wall.png"
     picture.parent.mkdir(parents=True, exist_ok=True)

@@ -67,7 +67,7 @@ def main():
             ratios.append(rebound / speed)
             print(f"{name:16}{unloading:11}{speed:6.3f} m/s{ratios[-1]:17.8f}{balance:16.1e}")
         axis.semilogx(speeds, ratios, "o-", ms=4, label=f"{name}, {unloading} unloading")
-    axis.set(xlabel="impact speed [m/s]", ylabel="coefficient of restitution", ylim=(0, 1.05))
+    axis.set(xlabel="impact speed (m/s)", ylabel="coefficient of restitution", ylim=(0, 1.05))
     axis.legend(fontsize=8)
     picture = Path(arguments.out) / "impact.png"
     picture.parent.mkdir(parents=True, exist_ok=True)

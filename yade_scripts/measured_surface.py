@@ -100,7 +100,7 @@ def main():
                 f"{expected * 1e6:10.2f} µm"
             )
         axis.loglog(rows[:, 3] * 1e6, rows[:, 0] / 1e3, "o-", label=name)
-    axis.set(xlabel="mean overlap [µm]", ylabel="mean stress [kPa]", title=f"{count} spheres, isotropic compression")
+    axis.set(xlabel="mean overlap (µm)", ylabel="mean stress (kPa)", title=f"{count} spheres, isotropic compression")
     axis.legend()
     picture = Path(arguments.out) / "measured_surface.png"
     picture.parent.mkdir(parents=True, exist_ok=True)

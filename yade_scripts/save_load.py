@@ -102,7 +102,7 @@ def main():
     axis.plot(1e3 * time, 1e3 * stored, label="stored")
     axis.plot(1e3 * time, 1e3 * dissipated, label="dissipated by plasticity")
     axis.axvline(1e3 * time[29], color="0.5", ls=":", label="saved")
-    axis.set(xlabel="time [ms]", ylabel="energy [mJ]")
+    axis.set(xlabel="time (ms)", ylabel="energy (mJ)")
     axis.legend()
     picture = Path(arguments.out) / "save_load.png"
     picture.parent.mkdir(parents=True, exist_ok=True)

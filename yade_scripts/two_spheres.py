@@ -76,7 +76,7 @@ def main():
         axis = panels[key]
         axis.plot(1e6 * path.overlap, path.force, "-", color="0.6", lw=3)
         axis.plot(1e6 * overlap, force, "-", lw=1, label=f"{name} in YADE")
-        axis.set(title=key, xlabel="overlap [µm]", ylabel="force [N]")
+        axis.set(title=key, xlabel="overlap (µm)", ylabel="force (N)")
         axis.legend(fontsize=8)
     print(f"largest error: {worst:.1e} of the largest force (grey lines in the picture: the driver)")
     picture = Path(arguments.out) / "two_spheres.png"

@@ -55,7 +55,7 @@ STANDARD = HALF * STUDY_STEP
 """The same as a part of the stability limit."""
 PARTS = (STANDARD, STEP_SAFETY)
 """Parts of the stability limit that are advised. In the study, with damping, 0.95 was accurate; at 1.2 grains vibrate however
-slow the loading (docs/softening.md)."""
+slow the loading (docs/how-to/time-step.md)."""
 WAYS = tuple((factor, rate, part) for factor in FACTORS for rate in INERTIAL for part in PARTS)
 """(factor, I, part of the stability limit) of which the fastest within the tolerance is advised."""
 MARGIN = 1.15

@@ -10,10 +10,10 @@ import sys
 import warnings
 
 from demlaws.cli.output import Output, arranged
-from demlaws.core import notice
-from demlaws.errors import DemlawsError, MissingQuantity, ValidityWarning, most_similar
+from demlaws.errors import DemlawsError, MissingQuantity, ValidityWarning, most_similar, page
 
 COMMANDS = {
+    "check": ("check", "test the installation with each engine that is found, print versions for a report"),
     "granite": ("granite", "reproduce the granite contact tests with every law"),
     "laws": ("laws", "list the laws, or the options of one law"),
     "materials": ("materials", "list typical values of materials, with ranges and sources"),
@@ -26,7 +26,7 @@ COMMANDS = {
     "soften": ("soften", "rescale a law for softer grains and longer time steps"),
     "timestep": ("timestep", "compute the largest stable time step of a saved state"),
     "contacts": ("contacts", "list the contacts of dumps, save them as lines for ParaView"),
-    "yade": ("yade", "run YADE scripts with these laws, check the bridge"),
+    "yade": ("yade", "run YADE scripts with these laws, check the installation"),
     "liggghts": ("engine", "use the laws in LIGGGHTS: build, check, export, convert, run"),
     "lammps": ("engine", "use the laws in LAMMPS: build, check, export, convert, run"),
 }
@@ -80,7 +80,7 @@ class Parser(argparse.ArgumentParser):
             action=_LawFile,
             dest=argparse.SUPPRESS,
             metavar="FILE.py",
-            help="a Python file that registers user-defined laws (may be repeated; docs/own-laws.md)",
+            help=f"a Python file that registers user-defined laws (may be repeated; {page('own-laws')})",
         )
         self.register("action", None, _Once)
         self.register("action", "store", _Once)
@@ -231,7 +231,7 @@ def execute(parser, arguments):
             parsed = parser().parse_args(arguments)
             with warnings.catch_warnings():
                 _show_warnings(parsed)
-                with notice.by(_compiling), arranged(parsed):
+                with arranged(parsed):
                     status = parsed.func(parsed) or 0
         finally:
             sys.stdout.flush()
@@ -280,10 +280,6 @@ def _drop_output(*streams):
             os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
         except (OSError, ValueError):
             stream.close()
-
-
-def _compiling():
-    print("demlaws: compiling these laws for this machine; this is done once and kept", file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":

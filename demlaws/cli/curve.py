@@ -56,4 +56,4 @@ def run_curve(arguments):
         for row in list(zip(path.overlap, path.force, path.stiffness, path.plastic_overlap, path.work, strict=True))[::every]:
             print(f"{row[0] * 1e6:14.4f} {row[1]:12.5g} {row[2] / 1e3:12.5g} {row[3] * 1e6:13.4f} {row[4]:12.4g}")
     if arguments.figure is not None:
-        print(plots.save(plots.path_figure(path, unloads(law)), arguments.figure))
+        print(plots.save(plots.path_figure(path, law, unloads(law)), arguments.figure))

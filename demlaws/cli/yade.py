@@ -39,8 +39,8 @@ def register(add):
     commands = parser.add_subparsers(dest="yade_command", required=True, metavar="COMMAND", parser_class=_PassesOn)
     check = commands.add_parser(
         "check",
-        help="print versions, test the native bridge and the laws",
-        description="Start YADE, verify the assumptions of the native bridge, and test every law with its default rule and "
+        help="print versions, test the laws inside YADE",
+        description="Start YADE, verify what demlaws assumes of it, and test every law with its default rule and "
         "every other rule with one law, on two spheres. The first time on a machine each takes some seconds to compile.",
         epilog="example: demlaws yade check --quick",
     )

@@ -1,41 +1,30 @@
-"""Callback for a compilation that takes longer than a second; the command line gives one while a command runs (`by`)."""
+"""A line for a compilation that takes longer than a second: once in a process, to the standard error."""
 
-import contextlib
+import sys
 import threading
 
-say = None
-"""Called without arguments, at the first such compilation; None: no notice."""
-timers = []
+told = False
+timers: list[threading.Timer] = []
 
 
-@contextlib.contextmanager
-def by(callback):
-    """Within this context `say` is the callback; then what it was before."""
-    global say
-    before, say = say, callback
-    try:
-        yield
-    finally:
-        say = before
+def _tell() -> None:
+    global told
+    if not told:
+        told = True
+        text = "demlaws: compiling these laws for this machine, some 2 to 10 s; this is done once and kept"
+        print(text, file=sys.stderr, flush=True)
 
 
-def _tell():
-    global say
-    callback, say = say, None
-    if callback is not None:
-        callback()
-
-
-def begin():
+def begin() -> None:
     """Machine code of a loop was not found: its compilation begins."""
-    if say is not None:
+    if not told:
         timer = threading.Timer(1.0, _tell)
         timer.daemon = True
         timer.start()
         timers.append(timer)
 
 
-def end():
+def end() -> None:
     """The compilation that began last has ended."""
     if timers:
         timers.pop().cancel()

@@ -5,6 +5,8 @@
 // clang-format off
 #ifndef DEMLAWS_FACTS_H
 #define DEMLAWS_FACTS_H
+// Where a page of the documentation is.
+#define DEMLAWS_PAGE(NAME) "docs/" NAME ".md"
 namespace demlaws {
 
 // Rules that any law may have, then those of single laws.

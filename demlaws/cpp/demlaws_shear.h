@@ -19,7 +19,7 @@
 namespace demlaws {
 
 // How the surfaces of a contact move in one step of an engine that has positions at the full step, velocities and spins
-// at the half step (velocity Verlet, leapfrog): docs/theory/shear.md, "The displacement of a step".
+// at the half step (velocity Verlet, leapfrog): docs/shear.md, "The displacement of a step".
 //
 // The lever n of a velocity v - (r1 w1 + r2 w2) x n belongs to the half step, as w does: with n of now the velocity
 // lacks (r1 w1 + r2 w2) x (n - n_previous)/2. Vectors that the contact keeps in its tangent plane turn with the normal,

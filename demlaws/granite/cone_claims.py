@@ -183,7 +183,7 @@ def _elastic_claims(get):
         "rough spheres",
         "stiffness of ballast at small strain: a significant change if Pohrt-Popov loads and Hertz unloads",
         f"K/K_H of a contact is {min(ratio.values()):.2f} to {max(ratio.values()):.2f} at 1 N on first loading, 1 after a "
-        "reversal; our packings: docs/validation/small-strain.md",
+        'reversal; our packings: page "Small strain"',
         *ROUGH_SPHERES,
         why="whether the probes come before or after a reversal is not printed",
     )

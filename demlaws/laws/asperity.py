@@ -324,5 +324,5 @@ LAW = Definition(
         "plastic_ratio": Option("", POSITIVE, "c_A: 2 ω2/ω1 of a sphere; default: 160 of aluminium"),
     },
     advice=Advice(advise=plastic_asperities),
-    drawing=Drawing(label="asperities", colour="#e377c2"),
+    drawing=Drawing(colour="#e377c2"),
 )

@@ -197,5 +197,5 @@ LAW = Definition(
     },
     fitting=Fitting(parameters={"roughness": ROUGHNESS, "hardness": HARDNESS}, free=("roughness",)),
     advice=Advice(advise=plastic_asperities),
-    drawing=Drawing(label="Bahrami", colour="#9467bd"),
+    drawing=Drawing(colour="#9467bd"),
 )

@@ -170,5 +170,5 @@ LAW = Definition(
         free=("strength", "angle"),
     ),
     advice=Advice(advise=_advise, smooth=True),
-    drawing=Drawing(label="CDM", colour="#5254a3", line="-."),
+    drawing=Drawing(colour="#5254a3", line="-."),
 )

@@ -238,7 +238,6 @@ class Advice(NamedTuple):
 class Drawing(NamedTuple):
     """How figures show a law."""
 
-    label: str = ""  # short name in figures' text
     colour: str = "#888888"
     line: str = "-"
 

@@ -216,5 +216,5 @@ LAW = Definition(
         free=("softness", "stiffness_ratio"),
     ),
     advice=Advice(advise=plastic_from_the_start),
-    drawing=Drawing(label="EEPA", colour="#01665e"),
+    drawing=Drawing(colour="#01665e"),
 )

@@ -87,5 +87,5 @@ LAW = Definition(
         parameters={"slope": Parameter("rad", True, lambda c: (1e-4, 0.9), lambda c: [0.003, 0.01, 0.03, 0.1], option=True)},
         free=("slope",),
     ),
-    drawing=Drawing(label="Goddard", colour="#8c564b"),
+    drawing=Drawing(colour="#8c564b"),
 )

@@ -70,5 +70,5 @@ LAW = Definition(
         parameters={"roughness": ROUGHNESS, "mu": Parameter("", True, lambda c: (0.05, 1e3), lambda c: [MU], option=True)},
         free=("roughness",),
     ),
-    drawing=Drawing(label="Greenwood-Tripp", colour="#17becf", line=":"),
+    drawing=Drawing(colour="#17becf", line=":"),
 )

@@ -88,5 +88,5 @@ LAW = Definition(
         closed_form_is_cheapest=True,
         native={"yade": "hertz", "liggghts": "hertz", "lammps": "hertz"},
     ),
-    drawing=Drawing(label="Hertz", colour="#222222", line="--"),
+    drawing=Drawing(colour="#222222", line="--"),
 )

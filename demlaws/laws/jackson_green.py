@@ -174,5 +174,5 @@ LAW = Definition(
         advise=yielding_bulk,
         smooth=True,
     ),
-    drawing=Drawing(label="Jackson-Green", colour="#de77ae", line="-."),
+    drawing=Drawing(colour="#de77ae", line="-."),
 )

@@ -165,5 +165,5 @@ LAW = Definition(
     options={"yield_strength": STRENGTH_OPTION, "poisson": POISSON_OPTION},
     fitting=Fitting(identifiable=False, parameters={"yield_strength": STRENGTH}, free=("yield_strength",)),
     advice=Advice(advise=yielding_bulk, smooth=True),
-    drawing=Drawing(label="Kogut-Etsion", colour="#4d9221", line="--"),
+    drawing=Drawing(colour="#4d9221", line="--"),
 )

@@ -84,5 +84,5 @@ LAW = Definition(
         free=("loading_stiffness", "stiffness_ratio", "plasticity_depth"),
     ),
     advice=Advice(advise=plastic_from_the_start),
-    drawing=Drawing(label="Luding", colour="#c51b7d"),
+    drawing=Drawing(colour="#c51b7d"),
 )

@@ -143,5 +143,5 @@ LAW = Definition(
         parameters={"roughness": ROUGHNESS, "fractal_dimension": DIMENSION}, free=("roughness", "fractal_dimension")
     ),
     advice=Advice(advise=_advise, rank=4, candidate=True),
-    drawing=Drawing(label="Pohrt-Popov", colour="#d62728"),
+    drawing=Drawing(colour="#d62728"),
 )

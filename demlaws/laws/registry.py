@@ -121,8 +121,6 @@ def _register(definition: Definition, home: str, replace: bool = False) -> Defin
         raise DemlawsError(
             f"law {name!r}: rank {definition.advice.rank} is that of {ranks[definition.advice.rank]!r}: give another, or 0"
         )
-    if not definition.drawing.label:
-        definition = definition._replace(drawing=definition.drawing._replace(label=name))
     if _user_laws.get(name) != definition:
         _user_laws[name] = definition
     _homes[name] = home

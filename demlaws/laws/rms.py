@@ -125,5 +125,5 @@ LAW = Definition(
     default_unloading="hertz",
     fitting=Fitting(parameters={"roughness": ROUGHNESS}, free=("roughness",)),
     advice=Advice(advise=_advise, rank=2, candidate=True),
-    drawing=Drawing(label="RMS", colour="#1f77b4"),
+    drawing=Drawing(colour="#1f77b4"),
 )

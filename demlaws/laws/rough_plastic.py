@@ -237,5 +237,5 @@ LAW = Definition(
         free=("roughness", "fractal_dimension", "yield_pressure"),
     ),
     advice=Advice(advise=_advise),
-    drawing=Drawing(label="rough-plastic", colour="#ff7f0e", line="-."),
+    drawing=Drawing(colour="#ff7f0e", line="-."),
 )

@@ -81,5 +81,5 @@ LAW = Definition(
         free=("loading_stiffness", "stiffness_ratio"),
     ),
     advice=Advice(advise=plastic_from_the_start),
-    drawing=Drawing(label="Walton-Braun", colour="#7b3294"),
+    drawing=Drawing(colour="#7b3294"),
 )

@@ -65,5 +65,5 @@ LAW = Definition(
         free=("roughness",),
     ),
     advice=Advice(advise=plastic_asperities, rank=3),
-    drawing=Drawing(label="Yip-Venart", colour="#2ca02c"),
+    drawing=Drawing(colour="#2ca02c"),
 )

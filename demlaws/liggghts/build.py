@@ -29,7 +29,7 @@ def engine_library():
     if libraries:
         raise DemlawsError(
             f"{binary} contains LIGGGHTS statically and loads no libliggghts, which the plugin needs: build it with the models "
-            "in it (`demlaws liggghts source`), or link main.cpp with the shared library (docs/from-source.md has both)"
+            "in it (`demlaws liggghts source`), or link main.cpp with the shared library"
         )
     return None
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from demlaws.contact import Material, Surface, Unknown
-from demlaws.errors import DemlawsError, most_similar
+from demlaws.errors import DemlawsError, most_similar, page
 from demlaws.responses.results import Tabular
 
 UNITS = {"GPa": 1e9, "µm": 1e-6}
@@ -99,7 +99,7 @@ def _material(name: str) -> Material:
     """The material with its usual surface."""
     values = {quantity: value.value for quantity, value in typical(name).items()}
     surface: Surface | Unknown = Unknown(
-        f"the roughness of {name} is not known from public text: measure it (docs/materials.md) and give roughness1 and "
+        f"the roughness of {name} is not known from public text: measure it ({page('materials')}) and give roughness1 and "
         "roughness2 (0 for smooth), or a Surface"
     )
     if values["roughness"] is not None:

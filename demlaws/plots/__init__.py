@@ -129,13 +129,17 @@ def draw_line(ax, x, y, *, name, **more):
     ax.plot(x, y, color=colour(name), linestyle=line(name), label=more.pop("label", name), **more)
 
 
-def path_figure(path, title=""):
-    """Force against overlap of one path, and stiffness against force."""
+def path_figure(path, law, title=""):
+    """Force against overlap of one path; stiffness against force, first loading as a line, the path as points."""
     fig, (left, right) = figure(columns=2)
     left.plot(path.overlap * 1e6, path.force, lw=1.5)
     left.set(xlabel="overlap (µm)", ylabel="force (N)", title=title)
     touching = path.force > 0
-    right.loglog(path.force[touching], path.stiffness[touching] / 1e3, ".", ms=3)
+    if touching.any():
+        overlap = law.overlap(path.force.max() * np.geomspace(1e-4, 1.0, 200))  # even steps of the path leave low forces out
+        right.loglog(law.force(overlap), law.stiffness(overlap) / 1e3, color="0.6", label="first loading")
+        right.loglog(path.force[touching], path.stiffness[touching] / 1e3, ".", ms=3, label="path")
+        right.legend(frameon=False, fontsize=8)
     right.set(xlabel="force (N)", ylabel="tangent stiffness (N/mm)", title="tangent stiffness")
     return fig
 

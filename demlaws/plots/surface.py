@@ -38,7 +38,9 @@ def regime_figure(contact, force=None, title=None):
 def regime_axis(ax, contact, forces, roughness):
     """The map of p(0)/H_m on axes, with its contours; returns the image."""
     ratio = regime.pressure_map(contact, forces, roughness)
-    plain(ax)
+    plain(ax).set(
+        xscale="log", yscale="log", xlabel="force (N)", ylabel="roughness σ (µm)"
+    )  # labels break contours at this scale
     image = ax.pcolormesh(
         forces, roughness * MICRO, np.log10(ratio / regime.YIELD_RATIO), cmap="RdBu_r", vmin=-1, vmax=1, shading="gouraud"
     )
@@ -47,7 +49,6 @@ def regime_axis(ax, contact, forces, roughness):
     ax.contour(forces, roughness * MICRO, ratio, [regime.YIELD_RATIO], colors="black", linewidths=1.8)
     edges = [regime.YIELD_RATIO - regime.BAND, regime.YIELD_RATIO + regime.BAND]
     ax.contour(forces, roughness * MICRO, ratio, edges, colors="black", linewidths=0.6, linestyles="--")
-    ax.set(xscale="log", yscale="log", xlabel="force (N)", ylabel="roughness σ (µm)")
     return image
 
 

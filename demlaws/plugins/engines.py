@@ -13,6 +13,7 @@ import re
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import threading
 from pathlib import Path
@@ -231,6 +232,10 @@ def _compile(command, library, packages, force):
         if library.is_file() and not force:
             return
         line = [*command, "-o", temporary]
+        print(
+            f"demlaws: compiling {library.name}, some 20 s (a minute on a busy machine); this is done once and kept",
+            file=sys.stderr,
+        )
         result = subprocess.run(line, capture_output=True, text=True, env={**os.environ, "LC_ALL": "C"})
         if result.returncode:
             message = "\n".join((result.stderr or result.stdout).strip().splitlines()[:12])

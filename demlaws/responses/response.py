@@ -412,7 +412,7 @@ class Response:
 
         K_t = ratio K_s, where ratio is that of an elastic contact, 2(1-ν)/(2-ν) for two bodies of one material (Mindlin 1949),
         and K_s by `shear`: "elastic", the tangent stiffness of unloading, or "loading", that of first
-        loading at the present force (docs/shear.md).
+        loading at the present force.
         """
         if not isinstance(shear, str) or shear not in CHOICES:
             raise DemlawsError(

@@ -9,7 +9,7 @@ import yade
 
 from demlaws.contact import compliance
 from demlaws.core.shear import DEFAULT
-from demlaws.errors import BridgeWarning, DemlawsError, warn
+from demlaws.errors import BridgeWarning, DemlawsError, page, warn
 from demlaws.laws import HERTZ
 from demlaws.yade import native, selftest
 from demlaws.yade.binding import Binding
@@ -37,7 +37,7 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         called once after the contact's first step. Default: the `edge_radius` of its Surface, else as "body", with a warning.
     shear: "elastic": K_t is a share of the stiffness with which the contact would unload now, and the shear force falls with it
         (passive); "loading": the same of first loading at the present force; "slip": partial slip;
-        "native": Mindlin's shear as YADE has it, which can create energy (docs/shear.md).
+        "native": Mindlin's shear as YADE has it, which can create energy.
     levels: of "elastic" and "loading", 1 to 8: groups of a contact's springs that touched at similar stiffness and have one
         stretch. With 1 the shear force of a contact whose overlap vibrates is lost.
     shear_ratio: K_t/K, above 0 and at most 4/3; default: that of the materials' Poisson's ratios, as Mindlin's law has it.
@@ -70,7 +70,9 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         super().__init__(label=label, **attributes)
         modulus = _softest_modulus()
         if shear == "native":
-            warn("shear='native' keeps the shear force where contacts become softer, which can create energy (docs/shear.md)")
+            warn(
+                f"shear='native' keeps the shear force where contacts become softer, which can create energy ({page('shear')})"
+            )
         choices = {"smooth": smooth, "flats": flats, "shear": shear, "levels": levels, "shear_ratio": shear_ratio}
         pairs = Pairs(law, surfaces, unloading, options, modulus, radius=radius, **choices)
         try:

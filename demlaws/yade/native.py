@@ -21,7 +21,7 @@ import numpy as np
 import yade
 import yade.config
 
-from demlaws.errors import BridgeWarning, DemlawsError
+from demlaws.errors import BridgeWarning, DemlawsError, page
 from demlaws.yade import kernel, layout, mindlin, objects
 from demlaws.yade.omega import O, scratch_scene, set_engines
 from demlaws.yade.records import memory_at
@@ -291,7 +291,7 @@ def find_layout():
             )
         _layout = Layout()
         if not _layout.knows_velocities:
-            line = "shear has the lever of YADE's full step: small grains may stick between much larger ones (docs/shear.md)"
+            line = f"shear has the lever of YADE's full step: small grains may stick between much larger ones ({page('shear')})"
             warnings.warn(f"{line}; {_layout.step_refused}", BridgeWarning, stacklevel=2)
     return _layout
 

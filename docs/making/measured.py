@@ -1,4 +1,4 @@
-"""The pages of docs/validation that are measured, not written: `python docs/making/measured.py [NAME ...] [--quick]`.
+"""Pages that are measured, not written (docs/validation, docs/inside): `python docs/making/measured.py [NAME ...] [--quick]`.
 
 Each is made by one command, and says when, on what machine, with which version and by which command. They are kept in git, so
 that building the site measures nothing.
@@ -121,7 +121,7 @@ def closed_elastic(line):
 
 
 STABILITY = """Random load paths at extreme sizes, materials and overlaps test every law with every rule. If a check fails, the
-line above states it. [Accuracy and cost](../trade.md#measured-rows) summarises the results. One row per law, unloading rule and
+line above states it. [Accuracy and cost](../cost.md) summarises the results. One row per law, unloading rule and
 evaluation (closed form or table):
 
 - *not fin.*: forces that are not finite or that decrease on first loading; *returns work*: paths that return more work
@@ -135,7 +135,7 @@ evaluation (closed form or table):
 - *step / limit*: `dl.timestep` over the measured stability limit."""
 
 TRADE = """Time and error of every law with every unloading rule, as closed form and as tables of increasing
-accuracy. [Accuracy and cost](../trade.md) has the conclusions.
+accuracy. [Accuracy and cost](../cost.md) has the conclusions.
 
 - *ns*: nanoseconds per contact; *× copy*: over the time to copy the same arrays; *bytes*: history per contact; *rows*:
   of the table.
@@ -167,6 +167,10 @@ PAGES = {
 """Name of the page → title, command, what `--quick` adds to it, function that makes the text of its output."""
 
 
+ON_THE_SITE = ("claims", "report")
+"""The other pages are in the repository only."""
+
+
 def measure(name, quick):
     """Run the command of a page and write the page; returns its path."""
     title, command, more, text = PAGES[name]
@@ -194,7 +198,7 @@ def measure(name, quick):
             f"{platform.python_version()}, numpy {numpy.__version__}, numba {numba.__version__}, {processor()}; `{shown}`"
             f"{', exit status 1: a check failed' if done.returncode else ''}.\n"
         )
-        path = DOCS / "validation" / f"{name}.md"
+        path = DOCS / ("validation" if name in ON_THE_SITE else "inside") / f"{name}.md"
         path.write_text(f"# {title}\n\n{head}\n{text(path.parent, Path(out), done.stdout)}")
     return path
 

@@ -1,4 +1,4 @@
-"""Pages written to docs/made before Sphinx runs: laws, rules, commands, gallery, pages from other folders."""
+"""Pages written to docs/made before Sphinx runs: laws, commands, cases, gallery, pages from other folders."""
 
 import json
 import os
@@ -6,97 +6,15 @@ import re
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
-DOCS = Path(__file__).resolve().parents[1]
-ROOT = DOCS.parent
-MADE = DOCS / "made"
-TUTORIALS = sorted(path.stem for path in (DOCS / "tutorials").glob("*.md") if path.stem != "index")
+from making.links import DOCS, ELSEWHERE, MADE, ROOT, relinked
 
-ELSEWHERE = {
-    "yade_scripts/README.md": "made/yade-scripts.md",
-    "liggghts_inputs/README.md": "made/liggghts-cases.md",
-    "lammps_inputs/README.md": "made/lammps-cases.md",
-    "CHANGELOG.md": "made/changelog.md",
-    "README.md": "index.md",
-    "CITATION.cff": "made/citation.md",
-}
-"""Pages of the repository outside docs/ → where the site shows them."""
+TUTORIALS = sorted(path.stem for path in (DOCS / "tutorials").glob("*.md"))
 
 NOT_SEARCHED = "---\nnosearch: true\n---\n\n"
 """Before pages that a search of the site does not find."""
 
-INTERNAL = ("docs/inside/", "CONTRIBUTING.md")
-"""For maintainers: in the repository only."""
-
-LAWS = {
-    f"demlaws/laws/{path.stem}.py": f"made/theory/{path.stem.replace('_', '-')}.md"
-    for path in (ROOT / "demlaws" / "laws").glob("*.py")
-}
-"""A link to the file of a law leads to the page that is made of it; in the repository, to the file."""
-
-SECTIONS = {
-    "tutorials": ["install", "made/gallery"],
-    "theory": ["laws", "plastic-laws", "shear"],
-    "how-to": [
-        "own-laws",
-        "surfaces",
-        "scene",
-        "made/yade-scripts",
-        "liggghts",
-        "made/liggghts-cases",
-        "lammps",
-        "made/lammps-cases",
-        "machines",
-        "from-source",
-    ],
-    "reference": ["symbols", "materials", "bibliography", "table-format", "made/citation", "made/changelog"],
-    "validation": ["limits", "trade", "softening", "cost", "made/costs"],
-}
-"""Pages outside the folder of their section; any other page of docs/ itself is listed under how-to."""
-
-
-def members(section):
-    """Pages that the index of a section does not name: those outside its folder and generated ones."""
-    known = {page for pages in SECTIONS.values() for page in pages}
-    pages = [page for page in SECTIONS[section] if (DOCS / f"{page}.md").exists()]
-    if section == "validation":
-        pages = [*sorted(f"validation/{p.stem}" for p in (DOCS / section).glob("*.md") if p.stem != "index"), *pages]
-    if section == "how-to":
-        pages += sorted(p.stem for p in DOCS.glob("*.md") if p.stem not in known and p.stem not in ("index", "paper"))
-    return pages
-
-
-LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\((?!\w+:)([^)#\s]*)(#[^)\s]*)?\)")
-
-
-def relinked(text, source, target):
-    """Links of `source` (a file of the repository) rewritten for the page `target` of docs/.
-
-    A link to a file that the site has elsewhere leads there; other files are named, without a link.
-    """
-
-    def link(match):
-        picture, words, path, anchor = match.groups()
-        if not path:
-            return match.group()
-        real = Path(os.path.normpath((ROOT / source).parent / path))
-        inside = real.relative_to(ROOT).as_posix() if real.is_relative_to(ROOT) else ""
-        if inside in ELSEWHERE or (real / "README.md").relative_to(ROOT).as_posix() in ELSEWHERE if inside else False:
-            shown = ELSEWHERE.get(inside) or ELSEWHERE[f"{inside}/README.md"]
-        elif inside.startswith("docs/pictures/") and (MADE / "gallery" / real.name).exists():
-            shown = f"made/gallery/{real.name}"  # drawn just now
-        elif inside in LAWS and (DOCS / LAWS[inside]).exists():
-            shown = LAWS[inside]
-        elif inside.startswith("docs/") and not inside.startswith(INTERNAL):
-            shown = inside[len("docs/") :]
-        elif real.exists():
-            return f"{words} (`{inside}`)"
-        else:
-            raise ValueError(f"{source}: {path} does not exist")
-        return f"{picture}[{words}]({os.path.relpath(DOCS / shown, (DOCS / target).parent)}{anchor or ''})"
-
-    return LINK.sub(link, text)
+CASES = "# Cases\n\nComplete inputs with tables, in the repository; each is run by the tests.\n"
 
 
 def draw_gallery(folder):
@@ -162,30 +80,35 @@ def script(text):
 
 
 def citation():
-    """The page of CITATION.cff: the entry for a bibliography, and where to get the software."""
+    """The entry of CITATION.cff for a bibliography."""
     import demlaws
 
     fields = dict(re.findall(r'^([\w-]+): "?(.*?)"?$', (ROOT / "CITATION.cff").read_text(), re.MULTILINE))
-    return f"""# Cite and download
-
-{fields["message"]} The references are in the [bibliography](../bibliography.md).
-
-```bibtex
+    return f"""```bibtex
 @software{{demlaws,
   title   = {{{{{fields["title"]}}}}},
   author  = {{{{demlaws authors}}}},
+  year    = {{{fields["date-released"][:4]}}},
   version = {{{demlaws.__version__}}},
   license = {{{fields["license"]}}}
 }}
-```
+```"""
 
-A release has the wheel, the sources, this site, the tutorials as notebooks, and SHA256SUMS. [Installation](../install.md) names
-the address of the repository.
-"""
+
+def beneath(text):
+    """A page as a part of another: its headings one level lower."""
+    parts = re.split(r"(^```.*?^```$)", text, flags=re.MULTILINE | re.DOTALL)
+    return "".join(re.sub(r"^#", "##", part, flags=re.MULTILINE) if n % 2 == 0 else part for n, part in enumerate(parts))
+
+
+def moved(source):
+    """A page of the repository with the links that it has on the site."""
+    return relinked((ROOT / source).read_text(), source, ELSEWHERE[source])
 
 
 def write():
-    """Write the folder docs/made."""
+    """Write the folder docs/made; returns what stands in pages for {{KEY}}."""
+    from demlaws import errors
     from making import reference, theory
 
     shutil.rmtree(MADE, ignore_errors=True)
@@ -196,17 +119,19 @@ def write():
         text = (DOCS / "tutorials" / f"{tutorial}.md").read_text()
         (MADE / "notebooks" / f"{tutorial}.ipynb").write_text(notebook(text))
         (MADE / "notebooks" / f"{tutorial}.sh").write_text(script(text))
-    for source, target in ELSEWHERE.items():
-        if target.startswith("made/") and source.endswith(".md"):
-            unsearched = NOT_SEARCHED if source == "CHANGELOG.md" else ""
-            (DOCS / target).write_text(unsearched + relinked((ROOT / source).read_text(), source, target))
-    laws, rules = theory.write(MADE / "theory")
-    commands = reference.command_pages(MADE / "commands")
-    (MADE / "citation.md").write_text(citation())
-    (MADE / "costs.md").write_text(theory.cost_page())
+    (MADE / "yade.md").write_text(moved("yade_scripts/README.md"))
+    cases = [beneath(moved(f"{engine}_inputs/README.md")) for engine in ("liggghts", "lammps")]
+    (MADE / "cases.md").write_text("\n".join([CASES, *cases]))
+    (MADE / "changelog.md").write_text(NOT_SEARCHED + moved("CHANGELOG.md"))
+    (MADE / "commands.md").write_text(reference.command_page())
+    groups = theory.write(MADE / "theory")
+    laws = []
+    for group, names in groups.items():
+        laws += ["```{toctree}", f":caption: {group}", ":hidden:", "", *(f"/made/theory/{name}" for name in names), "```", ""]
     return {
-        "SYMBOLS": theory.symbol_table().splitlines(),
-        "LAWS": [f"made/theory/{n}" for n in laws],
-        "RULES": [f"made/theory/{n}" for n in rules],
-        "COMMANDS": [f"made/commands/{n}" for n in commands],
+        "SYMBOLS": theory.symbol_table(),
+        "LAWS": "\n".join(laws),
+        "RULES": theory.rule_sections(),
+        "CITATION": citation(),
+        "REPOSITORY": errors.REPOSITORY or "REPOSITORY",
     }

@@ -1,4 +1,4 @@
-"""Pages made from the parsers of the command line."""
+"""The page made from the parsers of the command line."""
 
 import argparse
 import os
@@ -12,18 +12,17 @@ def _parsers(parser):
                 yield from _parsers(one)
 
 
-def command_pages(folder):
-    """A page a command, its help as the parser gives it; returns the names."""
+def command_page():
+    """The help of every command, as its parser gives it."""
     from demlaws.cli import COMMANDS, build_parser
 
-    folder.mkdir(parents=True, exist_ok=True)
     os.environ["COLUMNS"] = "92"
+    text = ["# Commands\n"]
     for name, (_, line) in COMMANDS.items():
         choices = next(a for a in build_parser((name,))._actions if isinstance(a, argparse._SubParsersAction)).choices
-        text = [f"# demlaws {name}\n", f"{line[:1].upper()}{line[1:]}.\n"]
+        text.append(f"## demlaws {name}\n\n{line[:1].upper()}{line[1:]}.\n")
         for number, parser in enumerate(_parsers(choices[name])):
             if number:
-                text.append(f"## {parser.prog}\n")
+                text.append(f"### {parser.prog}\n")
             text.append(f"```text\n{parser.format_help().rstrip()}\n```\n")
-        (folder / f"{name}.md").write_text("\n".join(text))
-    return list(COMMANDS)
+    return "\n".join(text)

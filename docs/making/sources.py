@@ -17,8 +17,13 @@ ROOT = DOCS.parent
 DRAWN = sorted(path.stem for path in (DOCS / "gallery").glob("*.py"))
 """Names of docs/pictures that a script of docs/gallery draws, also when the site is built."""
 
-FOLLOWED = {"contact-regime": "which-law", "scan": "liggghts-ballast", "fit": "yade-oedometer", "quickstart": "first"}
-"""Pictures that the listings of a tutorial draw; tests/docs/test_pages.py follows and compares them."""
+FOLLOWED = {
+    "contact-regime": "laws",
+    "scan": "tutorials/liggghts-ballast",
+    "fit": "tutorials/yade-oedometer",
+    "quickstart": "tutorials/first",
+}
+"""Pictures that the listings of a page draw; tests/docs/test_pages.py follows and compares them."""
 
 STORED = {
     "pictures/angular.png": "studies.shapes --figure {out}",
@@ -104,7 +109,7 @@ def main():
             print(DOCS / name)
         return
     known = {f"pictures/{name}.png": f"docs/gallery/{name}.py" for name in DRAWN}
-    known |= {f"pictures/{name}.png": f"listings of docs/tutorials/{page}.md" for name, page in FOLLOWED.items()}
+    known |= {f"pictures/{name}.png": f"listings of docs/{page}.md" for name, page in FOLLOWED.items()}
     known |= {name: "python -m " + text.format(out=f"docs/{name}", scratch="FOLDER") for name, text in STORED.items()}
     for name, text in sorted({**known, **MEASURED, **VIEWS}.items()):
         if not arguments.names or name in arguments.names:

@@ -1,4 +1,4 @@
-"""Law → (what deforms, when to use the law), in words; the first paragraphs of the law's page."""
+"""Law → (what deforms, when to use the law), in words; the first paragraphs of the law's page. Groups of laws."""
 
 WORDS = {
     "hertz": (
@@ -77,3 +77,19 @@ WORDS = {
         "powders and soils calibrated on bulk tests, without adhesion",
     ),
 }
+
+GROUPS = {
+    "Laws of rough contacts": (
+        "hertz",
+        "rms",
+        "pohrt-popov",
+        "goddard",
+        "bahrami",
+        "yip-venart",
+        "greenwood-tripp",
+        "asperity",
+    ),
+    "Laws of yielding contacts": ("rough-plastic", "thornton-ning", "jackson-green", "kogut-etsion"),
+    "Laws calibrated on bulk tests": ("conical-damage", "walton-braun", "luding", "eepa"),
+}
+"""Group → its laws; `hertz` is the smooth reference of the rough ones."""

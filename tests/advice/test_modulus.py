@@ -48,7 +48,7 @@ def test_held_back_scenes_are_bounded():
 
 
 def test_scaling_is_recommended_where_it_reduces_the_error():
-    """As in the table of docs/softening.md at E/10, in both engines; elsewhere the advice states that it does not."""
+    """As in the table of docs/how-to/time-step.md at E/10, in both engines; elsewhere the advice states that it does not."""
     with open(Path(__file__).parents[2] / "docs" / "tables" / "trade-softening.csv", encoding="utf-8") as file:
         rows = {(row["table"], row["case"]): row for row in csv.DictReader(file)}
     processes = {"cycles": (*modulus.STIFFNESS, "work", "forces"), "shear": ("peak",), "pour": ("height",)}

@@ -1,7 +1,6 @@
 """What commands refuse at once, in one line, and what they leave behind in the process."""
 
 import ast
-import importlib
 import os
 import subprocess
 import sys
@@ -86,15 +85,19 @@ def test_an_old_python_is_named(monkeypatch, argv, error):
         exec(compile(source, "__init__.py", "exec"), {"__name__": "demlaws"})
 
 
-def test_a_command_leaves_no_notice_behind(monkeypatch):
-    """`main` twice in one process: each run gives its notice, then the process has the former one."""
-    seen = []
-    monkeypatch.setattr(notice, "say", None)
-    monkeypatch.setattr(importlib.import_module("demlaws.laws.registry"), "registry", lambda: seen.append(notice.say) or {})
+def test_a_long_compilation_is_said_once(monkeypatch, capsys):
+    """In a script as on the command line, with how long it takes; a short one is not said."""
+    monkeypatch.setattr(notice, "told", False)
+    notice.begin()
+    notice.end()
+    assert capsys.readouterr().err == "" and not notice.timers
     for _ in range(2):
-        assert main(["laws"]) == 0
-        assert notice.say is None
-    assert seen and all(callback is cli._compiling for callback in seen)
+        notice.begin()
+        if notice.timers:
+            notice.timers[-1].join()
+        notice.end()
+    said = capsys.readouterr().err
+    assert said.count("compiling") == 1 and "10 s" in said
 
 
 def test_a_file_is_written_with_the_umask_of_the_process(tmp_path, monkeypatch):

@@ -30,11 +30,11 @@ SHOWN = {
     "liggghts": ["convert", "{out}/in.liggghts", "--table", "{out}/law.tbl"],
     "lammps": ["convert", "{out}/in.lammps", "--table", "{out}/law.tbl"],
 }
-"""Command → arguments of a result; `yade` prints only what YADE and its self-test print (tests/engines/yade)."""
+"""Command → arguments of a result; `yade` and `check` print what the engines and their self-tests print."""
 
 
 def test_every_command_is_shown():
-    assert {*SHOWN, "yade"} == {*COMMANDS}
+    assert {*SHOWN, "yade", "check"} == {*COMMANDS}
 
 
 @pytest.mark.parametrize("command", SHOWN)

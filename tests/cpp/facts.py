@@ -8,6 +8,7 @@ from demlaws import units
 from demlaws.core import grid, shear
 from demlaws.core.unloading import LARGEST_STATE
 from demlaws.curves import text
+from demlaws.errors import page
 
 PATH = Path(demlaws.__file__).parent / "cpp" / "demlaws_facts.h"
 KINDS = {
@@ -29,6 +30,8 @@ TEXT = """\
 // clang-format off
 #ifndef DEMLAWS_FACTS_H
 #define DEMLAWS_FACTS_H
+// Where a page of the documentation is.
+#define DEMLAWS_PAGE(NAME) {page}
 namespace demlaws {{
 
 // Rules that any law may have, then those of single laws.
@@ -112,6 +115,7 @@ def header():
         grid=grid,
         file=text,
         units=units,
+        page="".join(('"', page('" NAME "'), '"')),
     )
 
 

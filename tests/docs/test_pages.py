@@ -20,13 +20,13 @@ NEEDS = {
     DOCS / "tutorials" / "yade-oedometer.md": ("yade",),
     DOCS / "tutorials" / "liggghts-ballast.md": ("liggghts",),
     DOCS / "lammps.md": ("lammps",),
-    DOCS / "tutorials" / "which-law.md": (),  # slow: measures costs
+    DOCS / "laws.md": (),  # slow: measures costs
     DOCS / "own-laws.md": (),  # slow: compiles the laws of the page
 }
 PLAIN = [
     DOCS / "tutorials" / "first.md",
     DOCS / "materials.md",
-    *sorted(set((DOCS / "how-to").glob("*.md")) - {DOCS / "how-to" / "index.md"}),
+    *sorted((DOCS / "how-to").glob("*.md")),
 ]
 
 

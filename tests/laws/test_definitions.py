@@ -41,7 +41,6 @@ def test_facts_agree_with_one_another(name):
     assert not set(definition.refused) & set(definition.offered())
     assert set(definition.fitting.free) <= {"modulus", *definition.fitting.parameters}
     assert re.fullmatch(r"#[0-9a-f]{6}", definition.drawing.colour)
-    assert definition.drawing.label
     taken = [p.name for p in inspect.signature(definition.prepare).parameters.values() if p.kind is not p.VAR_KEYWORD]
     assert list(definition.options) == taken[1:]
     for parameter, one in definition.fitting.parameters.items():

@@ -40,8 +40,11 @@ def lines(ax):
 
 
 def test_path_figure():
-    path = dl.driver.displacement_controlled(dl.law("hertz", PAIR), [1e-5, 5e-6], 20)
-    left, right = plots.path_figure(path, "a title").axes
+    law = dl.law("hertz", PAIR)
+    path = dl.driver.displacement_controlled(law, [1e-5, 5e-6], 20)
+    left, right = plots.path_figure(path, law, "a title").axes
+    first_loading = lines(right)[0]
+    assert np.allclose(np.diff(np.log(first_loading[:, 0])), np.log(1e4) / 199)  # even in the logarithm
     np.testing.assert_array_equal(lines(left)[0], np.column_stack([path.overlap * 1e6, path.force]))
     assert left.get_title() == "a title" and right.get_xscale() == "log"
 

@@ -72,12 +72,32 @@ def test_a_folder_with_files_is_left_alone(project, tmp_path, capsys):
     assert "not empty" in capsys.readouterr().err
 
 
-def test_version_and_address_are_in_one_place():
-    """Other files must not repeat the version; one page names the address of the repository."""
-    assert "version:" not in (release.ROOT / "CITATION.cff").read_text().partition("cff-version:")[2]
-    pages = [path for path in (release.ROOT / "docs").rglob("*.md") if "made" not in path.parts]
-    pages += [release.ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CITATION.cff")]
-    assert [path.name for path in pages if "ADDRESS" in path.read_text()] == ["install.md"]
+def test_citation_has_the_version_of_the_package():
+    assert f"\nversion: {NUMBER}\n" in (release.ROOT / "CITATION.cff").read_text()
+
+
+def test_addresses_are_filled_in_one_place(tmp_path, monkeypatch, capsys):
+    """Python's messages, the C++ header, the metadata and the citation take them from demlaws/errors.py."""
+    errors = tmp_path / "errors.py"
+    errors.write_text(release.ERRORS.read_text())
+    monkeypatch.setattr(release, "ERRORS", errors)
+    assert release.main(["--fill", "https://example.org/demlaws/", "https://example.org/code"]) == 0
+    assert release.addresses() == {"ADDRESS": "https://example.org/demlaws", "REPOSITORY": "https://example.org/code"}
+    filled = {}
+    exec(compile(errors.read_text(), "errors.py", "exec"), filled)
+    assert filled["page"]("how-to/cluster") == "https://example.org/demlaws/how-to/cluster.html"
+    assert release.main(["--fill", "example.org", ""]) == 1 and "https://" in capsys.readouterr().err
+
+
+def test_no_other_file_names_a_page_by_its_file():
+    """Messages of Python and C++ use `page`, so that they name the address once there is one."""
+    found = []
+    for path in sorted((release.ROOT / "demlaws").rglob("*")):
+        if path.suffix in (".py", ".h", ".cpp") and path.name not in ("errors.py", "demlaws_facts.h"):
+            lines = [re.sub(r"(//|#).*", "", line) for line in path.read_text().splitlines()]
+            code = re.sub(r'"""(.*?)"""', "", "\n".join(lines), flags=re.DOTALL)
+            found += [path.name] if re.search(r"docs/[\w/-]+\.md", code) else []
+    assert found == []
 
 
 def test_the_changelog_has_a_section_of_this_version():

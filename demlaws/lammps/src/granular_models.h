@@ -184,7 +184,7 @@ template <class ABI> struct Granular {
           "tangential " + tangential +
               " creates energy where the stiffness changes while a contact is sheared: with mindlin a closed "
               "box of rough spheres had 2.4 times its energy after 30 ms; use 'tangential demlaws XT MU' or "
-              "mindlin_rescale/force (docs/shear.md)");
+              "mindlin_rescale/force (" DEMLAWS_PAGE("shear") ")");
     }
 
     double calculate_contact_radius() { return 0.; } // asked for before calculate_forces(), which sets it

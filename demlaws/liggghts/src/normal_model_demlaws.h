@@ -226,7 +226,7 @@ public:
     if (!warned && comm->me == 0)
       error->warning(FLERR, "tangential history creates energy where the stiffness rises while a contact is sheared: a "
                             "closed box of rough spheres doubled its energy in 30 ms; use 'tangential demlaws' "
-                            "(docs/shear.md)");
+                            "(" DEMLAWS_PAGE("shear") ")");
     warned = true;
   }
 

@@ -1,0 +1,67 @@
+"""The command `demlaws check`: every engine that is found, and what a fault report needs."""
+
+import importlib
+import importlib.metadata
+import platform
+import subprocess
+import sys
+
+from demlaws.cli.output import record
+from demlaws.errors import DemlawsError, page
+
+ENGINES = {"yade": ("check", "--quick"), "liggghts": ("check",), "lammps": ("check",)}
+PACKAGES = ("numpy", "numba", "scipy", "matplotlib")
+
+
+def register(add):
+    """Add `check`."""
+    parser = add(
+        description="Run the check of each engine that is found (YADE: two laws): forces in the engine against the law. "
+        "Exit status: 0 if all passed, 1 otherwise. The first time on a machine the plugins and laws are compiled (a minute).",
+        epilog="example: demlaws check --report > report.txt",
+    )
+    line = f"print versions and all lines of the checks, for a report ({page('install')})"
+    parser.add_argument("--report", action="store_true", help=line)
+    parser.set_defaults(func=_check)
+
+
+def versions():
+    """{name: version} of what the laws depend on."""
+    import demlaws
+
+    found = {"demlaws": demlaws.__version__, "Python": platform.python_version(), "system": platform.platform()}
+    for name in PACKAGES:
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            found[name] = "not installed"
+    return found
+
+
+def checked(engine):
+    """(verdict, output) of an engine's own check."""
+    try:
+        importlib.import_module(f"demlaws.{engine}.run").executable()
+    except DemlawsError as error:
+        return "not found", str(error)
+    line = [sys.executable, "-m", "demlaws", engine, *ENGINES[engine]]
+    done = subprocess.run(line, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
+    return "all good" if done.returncode == 0 else "failed", done.stdout.strip()
+
+
+def _check(arguments):
+    found, results = versions(), {}
+    if arguments.report:
+        print("\n".join(f"{name:12}{version}" for name, version in found.items()))
+    else:
+        print(f"demlaws {found['demlaws']}, Python {found['Python']}, numpy {found['numpy']}, numba {found['numba']}")
+    for engine in ENGINES:
+        results[engine] = verdict, output = checked(engine)
+        print(f"{engine:12}{verdict}", flush=True)
+        if arguments.report or verdict != "all good":
+            print("\n".join(f"    {line}" for line in output.splitlines()))
+    record(
+        versions=found,
+        engines={engine: {"verdict": verdict, "output": output} for engine, (verdict, output) in results.items()},
+    )
+    return 1 if any(verdict == "failed" for verdict, _ in results.values()) else 0
