@@ -61,8 +61,8 @@ class MissingQuantity(DemlawsError):
         return f"{self.user} needs the contact's {self.quantity}, which is not given: give {place}{smooth}"
 
 
-class EngineStopped(DemlawsError):
-    """An engine stopped with an error while it ran an input."""
+class EngineStopped(DemlawsError, RuntimeError):
+    """An engine stopped with an error while it ran an input; a RuntimeError, too, as YADE's own."""
 
 
 class NeedsClasses(DemlawsError):

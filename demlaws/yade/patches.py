@@ -1,9 +1,9 @@
 """The entry points of YADE that this package replaces; `remove` restores them.
 
 `O.engines` hides the guards; a dispatcher's `functors` that are assigned in a scene get theirs; `O.energy` contains the laws'
-energies since it was cleared or `O.trackEnergy` set; saving writes the laws to the scene; a reset ends their contacts. A loaded
-scene gets its laws at its first step, or when one of these is read before. Importing a name from `demlaws.yade` installs the
-replacements.
+energies since it was cleared or `O.trackEnergy` set; saving writes the laws to the scene; a reset ends their contacts; methods
+that wait for a run raise the message with which a guard has stopped it. A loaded scene gets its laws at its first step, or when
+one of these is read before. Importing a name from `demlaws.yade` installs the replacements.
 """
 
 import functools
@@ -34,6 +34,9 @@ def install():
     for name, one in (("reset", False), ("resetAllScenes", False), ("resetThisScene", True), ("resetCurrentScene", True)):
         native = getattr(omega, name)
         _replace_attribute(omega, name, functools.wraps(native)(_resetting(native, one)))
+    for name, replaced in (("run", _running), ("step", _stepping), ("wait", _waiting)):
+        native = getattr(omega, name)
+        _replace_attribute(omega, name, functools.wraps(native)(replaced(native)))
     scene.attach_saved()
 
 
@@ -72,6 +75,32 @@ def _resetting(native, one):
         scene.end_laws(number)
 
     return reset
+
+
+def _running(native):
+    def run(omega, nSteps=-1, wait=False):
+        scene.begin()
+        if wait:
+            scene.call_and_wait(native, omega, nSteps, wait)
+        else:
+            native(omega, nSteps, wait)
+
+    return run
+
+
+def _waiting(native):
+    def wait(omega):
+        scene.call_and_wait(native, omega)
+
+    return wait
+
+
+def _stepping(native):
+    def step(omega):
+        scene.begin()
+        scene.call_and_wait(native, omega)
+
+    return step
 
 
 def _saving(native):

@@ -6,6 +6,7 @@ saved scene a functor that does not accept Mindlin's contacts is in the law's pl
 loading and puts the law there. Without a guard YADE ends with an error; the native law never acts instead.
 """
 
+import functools
 import json
 import sys
 import uuid
@@ -388,6 +389,7 @@ def attach_saved():
 
 def end_laws(number=None):
     """A scene is gone, or all scenes: their laws may be used in another one, and their contacts' memory again."""
+    _stops.clear()
     for one in list(_at_work) if number is None else [number]:
         for functor in _at_work.get(one, {}).values():
             functor.binding.end()
@@ -415,8 +417,62 @@ def _restored(label, former, text):
 # --- called by engines
 
 
+_stops, _waiting = [], []
+"""The message of a stop that has not been raised; an entry for each method that waits for the run."""
+
+
+class _Stop(Exception):
+    """Ends a run. YADE prints it, and what it prints, several times."""
+
+    def __str__(self):
+        return "a law of demlaws stops the run"
+
+
 def guard(label):
-    """Called by a law's PyRunner: attaches the law in a new process, raises the faults of native code."""
+    """Called by a law's PyRunner: `watch`; the method that waits for the run raises the message of a fault.
+
+    Where no method waits, the message is printed here.
+    """
+    try:
+        watch(label)
+    except DemlawsError as error:
+        _stops[:] = [str(error)]
+        if not _waiting:
+            print(f"demlaws stops the run: {error}", file=sys.stderr, flush=True)
+        sys.excepthook = functools.partial(_silent, sys.excepthook)
+        raise _Stop from None
+
+
+def _silent(former, kind, error, traceback):
+    """Python's hook for one error: YADE has it print the error, and throws a text of the error and its traceback."""
+    sys.excepthook = former
+    if kind is _Stop:
+        sys.last_traceback = None
+    else:
+        former(kind, error, traceback)
+
+
+def call_and_wait(native, omega, *arguments, **keywords):
+    """Call a method of O that waits for the run, and raise the message of a stop."""
+    _waiting.append(native)
+    try:
+        native(omega, *arguments, **keywords)
+    except RuntimeError:
+        if not _stops:
+            raise
+    finally:
+        _waiting.pop()
+    if _stops:
+        raise EngineStopped(_stops.pop())
+
+
+def begin():
+    """A new run: the stop of a former one, for which nothing has waited, was printed."""
+    _stops.clear()
+
+
+def watch(label):
+    """Attach the law in a new process, raise the faults of native code."""
     refuse_mpi(EngineStopped)
     functor = at_work(label)
     binding = functor.binding
