@@ -1,5 +1,6 @@
 """Start YADE on a script with this package importable."""
 
+import contextlib
 import importlib.metadata
 import os
 import re
@@ -7,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 from demlaws.errors import DemlawsError
@@ -113,20 +115,67 @@ FAILED = re.compile(r"#\d+ \(.*\) FAILED ")
 
 def run(script, arguments=(), threads=1, *, gui=False, batch=None, stay=False, yade_options=(), **options):
     """Run a script under YADE; returns the `subprocess.CompletedProcess`, whatever its exit status (a batch of which a job has
-    failed: 1)."""
+    failed: 1). Signals that would end or interrupt this process go to YADE."""
     line = command(script, arguments, threads, gui=gui, batch=batch, stay=stay, options=yade_options)
     if batch is None or options:
-        done = subprocess.run(line, env=environment(), check=False, **options)
+        done = _run(line, env=environment(), **options)
         if done.returncode < 0:
             print(f"demlaws: YADE was ended by {_signal_name(-done.returncode)}", file=sys.stderr)
             done.returncode = 128 - done.returncode  # as a shell has it
         return done
     failed = 0
     unbuffered = environment() | {"PYTHONUNBUFFERED": "1"}
-    with subprocess.Popen(line, env=unbuffered, stdout=subprocess.PIPE, text=True) as process:
+    with (
+        subprocess.Popen(line, env=unbuffered, stdout=subprocess.PIPE, text=True, start_new_session=True) as process,
+        _signals_to(process.pid, os.killpg),  # its jobs, too
+    ):
         for text in process.stdout:
             print(text, end="", flush=True)
             failed += FAILED.match(text) is not None
     if failed:
         print(f"demlaws: {failed} of the jobs failed: their lines above name the log files", file=sys.stderr)
     return subprocess.CompletedProcess(line, process.returncode or int(failed > 0))
+
+
+def _run(line, *, capture_output=False, timeout=None, **options):
+    """`subprocess.run`, of a process that gets the signals of this one."""
+    if capture_output:
+        options |= {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(line, **options) as process, _signals_to(process.pid, os.kill):
+        try:
+            out, error = process.communicate(timeout=timeout)
+        except BaseException:
+            process.kill()
+            raise
+    return subprocess.CompletedProcess(line, process.returncode, out, error)
+
+
+@contextlib.contextmanager
+def _signals_to(process, send):
+    """Signals that would end or interrupt this process are sent to another one, unless a terminal has sent them to both."""
+
+    def pass_on(number, frame):
+        if number != signal.SIGINT or send is os.killpg or not _in_foreground():
+            with contextlib.suppress(ProcessLookupError):
+                send(process, number)
+
+    numbers = (signal.SIGTERM, signal.SIGHUP, signal.SIGINT) if threading.current_thread() is threading.main_thread() else ()
+    defaults = signal.SIG_DFL, signal.default_int_handler
+    before = {number: signal.signal(number, pass_on) for number in numbers if signal.getsignal(number) in defaults}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _in_foreground():
+    """Whether this process has a terminal whose Ctrl-C goes to all processes of its group."""
+    try:
+        terminal = os.open("/dev/tty", os.O_RDONLY)
+    except OSError:
+        return False
+    try:
+        return os.tcgetpgrp(terminal) == os.getpgrp()
+    finally:
+        os.close(terminal)

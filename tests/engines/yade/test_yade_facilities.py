@@ -1,5 +1,6 @@
 """What facilities of the engine mean under a law: energies, loading, time steppers, erased contacts, signals, MPI."""
 
+import math
 import os
 import signal
 import subprocess
@@ -24,6 +25,7 @@ from yade_scenes import (
     sphere,
     still,
     stops,
+    under_yade,
     yade,
 )
 
@@ -215,7 +217,11 @@ def test_friction_that_depends_on_the_force_is_refused(omega):
     assert force() == expected()
     stone.c1 = 0.1
     omega.engines = omega.engines
-    stops("c1 = 0.1, c2 = 0: a friction that depends", 10)
+    stops("c1 = 0.1, c2 = 0: a friction that depends on .* set c1 = c2 = 0", 10)
+    stone.c1 = 0.0
+    omega.engines = omega.engines
+    advance(10)
+    assert force() == expected()
 
 
 def test_ranks_of_mpi_are_refused(omega, monkeypatch):
@@ -230,7 +236,10 @@ def test_ranks_of_mpi_are_refused(omega, monkeypatch):
 def test_a_step_that_is_no_number_stops(omega):
     still(functor())
     omega.dt = float("nan")
-    stops("O.dt = ")
+    stops("O.dt = nan s: give a positive time step")
+    omega.dt = 1e-9
+    advance(3)
+    assert force() == expected()
 
 
 def test_a_step_of_zero_is_warned_of(omega):
@@ -242,7 +251,7 @@ def test_a_step_of_zero_is_warned_of(omega):
 
 
 def test_a_smooth_contact_goes_on_beyond_the_radius(omega):
-    """As in YADE's own law, with one warning; a rough one names the usual remedy, which is done."""
+    """As in YADE's own law, with one warning."""
     omega.bodies.append(fixed_pair(material(), 6e-3))
     omega.engines = engine_list(interaction_loop(functor("hertz", "elastic", None)))
     omega.dt = 1e-9
@@ -255,10 +264,105 @@ def test_a_smooth_contact_goes_on_beyond_the_radius(omega):
     omega.dt = 1e-9
     advance(5)
     assert ours == pytest.approx(force(), rel=1e-12)
-    omega.reset()
+
+
+@pytest.mark.parametrize("rule", ["elastic", "hertz"])
+def test_larger_young_is_the_remedy_of_a_large_overlap(omega, rule):
+    """Of softened grains: two that meet so fast that they would overlap by more than R rebound if they are stiffer."""
+
+    def impact(young):
+        omega.reset()
+        stone = material(young=young)
+        omega.bodies.append(sphere((0, 0, 0), 0.01, fixed=True, material=stone))
+        omega.bodies.append(sphere((0, 0, 0.02 + 1e-6), 0.01, material=stone))
+        omega.bodies[1].state.vel = (0, 0, -10.0)
+        set_engines(functor("pohrt-popov", rule), 0.05 * yade.utils.PWaveTimeStep())
+        deepest = 0.0
+        for _ in range(20_000):
+            omega.step()
+            deepest = max(deepest, 0.02 - omega.bodies[1].state.pos[2])
+            if omega.bodies[1].state.vel[2] > 0.0 and not omega.interactions.countReal():
+                return deepest
+        raise AssertionError("no rebound")
+
+    with pytest.raises(RuntimeError, match=r"contact 0\+1: overlap .* a larger `young`"):
+        impact(1e5)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", dl.errors.LargeOverlap)
+        assert 5e-4 < impact(1e8) < 5e-3
+
+
+def test_a_restitution_of_zero_is_blamed_not_the_step(omega):
+    """en = 0.5, es = 0: YADE's damping ratio of shear is not finite; the remedy of the message is done."""
+
+    def slides(es):
+        omega.reset()
+        stone = material()
+        omega.bodies.append([sphere((0, 0, z), 0.01, fixed=not z, material=stone) for z in (0.0, 0.02 - OVERLAP)])
+        omega.bodies[1].state.vel = (0.1, 0.0, 0.0)
+        set_engines(functor(), physics=yade.Ip2_FrictMat_FrictMat_MindlinPhys(en=0.5, es=es))
+        advance(20)
+        return omega.interactions[0, 1].phys
+
+    with pytest.raises(
+        RuntimeError, match=r"betan = 0\.2\d*, betas = (nan|inf) of contact 0\+1 .* give en and es .* above 0, at most 1"
+    ):
+        slides(0.0)
+    phys = slides(0.01)
+    assert math.isfinite(phys.betas) and phys.shearForce.norm() > 0.0
+
+
+# --- how a run stops
+
+
+STOP = """
+import time
+import demlaws as dl
+from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws as Law
+O.materials.append(FrictMat(young=60e9, poisson=0.25, frictionAngle=0.5, density=2650, label="granite"))
+O.bodies.append([sphere((0, 0, 0), 0.01, fixed=True), sphere((0, 0, 0.014), 0.01, fixed=True)])
+law = Law("pohrt-popov", "hertz", dl.Surface(1e-6, 2.2))
+loop = InteractionLoop([Ig2_Sphere_Sphere_ScGeom()], [Ip2_FrictMat_FrictMat_MindlinPhys()], [law])
+O.engines = [ForceResetter(), InsertionSortCollider([Bo1_Sphere_Aabb()]), loop, NewtonIntegrator()]
+O.dt = 1e-6
+"""
+WAYS = {
+    "run": "O.run(100, True)",
+    "step": "O.step(); O.step()",
+    "wait": "O.run(); O.wait()",
+    "nothing waits": "O.run()\nwhile O.running: time.sleep(0.01)\nassert O.iter < 10",
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_stop_is_said_once(tmp_path, way):
+    """YADE printed the message of a guard five times, with the lines of this package, whose last one was the message."""
+    done = under_yade(STOP + WAYS[way], tmp_path)
+    lines = (done.stdout + done.stderr).splitlines()
+    said = [line for line in lines if "overlap 0.006 m is 1.2 times" in line]
+    assert len(said) == 1, lines
+    if way == "nothing waits":
+        assert done.returncode == 0 and said[0].startswith("demlaws stops the run: contact 0+1")
+    else:
+        assert done.returncode == 1 and lines[-1] == said[0] and "EngineStopped: contact 0+1" in said[0]
+        assert len(lines) < 30, lines
+
+
+def test_a_stop_ends_the_step_and_its_cause_may_be_removed(omega):
+    """Nothing has moved since; a cause that stays stops again, also where nothing waits but the last line."""
     omega.bodies.append(fixed_pair(material(), 6e-3))
     set_engines(functor(), 1e-9)
-    stops("larger `young`")
+    hook = sys.excepthook
+    stops("1.2 times")
+    assert sys.excepthook is hook and omega.iter == 1
+    stops("1.2 times")
+    with pytest.raises(dl.errors.EngineStopped, match="undefined beyond R"):
+        omega.run(5)
+        omega.wait()
+    omega.bodies[1].state.pos = (0, 0, 0.02 - OVERLAP)
+    advance(5)
+    omega.run(5, True)
+    assert force() == expected()
 
 
 def test_a_signal_is_named(tmp_path, capfd):
@@ -267,3 +371,24 @@ def test_a_signal_is_named(tmp_path, capfd):
     script.write_text("import os, signal\nos.kill(os.getpid(), signal.SIGSEGV)\n")
     assert main(["yade", "run", "-x", str(script)]) == 128 + signal.SIGSEGV
     assert "signal SIGSEGV" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
+def test_signals_go_to_yade(tmp_path, number):
+    """The command ended, and YADE went on without it."""
+    script = tmp_path / "long.py"
+    script.write_text("import os, time\nprint('PID', os.getpid(), flush=True)\ntime.sleep(600)\n")
+    line = [sys.executable, "-m", "demlaws", "yade", "run", "-x", str(script)]
+    environment = os.environ | {"PYTHONPATH": str(Path(dl.__file__).parents[1])}
+    options = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "stdin": subprocess.DEVNULL, "text": True}
+    # a session of its own: no terminal sends its signals to both
+    with subprocess.Popen(line, env=environment, cwd=tmp_path, start_new_session=True, **options) as process:
+        pid = next(int(text.split()[1]) for text in process.stdout if text.startswith("PID"))
+        process.send_signal(number)
+        output = process.stdout.read()
+        status = process.wait(timeout=120)
+    assert not Path(f"/proc/{pid}").exists()
+    if number == signal.SIGINT:
+        assert status == 1 and "KeyboardInterrupt" in output
+    else:
+        assert status == 128 + number and f"signal {number.name}" in output
