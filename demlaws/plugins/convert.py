@@ -214,7 +214,9 @@ class _Conversion:
                 "positions (write_data, read_data)"
             )
         elif first == "rerun":
-            self.note("rerun: every contact of a frame is a first loading, without the history that it had in the run")
+            self.note(
+                "rerun: contacts of every frame have the history from before it, in an input without a run none: first loading"
+            )
         elif first == "partition":  # yes|no N command
             before, command = re.match(r"(\s*(?:\S+\s+){3})(.*)", f"{code} ", re.S).groups()
             new = self.command(command)

@@ -34,7 +34,7 @@ static bool has_outputs(LAMMPS *lmp) {
 
 static bool reads_restart(const Input *input) { return !strcmp(input->command, "read_restart"); }
 
-// --- commands that give particles new numbers
+// --- commands that give particles new numbers, or contacts no history
 
 static std::map<std::string, Input::CommandCreator> unguarded;
 
@@ -42,6 +42,10 @@ template <bool DELETES> static Command *guarded(LAMMPS *lmp) {
   Input *const input = lmp->input;
   if (!DELETES || !keeps_numbers(input->narg, input->arg)) Range::of(lmp).keep_numbers(lmp->error);
   return unguarded[DELETES ? "delete_atoms" : "RESET_ATOMS_ID"](lmp);
+}
+static Command *announced(LAMMPS *lmp) {
+  Range::of(lmp).look_at_frames(lmp, lmp->error);
+  return unguarded["rerun"](lmp);
 }
 static void guard(LAMMPS *lmp, const char *name, Input::CommandCreator creator) {
   Input::CommandCreator &known = (*lmp->input->command_map)[name];
@@ -101,6 +105,7 @@ void GranSubModNormalDemlaws::coeffs_to_local() {
   }
   guard(lmp, "delete_atoms", &guarded<true>);
   guard(lmp, "RESET_ATOMS_ID", &guarded<false>);
+  guard(lmp, "rerun", &announced);
   if (!modify->get_compute_by_id("DEMLAWS")) modify->add_compute("DEMLAWS all DEMLAWS");
   delete this;
 }

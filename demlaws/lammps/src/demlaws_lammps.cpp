@@ -312,6 +312,10 @@ void demlaws_reset_atoms(void *command, int count, char **arg) {
   Range::of(instance_of(command)).keep_numbers(error_of(command));
   Stock::get().reset_atoms(command, count, arg);
 }
+void demlaws_rerun(void *command, int count, char **arg) {
+  Range::of(instance_of(command)).look_at_frames(instance_of(command), error_of(command));
+  Stock::get().rerun(command, count, arg);
+}
 
 void *demlaws_add_compute(void *modify, int count, char **arg, int suffix) {
   if (count < 3 || strcmp(arg[2], "demlaws/energy")) return Stock::get().add_compute(modify, count, arg, suffix);

@@ -79,6 +79,17 @@ struct Range {
           "law; write 'pair_coeff * * demlaws/table FILE E eta nu ...', too (models of a restart file are those of "
           "the run that wrote it)");
   }
+  // rerun: LAMMPS computes each frame as the set-up of a run, which leaves histories as they are.
+  void look_at_frames(void *lmp, void *error) {
+    if (used)
+      announce(
+          lmp, error, "rerun",
+          "rerun: contacts of every frame have the plastic overlap and shear that they have now, before the first "
+          "frame "
+          "(none in an input without a run: first loading), not those of the frame: dump forces and p13, p14 in the "
+          "run itself");
+  }
+
   // run_style respa: LAMMPS computes displacements of shear with the step of the outermost level. calls: passes over
   // the pairs in this step of it, of which a pair style on that level has one.
   void check_levels(void *lmp, void *error) {

@@ -35,7 +35,8 @@
   DO(void, region_forces, (void *, int), "_ZN9LAMMPS_NS17FixWallGranRegion10post_forceEi") \
   DO(void, post_run, (void *), "_ZN9LAMMPS_NS6Modify8post_runEv") \
   DO(void, delete_atoms, (void *, int, char **), "_ZN9LAMMPS_NS11DeleteAtoms7commandEiPPc") \
-  DO(void, reset_atoms, (void *, int, char **), "_ZN9LAMMPS_NS12ResetAtomsID7commandEiPPc")
+  DO(void, reset_atoms, (void *, int, char **), "_ZN9LAMMPS_NS12ResetAtomsID7commandEiPPc") \
+  DO(void, rerun, (void *, int, char **), "_ZN9LAMMPS_NS5Rerun7commandEiPPc")
 // Those that it calls only.
 #define DEMLAWS_CALLED(DO) \
   DO(void, make, (void *, void *), DEMLAWS_MODEL("C1EPNS_6LAMMPSE")) \

@@ -229,6 +229,27 @@ def test_deleting_a_touching_sphere(folder):
     assert log["e[2]"][kept] == pytest.approx(0.5 * log["e[2]"][~kept][-1], rel=1e-12)
 
 
+def test_rerun_announces_whose_history_its_contacts_have(folder, law):
+    """That from before it, in each frame: of the run, or none. It is said once."""
+    dump = "dump f all custom 100 frames.txt id type x y z\ndump_modify f format float %.17g\n"
+    moves, again = [(-0.2, 0, 600), (0.2, 0, 300)], "rerun frames.txt dump x y z\n"
+    begin, end = two_spheres(TABLE, []), "undump f\n" + 2 * again
+
+    def frames(text):
+        done = started(folder, text)
+        assert done.returncode == 0 and (done.stdout + done.stderr).count("rerun: contacts of every frame have") == 1
+        (folder / "log.frames").write_text((folder / "log.lammps").read_text().rpartition("rerun frames")[2])
+        return lm.read_log(folder / "log.frames")
+
+    after = frames(begin + dump + moves_of(moves) + end)
+    fresh = frames(begin + again + again)
+    path = law.follow(after["overlap"]).force
+    assert after["Step"].tolist() == fresh["Step"].tolist() == list(range(0, 1000, 100))
+    assert fresh["force"] == pytest.approx(law.force(after["overlap"]), rel=1e-6)
+    assert after["force"][6:] == pytest.approx(path[6:], rel=1e-6) and after["force"][4] < 0.5 * path[4]
+    assert "rerun:" not in started(folder, two_spheres(STOCK, []) + again).stdout
+
+
 def test_balancing_moves_contacts_from_rank_to_rank(folder, law):
     text = two_spheres(TABLE, LOAD_UNLOAD[:2], **ENERGY) + "displace_atoms all move -0.01 0 0\nbalance 1.0 shift x 10 1.01\n"
     assert energy_error_of(simulate(folder, text + moves_of(LOAD_UNLOAD[2:]), 2), law) <= 1e-7

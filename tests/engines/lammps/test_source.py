@@ -132,6 +132,13 @@ def test_renumbered_particles_are_refused(folder, use):
     simulate(folder, text + "group none empty\ndelete_atoms group none compress no\nrun 10\n")
 
 
+def test_rerun_announces_whose_history_its_contacts_have(folder, use):
+    use(SOURCE)
+    text = two_spheres(TABLE, LOAD_UNLOAD[:1]) + "dump f all custom 100 frames.txt id type x y z\nrun 100\nundump f\n"
+    simulate(folder, text + 2 * "rerun frames.txt dump x y z\n")
+    assert said_in("lammps", folder).count("WARNING: rerun: contacts of every frame have") == 1
+
+
 def test_errors_name_what_is_wrong(folder, use, granite_pair):
     use(SOURCE)
     save(dl.law("hertz", granite_pair), folder / "hertz.tbl")
