@@ -329,7 +329,10 @@ class Engine:
         line, environment = self.command(script, ranks, variables, **options)
         log_path = Path(folder) / log
         before = _stamp(log_path)  # a log of an earlier run is not read
-        status, lines = _run(line, folder, environment, echo, timeout)
+        with tempfile.TemporaryDirectory(prefix="mpi-", ignore_cleanup_errors=True) as session:
+            # Open MPI 4 removes the folder of a user's runs at the end of each, while another run begins in it
+            environment = {"OMPI_MCA_orte_tmpdir_base": session} | environment
+            status, lines = _run(line, folder, environment, echo, timeout)
         log_text = log_lines(log_path) if _stamp(log_path) != before else []
         if not any(text.startswith(f"{self.name} (") for text in lines):  # -screen none
             lines += log_text

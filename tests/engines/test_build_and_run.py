@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -282,6 +283,27 @@ def test_an_engine_without_an_error_of_its_own(engine, tmp_path, monkeypatch, pr
     with pytest.raises(EngineStopped) as caught:
         module.run(tmp_path / "in.case")
     assert message in str(caught.value) and "earlier run" not in str(caught.value) and "[host" not in str(caught.value)
+
+
+@both
+def test_each_run_has_a_folder_of_its_own_for_files_of_mpi(engine, tmp_path, monkeypatch):
+    """Open MPI 4 removes the one that all runs of a user share when one of them ends, and others fail in MPI_Init."""
+    monkeypatch.delenv("OMPI_MCA_orte_tmpdir_base", raising=False)
+    binary, module = tmp_path / "engine", part(engine, "run")
+    binary.write_text("#!/bin/sh\ntouch $OMPI_MCA_orte_tmpdir_base/file\necho FOLDER $OMPI_MCA_orte_tmpdir_base\nexit 1\n")
+    binary.chmod(0o755)
+    (tmp_path / "in.case").write_text("")
+    monkeypatch.setattr(module.ENGINE, "start", lambda *_: (binary, dict(os.environ), {}, None))
+
+    def folder():
+        with pytest.raises(EngineStopped) as caught:
+            module.run(tmp_path / "in.case")
+        return Path(re.search(r"FOLDER (\S+)", str(caught.value)).group(1))
+
+    first, second = folder(), folder()
+    assert first != second and not first.exists() and not second.exists() and first.parent.exists()
+    monkeypatch.setenv("OMPI_MCA_orte_tmpdir_base", str(tmp_path))
+    assert folder() == tmp_path and (tmp_path / "file").exists()
 
 
 # --- export
