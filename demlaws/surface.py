@@ -255,7 +255,7 @@ def _read_instrument(path, channel, pixels, unit):
         import SurfaceTopography
     except ImportError:
         raise DemlawsError(
-            f"{path}: reading {path.suffix or 'this'} files needs SurfaceTopography: pip install 'demlaws[surfaces]', "
+            f"{path}: reading {path.suffix or 'such'} files needs SurfaceTopography: pip install 'demlaws[surfaces]', "
             "or export the map as .csv, .asc or .npy"
         ) from None
     try:

@@ -66,7 +66,7 @@ def read(arguments):
 
     for path in (arguments.snapshot, arguments.contacts):
         if not path.is_file():
-            raise DemlawsError(f"{path} does not exist")
+            raise DemlawsError(f"{path} {'is a folder' if path.is_dir() else 'does not exist'}")
     atoms, lengths, entries, resolution = frames(arguments)
     pairs, between, force, known = contacts_of_dump(arguments, atoms, lengths, entries)
     touching = force > 0.0

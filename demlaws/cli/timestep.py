@@ -92,7 +92,7 @@ def run(arguments):
 
     for path in filter(None, (arguments.snapshot, arguments.contacts)):
         if not path.is_file():
-            raise DemlawsError(f"{path} does not exist")
+            raise DemlawsError(f"{path} {'is a folder' if path.is_dir() else 'does not exist'}")
     read = _from_yade if arguments.snapshot.name.endswith(SCENES) else _from_dumps
     shot = read(arguments)
     if not len(shot.pairs):
