@@ -21,15 +21,16 @@ def draw_gallery(folder):
     """Run the scripts of docs/gallery in `folder`, where they write their figures; returns the page of the gallery."""
     folder.mkdir(parents=True)
     environment = {**os.environ, "MPLBACKEND": "agg", "PYTHONPATH": str(ROOT)}
-    lines = ["# Gallery\n", "Each figure with the script that draws it; the scripts are run when the site is built.\n"]
+    lines = ["# Gallery\n", "Figures and the scripts that draw them; the scripts are run when the site is built.\n"]
     for script in sorted((DOCS / "gallery").glob("*.py")):
         subprocess.run(
             [sys.executable, "-W", "ignore", script], cwd=folder, env=environment, check=True, stdout=subprocess.DEVNULL
         )
         text = script.read_text()
-        caption, _, code = text.removeprefix('"""').partition('"""\n')
+        caption = text.removeprefix('"""').partition('"""\n')[0]
         lines.append(
-            f"## {script.stem}\n\n![{caption}](gallery/{script.stem}.png)\n\n{caption}\n\n```python\n{code.strip()}\n```\n"
+            f"## {script.stem}\n\n![{caption}](gallery/{script.stem}.png)\n\n{caption}\n\n"
+            f"{{download}}`script <../gallery/{script.name}>`\n"
         )
     return "\n".join(lines)
 
