@@ -11,7 +11,9 @@ def _tell() -> None:
     global told
     if not told:
         told = True
-        text = "demlaws: compiling these laws for this machine, some 2 to 10 s; this is done once and kept"
+        text = (
+            "demlaws: compiling these laws for this machine, some 2 to 10 s where nothing else runs; this is done once and kept"
+        )
         print(text, file=sys.stderr, flush=True)
 
 

@@ -233,7 +233,7 @@ def _compile(command, library, packages, force):
             return
         line = [*command, "-o", temporary]
         print(
-            f"demlaws: compiling {library.name}, some 20 s (a minute on a busy machine); this is done once and kept",
+            f"demlaws: compiling {library.name}, some 20 s where nothing else runs; this is done once and kept",
             file=sys.stderr,
         )
         result = subprocess.run(line, capture_output=True, text=True, env={**os.environ, "LC_ALL": "C"})

@@ -10,6 +10,7 @@ import numpy as np
 
 import demlaws as dl
 from demlaws.core.unloading import GIVEN, RULES
+from demlaws.errors import NotPassive
 from demlaws.laws.registry import registry
 from demlaws.make import example, example_curve
 from making.formula import latex, lines, symbols_of
@@ -130,15 +131,17 @@ def rule_link(rule):
 
 
 def rules_of(name, law):
-    """(links to the rules that a law takes, [(link, the reason against it)]): general rules, and those of this law only."""
+    """(links to the rules that a law takes, [(link to one that would create energy, where)])."""
     accepted, refused = [], []
     for rule in {**RULES, **registry()[name].offered()}:
         try:
             curve = quietly(example_curve, name, law.contact, **law.options).joined("elastic") if rule == GIVEN else rule
             quietly(law.joined, curve)
             accepted.append(rule_link(rule))
-        except dl.DemlawsError as reason:
+        except NotPassive as reason:
             refused.append((rule_link(rule), prose(str(reason))))
+        except dl.DemlawsError:
+            continue
     return accepted, refused
 
 
@@ -182,8 +185,8 @@ def law_page(name, definition, folder):
     text.append("## Limits\n\n" + "\n".join(f"- {prose(s)}" for s in cautions(definition, law) or ["None known."]) + "\n")
     accepted, refused = rules_of(name, law)
     text.append(f"## Unloading\n\nDefault: `{definition.default_rule(**law.options)}`. Accepted: {', '.join(accepted)}.\n")
-    text.append("\n".join(f"- {rule} is refused: {reason}" for rule, reason in refused) + "\n")
-    text.append(f"## Source\n\n{prose(definition.source)}. References in full: [bibliography](../../bibliography.md).\n")
+    text += [f"- {rule} is refused: {reason}\n" for rule, reason in refused]
+    text.append(f"## Source\n\n{prose(definition.source)}. ([Bibliography](../../bibliography.md))\n")
     text.append(f"{prose(module.__doc__)}\n")
     notes = ROOT / NOTES.format(name)
     if notes.exists():
