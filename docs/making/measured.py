@@ -30,8 +30,11 @@ def processor():
 
 
 def commit():
-    """The commit that was measured, and whether something was changed beside it."""
-    said = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=ROOT, capture_output=True, text=True)
+    """The commit that is measured; changes beside it are refused, since nobody could measure them again."""
+    changed = subprocess.run(["git", "status", "--porcelain", "demlaws", "studies"], cwd=ROOT, capture_output=True, text=True)
+    if changed.stdout.strip():
+        raise SystemExit(f"commit these changes first, the page names the commit that is measured:\n{changed.stdout}")
+    said = subprocess.run(["git", "describe", "--always"], cwd=ROOT, capture_output=True, text=True)
     return said.stdout.strip() or "no commit"
 
 
@@ -174,6 +177,7 @@ ON_THE_SITE = ("claims", "report")
 def measure(name, quick):
     """Run the command of a page and write the page; returns its path."""
     title, command, more, text = PAGES[name]
+    measured = commit()
     with tempfile.TemporaryDirectory() as out:
         line = [word.format(out=out) for word in [*command, *(more if quick else [])]]
         began = time.perf_counter()
@@ -194,7 +198,7 @@ def measure(name, quick):
             " ".join(line).replace(sys.executable, "python").replace("python -m demlaws ", "demlaws ").replace(out, "FOLDER")
         )
         head = (
-            f"Measured {datetime.date.today().isoformat()} in {took:.0f} s: demlaws {demlaws.__version__} ({commit()}), Python "
+            f"Measured {datetime.date.today().isoformat()} in {took:.0f} s: demlaws {demlaws.__version__} ({measured}), Python "
             f"{platform.python_version()}, numpy {numpy.__version__}, numba {numba.__version__}, {processor()}; `{shown}`"
             f"{', exit status 1: a check failed' if done.returncode else ''}.\n"
         )

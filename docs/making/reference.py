@@ -17,7 +17,7 @@ COMMON = ("--help", "--json", "--law-file", "--force")
 HEAD = """# Commands
 
 `demlaws COMMAND --help` prints the same. Of every command: `--json` prints the result as JSON, `--law-file FILE.py` registers
-[user-defined laws](../own-laws.md), `--force` overwrites files that the command did not write. Values take units (`4mm`, `60.6GPa`).
+[user-defined laws](../own-laws.md), `--force` overwrites files that the command did not write. Values take units (`60.6GPa`).
 """
 
 
