@@ -22,7 +22,7 @@ from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, engines
 
 O = yade.O  # noqa: E741
 DIAMETER, DENSITY, BEADS, NEAR, FAR = 17.4e-3, 2650.0, 80, 20, 60
-SURFACE = dl.Surface(roughness=1.7e-6, fractal_dimension=2.22, hardness=6.266e9)
+SURFACE = dl.materials.granite.surface
 
 
 def strike(law, force, overlap, speed, dt, steps):

@@ -33,12 +33,13 @@ from demlaws.yade.run import run
 
 O = yade.O  # noqa: E741
 YOUNG, POISSON, DENSITY = 60.6e9, 0.25, 2680.0
-SURFACE = {"granite": dl.Surface(roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9)}
+SURFACE = {"granite": dl.materials.granite}
+ROUGHNESS = 2**0.5 * dl.materials.granite.surface.roughness  # σ of two grains
 RADIUS = 0.01
 
 
 def table():
-    contact = dl.Contact(RADIUS / 2, YOUNG / (1 - POISSON**2) / 2, 2.4e-6 * 2**0.5, 2.22)
+    contact = dl.Contact(RADIUS / 2, YOUNG / (1 - POISSON**2) / 2, ROUGHNESS, 2.22)
     return dl.law("pohrt-popov", contact, "hertz").tabulate(1e-5)
 
 
@@ -57,7 +58,7 @@ BRIDGE = {
 
 def of_rule(name, rule):
     """(law, rule, options) of one unloading rule of a law, for the spheres of `scene`."""
-    contact = dl.Contact(RADIUS / 2, YOUNG / (1 - POISSON**2) / 2, 2.4e-6 * 2**0.5, 2.22, 6.266e9)
+    contact = dl.Contact(RADIUS / 2, YOUNG / (1 - POISSON**2) / 2, ROUGHNESS, 2.22, 6.266e9)
     return example(name, contact, rule), None, {}
 
 

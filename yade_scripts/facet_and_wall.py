@@ -23,7 +23,7 @@ from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, engines
 O = yade.O  # noqa: E741
 RADIUS = 0.01
 SURFACES = {
-    "granite": dl.Surface(roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9),
+    "granite": dl.materials.granite.surface,
     "steel": dl.Surface(roughness=0.4e-6, fractal_dimension=2.3, hardness=2.5e9),
 }
 FLATS = {

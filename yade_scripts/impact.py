@@ -22,7 +22,7 @@ from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, engines
 
 O = yade.O  # noqa: E741
 RADIUS = 8.7e-3
-SURFACE = dl.Surface(roughness=1.7e-6, fractal_dimension=2.22, hardness=6.266e9)
+SURFACE = dl.materials.granite.surface
 LAWS = (
     ("pohrt-popov", "elastic", {}),
     ("pohrt-popov", "hertz", {}),

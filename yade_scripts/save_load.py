@@ -23,7 +23,7 @@ import demlaws as dl
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, engines
 
 O = yade.O  # noqa: E741
-SURFACE = dl.Surface(roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9)
+SURFACE = dl.materials.granite.surface
 
 
 def packing(number):

@@ -7,9 +7,8 @@ import numpy as np
 
 import demlaws as dl
 
-granite = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9)
-surfaces = {"roughness1": 1.56e-6, "roughness2": 1.84e-6, "fractal_dimension": 2.22}
-pair = dl.Contact.between(granite, granite, radius1=8.76e-3, radius2=8.63e-3, **surfaces)
+granite = dl.materials.granite
+pair = dl.Contact.between(granite, granite, radius1=8.7e-3, radius2=8.7e-3)
 
 fig, ax = plt.subplots(figsize=(6.4, 4.2), layout="constrained")
 force = np.geomspace(0.02, 50.0, 200)

@@ -2,10 +2,8 @@
 
 import demlaws as dl
 
-granite = dl.Material(young="60.6GPa", poisson=0.25)
-pair = dl.Contact.between(
-    granite, granite, radius1=8.76e-3, radius2=8.63e-3, roughness1="1.56um", roughness2="1.84um", fractal_dimension=2.22
-)
+granite = dl.materials.granite
+pair = dl.Contact.between(granite, granite, radius1="8.7mm", radius2="8.7mm")
 law = dl.law("pohrt-popov", pair, unloading="hertz")
 path = dl.driver.force_controlled(law, [25, 0, 50, 0])
 print(path)

@@ -9,7 +9,8 @@ import demlaws as dl
 
 warnings.simplefilter("ignore", dl.ValidityWarning)
 mass = 2680 * 4 / 3 * np.pi * 5e-3**3
-pair = dl.Contact(radius=2.5e-3, modulus=32.32e9, roughness=2.4e-6, fractal_dimension=2.22)
+granite = dl.materials.granite
+pair = dl.Contact.between(granite, granite, radius1=5e-3, radius2=5e-3)
 force = np.geomspace(0.01, 1000, 40)
 fig, ax = plt.subplots(figsize=(6.0, 4.0), layout="constrained")
 for name, rule, style in (("pohrt-popov", "elastic", "C0-"), ("pohrt-popov", "hertz", "C3-"), ("hertz", "elastic", "k--")):

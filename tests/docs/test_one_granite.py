@@ -72,6 +72,18 @@ def test_listings_of_granite(page):
     assert [wrong for _, listing in LISTING.findall(page.read_text()) for wrong in others(listing)] == []
 
 
+OWN = ("ballast.py", "examples.py", "measured_surface.py", "two_spheres.py")
+"""Scripts of other stones, of YADE's examples, of a map, of the published tests."""
+
+
+@pytest.mark.parametrize(
+    "script", sorted({*PROJECT.glob("yade_scripts/*.py"), *PROJECT.glob("docs/gallery/*.py")}), ids=lambda path: path.name
+)
+def test_scripts_of_granite(script):
+    text = re.sub(r".*steel.*", "", script.read_text())
+    assert script.name in OWN or others(text) == [] == SURFACES.findall(text)
+
+
 @pytest.mark.parametrize("command", COMMANDS)
 def test_examples_of_help(command):
     assert others(build_parser((command,)).format_help()) == []
