@@ -13,14 +13,7 @@ pair = dl.Contact.between(granite, granite, radius1=8.7e-3, radius2=8.7e-3)
 fig, ax = plt.subplots(figsize=(6.4, 4.2), layout="constrained")
 force = np.geomspace(0.02, 50.0, 200)
 rough = dl.law("pohrt-popov", pair, unloading="hertz")
-names = {
-    "bahrami": "Bahrami",
-    "rms": "rms",
-    "greenwood-tripp": "Greenwood–\nTripp",
-    "hertz": "Hertz",
-    "pohrt-popov": "Pohrt–Popov",
-}
-for name, text in names.items():
+for name in ("bahrami", "rms", "greenwood-tripp", "hertz", "pohrt-popov"):
     colour = {"hertz": "tab:blue", "pohrt-popov": "tab:red"}.get(name, "0.65")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", dl.ValidityWarning)  # rms at low load
@@ -28,7 +21,9 @@ for name, text in names.items():
     ax.plot(overlap, force, color=colour, lw=1.2 if colour == "0.65" else 2.2)
     place = (np.interp(40.0, force, overlap) - 0.1, 40.0) if name == "rms" else (overlap[-1], 51.0)
     horizontal = "right" if name in ("rms", "hertz") else "center"
-    ax.text(*place, text, color=colour if colour != "0.65" else "0.4", ha=horizontal, va="bottom", fontsize=9)
+    ax.text(
+        *place, name.replace("d-", "d-\n"), color=colour if colour != "0.65" else "0.4", ha=horizontal, va="bottom", fontsize=9
+    )
 
 path = dl.driver.force_controlled(rough, [50, 0])
 peak = int(np.argmax(path.force))

@@ -39,4 +39,4 @@ def test_defaults_of_the_syntax():
     for file, name in (("functor.py", "__init__"), ("scene.py", "engines")):
         for argument, default in signature(file, name).items():
             shown = known.get(default, default).replace("'", '"')
-            assert f"{argument}={shown}" in PAGE or (argument in ("law", "unloading", "surfaces") and shown in PAGE), argument
+            assert f"{argument}={shown}" in PAGE, argument
