@@ -1,6 +1,5 @@
 """The command `demlaws check`: every engine that is found, and what a fault report needs."""
 
-import importlib
 import importlib.metadata
 import platform
 import subprocess
@@ -38,10 +37,19 @@ def versions():
     return found
 
 
+def executable(engine):
+    """Path of an engine's program; DemlawsError where there is none."""
+    from demlaws.lammps.run import executable as lammps
+    from demlaws.liggghts.run import executable as liggghts
+    from demlaws.yade.run import executable as yade
+
+    return {"yade": yade, "liggghts": liggghts, "lammps": lammps}[engine]()
+
+
 def checked(engine):
     """(verdict, output) of an engine's own check."""
     try:
-        importlib.import_module(f"demlaws.{engine}.run").executable()
+        executable(engine)
     except DemlawsError as error:
         return "not found", str(error)
     line = [sys.executable, "-m", "demlaws", engine, *ENGINES[engine]]
