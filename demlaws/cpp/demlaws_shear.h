@@ -19,45 +19,43 @@
 namespace demlaws {
 
 // How the surfaces of a contact move in one step of an engine that has positions at the full step, velocities and spins
-// at the half step (velocity Verlet, leapfrog): docs/shear.md, "The displacement of a step".
+// at the half step (velocity Verlet, leapfrog): docs/theory/shear.md, "The displacement of a step".
 //
 // The lever n of a velocity v - (r1 w1 + r2 w2) x n belongs to the half step, as w does: with n of now the velocity
-// lacks (r1 w1 + r2 w2) x (n - n_previous)/2. Vectors that the contact keeps in its tangent plane turn with the normal,
-// and about it by the mean spin of both bodies [our derivation].
+// lacks (r1 w1 + r2 w2) x (n - n_previous)/2. What a contact keeps in its tangent plane turns with the normal, and
+// about it by the mean spin of both bodies [our derivation]. So it keeps components along two unit vectors that turn:
+// the first one is among its numbers, the second one is n x first.
 struct Motion {
-  double normal[3];       // now
-  double velocity[3];     // of the surfaces, in the tangent plane, at the half step [m/s]
-  double displacement[3]; // of the step, in the tangent plane of now [m]
-  double row[3][3];       // of the matrix that turns a vector of the previous tangent plane into that of now
+  double first[3], second[3]; // of now
+  double velocity[2];         // of the surfaces at the half step, along both [m/s]
+  double displacement[2];     // of the step, along both [m]
 
   // slip: velocity of the surfaces in the tangent plane with n of now. change: n - n_previous in that plane. lever:
-  // (r1 w1 + r2 w2) n. spin: (w1 + w2) n. dt: 0 where nothing is to be kept.
-  DEMLAWS_INLINE Motion(const double *n, const double *slip, const double *change, double lever, double spin,
-                        double dt) {
-    const double across[3] = {n[1] * change[2] - n[2] * change[1], n[2] * change[0] - n[0] * change[2],
-                              n[0] * change[1] - n[1] * change[0]}; // n x change
+  // (r1 w1 + r2 w2) n. spin: (w1 + w2) n. dt: 0 where nothing is to be kept. kept: the first vector, which is turned;
+  // zeros: of a new contact.
+  DEMLAWS_INLINE Motion(const double *n, const double *slip, const double *change, double lever, double spin, double dt,
+                        double *kept) {
+    // First n_previous to n: a - (a n) g with g = (n + n_previous)/(1 + n n_previous), here n - change/2.
+    double a[3];
+    const double along = dot(kept, n);
+    for (int k = 0; k < 3; k++) a[k] = kept[k] - along * (n[k] - 0.5 * change[k]);
+    const double square = dot(a, a);
+    if (__builtin_expect(!(std::fabs(square - 1.) < 1e-5), 0)) make_unit(n, square, a);
+    else
+      for (int k = 0; k < 3; k++) a[k] *= 1.5 - 0.5 * square;
+    // Then by the angle about n, twice `half`.
+    const double half = 0.25 * dt * spin, sine = half - half * half * half * (1. / 6.), cosine = 1. - 0.5 * half * half,
+                 sine2 = 2. * sine * cosine, cosine2 = 1. - 2. * sine * sine;
+    const double b[3] = {n[1] * a[2] - n[2] * a[1], n[2] * a[0] - n[0] * a[2], n[0] * a[1] - n[1] * a[0]};
     for (int k = 0; k < 3; k++) {
-      normal[k] = n[k];
-      velocity[k] = slip[k] + 0.5 * lever * across[k];
+      kept[k] = first[k] = cosine2 * a[k] + sine2 * b[k];
+      second[k] = cosine2 * b[k] - sine2 * a[k];
     }
-    // First n_previous to n: s - (s n) g with g = (n + n_previous)/(1 + n n_previous), here n - change/2. Then by the
-    // angle about n. Both keep lengths but for an eighth of the fourth power of an angle.
-    const double angle = 0.5 * dt * spin, square = angle * angle, sine = angle - angle * square * (1. / 6.),
-                 cosine = 1. - square * (0.5 - square * (1. / 24.));
+    velocity[0] = dot(slip, first) - 0.5 * lever * dot(change, second);
+    velocity[1] = dot(slip, second) + 0.5 * lever * dot(change, first);
     // The displacement belongs to the half step: it turns by half of that angle, else springs gain or lose energy.
-    const double half = 0.5 * angle, side = dt * half * (1. - half * half * (1. / 6.)),
-                 ahead = dt * (1. - 0.5 * half * half);
-    displacement[0] = ahead * velocity[0] + side * (n[1] * velocity[2] - n[2] * velocity[1]);
-    displacement[1] = ahead * velocity[1] + side * (n[2] * velocity[0] - n[0] * velocity[2]);
-    displacement[2] = ahead * velocity[2] + side * (n[0] * velocity[1] - n[1] * velocity[0]);
-    for (int k = 0; k < 3; k++) {
-      const double turned = cosine * (n[k] - 0.5 * change[k]) - 0.5 * sine * across[k]; // g
-      for (int d = 0; d < 3; d++) row[k][d] = -turned * n[d];
-      row[k][k] += cosine;
-    }
-    row[0][1] -= sine * n[2], row[1][0] += sine * n[2];
-    row[1][2] -= sine * n[0], row[2][1] += sine * n[0];
-    row[2][0] -= sine * n[1], row[0][2] += sine * n[1];
+    displacement[0] = dt * (cosine * velocity[0] - sine * velocity[1]);
+    displacement[1] = dt * (cosine * velocity[1] + sine * velocity[0]);
   }
   // n - n_previous of two spheres at a distance r, from the velocity v of their centres, whose part along n is `along`;
   // inverse: 1/r.
@@ -68,22 +66,43 @@ struct Motion {
   // The same from a normal that was kept, which now becomes n; all zeros: there was none.
   DEMLAWS_INLINE static void change_of_kept(const double *n, double *kept, bool keep, double *change) {
     const bool known = kept[0] != 0. || kept[1] != 0. || kept[2] != 0.;
-    const double along = kept[0] * n[0] + kept[1] * n[1] + kept[2] * n[2];
+    const double along = dot(kept, n);
     for (int k = 0; k < 3; k++) {
       change[k] = known ? along * n[k] - kept[k] : 0.;
       if (keep) kept[k] = n[k];
     }
   }
+  // The vector with these components along `first` and `second`.
+  DEMLAWS_INLINE void in_space(const double *components, double *vector) const {
+    for (int k = 0; k < 3; k++) vector[k] = components[0] * first[k] + components[1] * second[k];
+  }
 
-  // share s, turned.
-  DEMLAWS_INLINE void turn(double share, const double *s, double *turned) const {
-    for (int k = 0; k < 3; k++) turned[k] = share * (row[k][0] * s[0] + row[k][1] * s[1] + row[k][2] * s[2]);
+private:
+  DEMLAWS_INLINE static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+  // a, of which the square is known, to a unit vector; of a new contact any across n.
+  __attribute__((noinline, cold)) static void make_unit(const double *n, double square, double *a) {
+    if (!(square > 1e-6)) {
+      int least = std::fabs(n[0]) < std::fabs(n[1]) ? 0 : 1;
+      if (std::fabs(n[2]) < std::fabs(n[least])) least = 2;
+      for (int k = 0; k < 3; k++) a[k] = (k == least) - n[least] * n[k];
+      square = dot(a, a);
+    }
+    const double length = std::sqrt(square);
+    for (int k = 0; k < 3; k++) a[k] /= length;
   }
 };
 
+// Numbers of a contact: scalars, the components of vectors along `Motion`'s two unit vectors, the first unit vector.
+inline int numbers_of_shear(int scalars, int vectors) { return scalars + 2 * vectors + 3; }
+// Whether a number has the other sign seen from the other body: components along the first unit vector. The second one,
+// n x first, changes its sign with n.
+inline bool changes_sign(int number, int scalars, int vectors) {
+  return number >= scalars && number < scalars + 2 * vectors && (number - scalars) % 2 == 0;
+}
+
 // One step of the shear of a contact.
 struct ShearStep {
-  double force[3];             // against the displacement [N]
+  double force[2];             // against the displacement, along the motion's unit vectors [N]
   double work, before, energy; // done on the contact; stored before the step and after it [J]
   bool slides;                 // Coulomb's limit acts on the whole contact
 
@@ -92,10 +111,10 @@ struct ShearStep {
 };
 
 inline bool may_have_levels(double count) { return count == (int)count && count >= 1. && count <= MOST_LEVELS; }
-inline int levels_size(int count) { return 4 * count; }
+inline int levels_size(int count) { return numbers_of_shear(count, count); }
 
 // What a contact keeps: for each level the upper bound of K_t [N/m], rising, the last one K_t itself; then the stretch
-// of each level [m], a vector in the tangent plane. All zeros: no shear force. A level between equal bounds is empty.
+// of each level [m]; the first unit vector (Motion). All zeros: no shear force. A level between equal bounds is empty.
 // The numbers are the caller's. M: number of levels, known when compiled; 0: only when run.
 template <int M> class Levels {
 public:
@@ -112,27 +131,25 @@ public:
   // read are not computed.
   DEMLAWS_INLINE ShearStep step(double now, double limit, const Motion &motion) {
     const double *const d = motion.displacement;
-    double moved[M ? M : MOST_LEVELS][3], force[3] = {0., 0., 0.}, turned[3];
+    double moved[M ? M : MOST_LEVELS][2], force[2] = {0., 0.};
     ShearStep step;
     step.before = energy();
     for (int i = 0; i < count(); i++) add(stiffness(i), stretch(i), force);
-    motion.turn(1., force, turned);
-    step.work = 0.5 * dot(turned, d);
+    step.work = 0.5 * dot(force, d);
 
     const double kept = press(now);
-    std::fill(force, force + 3, 0.);
+    force[0] = force[1] = 0.;
     for (int i = 0; i < count(); i++) {
       const double share = i == count() - 1 ? kept : 1.;
-      motion.turn(share, stretch(i), moved[i]);
-      add(1., d, moved[i]);
+      for (int k = 0; k < 2; k++) moved[i][k] = share * stretch(i)[k] + d[k];
       add(stiffness(i), moved[i], force);
     }
     const double square = dot(force, force);
     step.slides = square > limit * limit;
     const double scale = step.slides ? limit / std::sqrt(square) : 1.;
     for (int i = 0; i < count(); i++)
-      for (int k = 0; k < 3; k++) stretch(i)[k] = scale * moved[i][k];
-    for (int k = 0; k < 3; k++) step.force[k] = scale * force[k];
+      for (int k = 0; k < 2; k++) stretch(i)[k] = scale * moved[i][k];
+    for (int k = 0; k < 2; k++) step.force[k] = scale * force[k];
     step.work += 0.5 * dot(step.force, d);
     step.energy = energy();
     return step;
@@ -149,16 +166,16 @@ private:
   const int count_;
 
   DEMLAWS_INLINE int count() const { return M ? M : count_; }
-  DEMLAWS_INLINE double *stretch(int i) const { return stretch_ + 3 * i; }
+  DEMLAWS_INLINE double *stretch(int i) const { return stretch_ + 2 * i; }
   DEMLAWS_INLINE double stiffness(int i) const { return i ? bound_[i] - bound_[i - 1] : bound_[0]; }
-  DEMLAWS_INLINE static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+  DEMLAWS_INLINE static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1]; }
   DEMLAWS_INLINE static void add(double factor, const double *a, double *sum) {
-    for (int k = 0; k < 3; k++) sum[k] += factor * a[k];
+    for (int k = 0; k < 2; k++) sum[k] += factor * a[k];
   }
   // (k1 + k2) |s1 - s2|^2 of levels i and i + 1, neither of which is empty.
   DEMLAWS_INLINE double apart(int i) const {
-    double difference[3];
-    for (int k = 0; k < 3; k++) difference[k] = stretch(i)[k] - stretch(i + 1)[k];
+    double difference[2];
+    for (int k = 0; k < 2; k++) difference[k] = stretch(i)[k] - stretch(i + 1)[k];
     return (stiffness(i) + stiffness(i + 1)) * dot(difference, difference);
   }
 
@@ -202,7 +219,7 @@ private:
       if (distance < smallest) smallest = distance, i = n;
     }
     const double both = stiffness(i) + stiffness(i + 1), share = both > 0. ? stiffness(i) / both : 0.;
-    for (int k = 0; k < 3; k++) stretch(i)[k] = share * stretch(i)[k] + (1. - share) * stretch(i + 1)[k];
+    for (int k = 0; k < 2; k++) stretch(i)[k] = share * stretch(i)[k] + (1. - share) * stretch(i + 1)[k];
     std::copy(bound_ + i + 1, bound_ + count(), bound_ + i);
     std::copy(stretch(i + 2), stretch(count()), stretch(i + 1));
     bound_[count() - 1] = now;

@@ -97,12 +97,13 @@ private:
   double recoverable_, stiffness_, scale_;
 };
 
-// What a contact keeps: its stiffness, the share of each spring, and their stretches, 3 numbers each. All zeros: no
-// shear force. The numbers are the caller's; MOST springs at most: LIGGGHTS has room for 99 values per contact.
+// What a contact keeps: its stiffness, the share of each spring, their stretches, 2 numbers each, and the first unit
+// vector (Motion). All zeros: no shear force. The numbers are the caller's; MOST springs at most: LIGGGHTS has room for
+// 99 values per contact.
 class SpringRow {
 public:
-  static const int MOST = 30, MOST_SIZE = 2 + 3 * MOST;
-  static int size(int springs) { return 2 + 3 * springs; }
+  static const int MOST = 30, MOST_SIZE = 2 + 2 * MOST + 3;
+  static int size(int springs) { return numbers_of_shear(2, springs); }
   static bool may_have(double springs) {
     return springs == 2 * (int)(0.5 * springs) && springs >= 2. && springs <= MOST;
   }
@@ -113,7 +114,7 @@ public:
     double sum = 0.;
     const double filled = stiffness_ / share_;
     for (int k = 0, count = touching(); k < count; k++)
-      sum += part(filled, k) * dot(stretch_ + 3 * k, stretch_ + 3 * k);
+      sum += part(filled, k) * dot(stretch_ + 2 * k, stretch_ + 2 * k);
     return 0.5 * ratio * share_ * sum;
   }
 
@@ -124,16 +125,14 @@ public:
     ShearStep step;
     step.before = energy(ratio);
     if (!(stiffness > 0.)) { // an overlap that carries no force: every spring has opened
-      std::fill(step.force, step.force + 3, step.work = step.energy = 0.);
+      std::fill(step.force, step.force + 2, step.work = step.energy = 0.);
       step.slides = false;
       stiffness_ = share_ = 0.;
-      std::fill(stretch_, stretch_ + 3 * springs_, 0.);
+      std::fill(stretch_, stretch_ + 2 * springs_, 0.);
       return step;
     }
-    double turned[3];
     force_of(ratio, step.force);
-    motion.turn(1., step.force, turned);
-    step.work = 0.5 * dot(turned, displacement);
+    step.work = 0.5 * dot(step.force, displacement);
     grow(stiffness);
     const double held = stiffness_;
     stiffness_ = stiffness;
@@ -148,15 +147,14 @@ public:
     const double scale = carried > 0. ? limit / (carried * ratio) : 0., filled = stiffness / share_,
                  held_filled = held / share_;
     for (int k = 0; k < count; k++) {
-      double *const u = stretch_ + 3 * k;
+      double *const u = stretch_ + 2 * k;
       const double was = part(held_filled, k), is = part(filled, k);
       if (is > was) multiply(u, was / is);
       shorten(u, scale * mean[k]);
-      motion.turn(1., u, turned);
-      for (int d = 0; d < 3; d++) u[d] = turned[d] + displacement[d];
+      for (int d = 0; d < 2; d++) u[d] += displacement[d];
       shorten(u, scale * mean[k]);
     }
-    std::fill(stretch_ + 3 * count, stretch_ + 3 * springs_, 0.);
+    std::fill(stretch_ + 2 * count, stretch_ + 2 * springs_, 0.);
     force_of(ratio, step.force);
     step.work += 0.5 * dot(step.force, displacement);
     step.energy = energy(ratio);
@@ -176,11 +174,11 @@ private:
     return k;
   }
   void force_of(double ratio, double *force) const {
-    force[0] = force[1] = force[2] = 0.;
+    force[0] = force[1] = 0.;
     const double filled = stiffness_ / share_;
     for (int k = 0, count = touching(); k < count; k++) {
       const double stiffness = ratio * share_ * part(filled, k);
-      for (int d = 0; d < 3; d++) force[d] += stiffness * stretch_[3 * k + d];
+      for (int d = 0; d < 2; d++) force[d] += stiffness * stretch_[2 * k + d];
     }
   }
   // Joins springs in pairs, with the mean of their stretches, until the row is as stiff as the contact.
@@ -191,16 +189,16 @@ private:
       for (int k = 0; k < springs_; k++) {
         const double first = 2 * k < springs_ ? part(filled, 2 * k) : 0.,
                      second = 2 * k < springs_ ? part(filled, 2 * k + 1) : 0.;
-        for (int d = 0; d < 3; d++)
-          stretch_[3 * k + d] =
-              first > 0. ? (first * stretch_[6 * k + d] + second * stretch_[6 * k + 3 + d]) / (first + second) : 0.;
+        for (int d = 0; d < 2; d++)
+          stretch_[2 * k + d] =
+              first > 0. ? (first * stretch_[4 * k + d] + second * stretch_[4 * k + 2 + d]) / (first + second) : 0.;
       }
       share_ *= 2.;
     }
   }
-  static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+  static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1]; }
   static void multiply(double *u, double factor) {
-    for (int d = 0; d < 3; d++) u[d] *= factor;
+    for (int d = 0; d < 2; d++) u[d] *= factor;
   }
   static void shorten(double *u, double most) {
     const double square = dot(u, u);

@@ -19,9 +19,9 @@ struct Materials {
 
 // What a contact keeps from step to step; zeros: bodies that do not touch.
 struct Contact {
-  demlaws::State state;                           // of the law: maximum and plastic overlap [m], R_p/R
-  double normal[3] = {};                          // of the step before
-  double levels[4 * demlaws::MOST_LEVELS] = {};   // of the shear force
+  demlaws::State state;                             // of the law: maximum and plastic overlap [m], R_p/R
+  double normal[3] = {};                            // of the step before
+  double levels[3 * demlaws::MOST_LEVELS + 3] = {}; // of the shear force
   double stored = 0., flow = 0., dissipated = 0.; // energies [J]: returned at unloading; of plastic flow; other losses
 };
 
@@ -49,13 +49,16 @@ demlaws::Force step_contact(const Materials &materials, double radius, double ma
   double slip[3], change[3];
   for (int k = 0; k < 3; k++) slip[k] = velocity[k] - opening * normal[k];
   demlaws::Motion::change_of_kept(normal, contact.normal, true, change);
-  const demlaws::Motion motion(normal, slip, change, lever, spin, step);
+  double *const unit_vector = contact.levels + demlaws::levels_size(materials.levels) - 3;
+  const demlaws::Motion motion(normal, slip, change, lever, spin, step, unit_vector);
   const double stiffness =
       materials.shear_ratio *
       demlaws::shear_stiffness(demlaws::ELASTIC_SHEAR, pair, radius, overlap, now, &contact.state.maximum_overlap);
   const demlaws::ShearStep shear =
       demlaws::shear_step(materials.levels, stiffness, materials.friction * fabs(press), motion, contact.levels);
-  for (int k = 0; k < 3; k++) force[k] = press * normal[k] - shear.force[k];
+  double tangential[3];
+  motion.in_space(shear.force, tangential);
+  for (int k = 0; k < 3; k++) force[k] = press * normal[k] - tangential[k];
   demlaws::stored_and_dissipated(pair, radius, overlap, &contact.state.maximum_overlap, contact.stored, contact.flow);
   contact.stored += shear.energy; // both only where energies are wanted: the force does not need them
   contact.dissipated += shear.lost() + pull * opening * step;

@@ -424,9 +424,9 @@ template <class ABI> struct Granular {
       this->size_history = size_ + 3 * keeps_normal_;
       delete[] this->transfer_history_factor;
       this->transfer_history_factor = new double[this->size_history];
-      // scalars are the same seen from either particle, vectors are opposite
-      std::fill(this->transfer_history_factor, this->transfer_history_factor + this->size_history, -1.);
-      std::fill(this->transfer_history_factor, this->transfer_history_factor + (springs_ ? 2 : levels_), 1.);
+      const int scalars = springs_ ? 2 : levels_, vectors = springs_ ? springs_ : levels_;
+      for (int i = 0; i < this->size_history; i++)
+        this->transfer_history_factor[i] = i >= size_ || demlaws::changes_sign(i, scalars, vectors) ? -1. : 1.;
       ratio_ = normal_->shear_ratio();
       this->k = 2. * ratio_ * normal_->effective_modulus(); // K_t over the contact radius: twisting
     }
@@ -458,17 +458,19 @@ template <class ABI> struct Granular {
         numbers = copy;
       }
       const double stiffness = normal_->shear_stiffness(), ratio = ratio_, limit = this->mu * normal_->Fncrit;
-      const demlaws::Motion motion = motion_of(keep ? m->dt : 0.);
+      const demlaws::Motion motion = motion_of(keep ? m->dt : 0., numbers + size_ - 3);
       const demlaws::ShearStep step =
           springs_ ? demlaws::SpringRow(numbers, springs_).step(stiffness, ratio, limit, normal_->compression(), motion)
                    : demlaws::shear_step(levels_, ratio * stiffness, limit, motion, numbers);
       this->damp = coeffs[DAMPING_RATIO] * m->damping_model->get_damp_prefactor();
       const double damping = step.slides ? 0. : this->damp;
-      for (int k = 0; k < 3; k++) m->fs[k] = -step.force[k] - damping * motion.velocity[k];
+      const double force[2] = {-step.force[0] - damping * motion.velocity[0],
+                               -step.force[1] - damping * motion.velocity[1]};
+      motion.in_space(force, m->fs);
       return step;
     }
-    // dt: 0 where nothing is to be kept.
-    __attribute__((noinline)) demlaws::Motion motion_of(double dt) {
+    // dt: 0 where nothing is to be kept. unit_vector: that of the contact.
+    __attribute__((noinline)) demlaws::Motion motion_of(double dt, double *unit_vector) {
       Model *const m = gm;
       const double *const v = m->vr, *const w = m->wr, *const wi = m->omegai, *const wj = m->omegaj;
       const double *n = m->nx, *slip = m->vtr;
@@ -485,7 +487,7 @@ template <class ABI> struct Granular {
       else if (keeps_normal_) demlaws::Motion::change_of_kept(n, m->history + history_index + size_, dt > 0., change);
       const double lever = w[0] * n[0] + w[1] * n[1] + w[2] * n[2],
                    spin = (wi[0] + wj[0]) * n[0] + (wi[1] + wj[1]) * n[1] + (wi[2] + wj[2]) * n[2];
-      return demlaws::Motion(n, slip, change, lever, spin, dt);
+      return demlaws::Motion(n, slip, change, lever, spin, dt, unit_vector);
     }
     // Records the work of shear; the part that the contact stores is not lost.
     void account(const demlaws::ShearStep &step) {

@@ -42,11 +42,10 @@ public:
       error->all(FLERR, "tangential model demlaws: partial slip has springs, not levels: leave 'levels' out");
     instance_->shears[instance_->owner] = words();
     const int scalars = slips_ ? 2 : (int)levels_, vectors = (int)(slips_ ? springs_ : levels_);
-    for (int i = 0; i < scalars + 3 * vectors; i++) {
+    for (int i = 0; i < demlaws::numbers_of_shear(scalars, vectors); i++) {
       std::ostringstream name;
       name << "demlaws_shear" << i;
-      // scalars are the same seen from either particle, stretches are opposite
-      const int at = setup->add_history_value(name.str(), i < scalars ? "0" : "1");
+      const int at = setup->add_history_value(name.str(), demlaws::changes_sign(i, scalars, vectors) ? "1" : "0");
       if (i == 0) offset_ = at;
     }
     // The normal of the step before: nothing else tells how that of a wall turns.
@@ -89,10 +88,10 @@ public:
     if (data.contact_flags) *data.contact_flags |= CONTACT_TANGENTIAL_MODEL;
     const bool keep = data.computeflag && data.shearupdate;
     const double limit = friction_[data.itype][data.jtype] * fabs(data.Fn);
-    const demlaws::Motion motion = motion_of<WALL>(data, keep ? update->dt : 0.);
     double copy[demlaws::SpringRow::MOST_SIZE], *const kept = data.contact_history + offset_;
     if (!keep) std::copy(kept, kept + size(), copy);
     double *const numbers = keep ? kept : copy;
+    const demlaws::Motion motion = motion_of<WALL>(data, keep ? update->dt : 0., numbers + size() - 3);
     const bool counts = keep && instance_->ledger.readers;
     if (__builtin_expect(counts && instance_->ledger.begins, 0)) take(energy(kept, data), data);
     demlaws::ShearStep step;
@@ -111,8 +110,10 @@ public:
     }
 
     const double damping = step.slides ? 0. : data.gammat, share = WALL ? data.area_ratio : 1.;
+    const double tangential[2] = {-step.force[0] - damping * motion.velocity[0],
+                                  -step.force[1] - damping * motion.velocity[1]};
     double force[3], moment[3];
-    for (int k = 0; k < 3; k++) force[k] = -step.force[k] - damping * motion.velocity[k];
+    motion.in_space(tangential, force);
     vectorCross3D(data.en, force, moment);
     for (int k = 0; k < 3; k++) {
       on_i.delta_F[k] += share * force[k];
@@ -140,9 +141,10 @@ public:
   }
 
 private:
-  // dt: 0 where nothing is to be kept.
+  // dt: 0 where nothing is to be kept. unit_vector: that of the contact.
   template <bool WALL>
-  __attribute__((noinline)) demlaws::Motion motion_of(const SurfacesIntersectData &data, double dt) {
+  __attribute__((noinline)) demlaws::Motion motion_of(const SurfacesIntersectData &data, double dt,
+                                                      double *unit_vector) {
     const double *const n = data.en, *const v = data.v_i, *const w = data.omega_i;
     double slip[3] = {data.vtr1, data.vtr2, data.vtr3}, change[3];
     const double lever = data.r * (data.wr1 * n[0] + data.wr2 * n[1] + data.wr3 * n[2]);
@@ -150,11 +152,11 @@ private:
       const double *const v2 = data.v_j, *const w2 = data.omega_j,
                           apart[3] = {v[0] - v2[0], v[1] - v2[1], v[2] - v2[2]};
       demlaws::Motion::change_of_spheres(n, apart, data.vn, data.rinv, dt, change);
-      return demlaws::Motion(n, slip, change, lever, vectorDot3D(w, n) + vectorDot3D(w2, n), dt);
+      return demlaws::Motion(n, slip, change, lever, vectorDot3D(w, n) + vectorDot3D(w2, n), dt, unit_vector);
     }
     demlaws::Motion::change_of_kept(n, data.contact_history + normal_at_, dt > 0., change);
     double spin[3];
-    if (!spin_of_wall(data, spin)) return demlaws::Motion(n, slip, change, lever, vectorDot3D(w, n), dt);
+    if (!spin_of_wall(data, spin)) return demlaws::Motion(n, slip, change, lever, vectorDot3D(w, n), dt, unit_vector);
     // The wall's velocity is that of the place x - r n where the sphere touches it now: at the half step it touched it
     // dt/2 times the velocity of that place before (of a wall that turns about a fixed axis).
     double moved[3], lag[3];
@@ -162,7 +164,7 @@ private:
     vectorCross3D(spin, moved, lag);
     const double along = vectorDot3D(lag, n);
     for (int k = 0; k < 3; k++) slip[k] += lag[k] - along * n[k];
-    return demlaws::Motion(n, slip, change, lever, vectorDot3D(w, n) + vectorDot3D(spin, n), dt);
+    return demlaws::Motion(n, slip, change, lever, vectorDot3D(w, n) + vectorDot3D(spin, n), dt, unit_vector);
   }
   // Of a mesh that moves, from the velocities of the triangle's nodes: with its edges e1, e2 and the velocities d1, d2
   // along them, the sum of e^i x d_i (e^i: reciprocal vectors) is the spin and once more its part along the normal.
