@@ -1,4 +1,4 @@
-"""python -m studies.validation [--out FOLDER] [--no-engines] [--quick]"""
+"""python -m studies.validation [--out FOLDER] [--no-engines]"""
 
 import sys
 
@@ -14,14 +14,13 @@ def parser():
     )
     parser.add_argument("--out", default="validation", help="folder of the page and its figures")
     parser.add_argument("--no-engines", action="store_true", help="only what needs no engine")
-    parser.add_argument("--quick", action="store_true", help="without the random packing (a minute)")
     parser.set_defaults(func=run)
     return parser
 
 
 def run(options):
     """Run all comparisons and write the page; exit status 1 where one fails."""
-    groups = collect(engines=not options.no_engines, packing=not options.quick)
+    groups = collect(engines=not options.no_engines)
     path = write(groups, options.out)
     rows = [row for group in groups.values() for row in group]
     failed = [row for row in rows if row.verdict == "FAIL"]

@@ -5,7 +5,6 @@ import tempfile
 
 import numpy as np
 
-from demlaws.laws import HERTZ
 from studies.cases import chain
 from studies.engines import available, under_yade
 from studies.validation import lammps_tests
@@ -18,7 +17,6 @@ from studies.validation.jobs import (
     contact_of,
     impact_jobs,
     kept_jobs,
-    packing_jobs,
     shear_jobs,
 )
 from studies.validation.oblique import collision_rows
@@ -194,22 +192,6 @@ def all_kept_rows(engine, _, found):
         yield from kept_rows(one, engine, answer["places"])
 
 
-def packing_rows(engine, jobs, found):
-    """Exponent n of the bulk stiffness, K ∝ pressure^n, of random packings in YADE: mean of the packings."""
-    exponents = {}
-    for job, answer in zip(jobs, found, strict=True):
-        pressure, stiffness = np.array(answer).T
-        exponents.setdefault(job["law"], []).append(np.polyfit(np.log(pressure), np.log(stiffness), 1)[0])
-    for law, values in exponents.items():
-        what = f"random packings, {law}: exponent of bulk stiffness over pressure"
-        note = f"mean of {len(values)} packings, standard deviation {np.std(values, ddof=1):.2f}"
-        if law == HERTZ:
-            note += "; smooth grains: below what is measured, the reason for rough laws"
-            yield between(what, 0.30, 0.45, float(np.mean(values)), "sands", note=note, where=engine)
-        else:
-            yield between(what, 0.45, 0.60, float(np.mean(values)), "sands", note=note, where=engine)
-
-
 def chain_rows(engine, name):
     """Rows of a small wave in a chain of beads in an engine: its speed, and the exponent of the speed over the force."""
     with tempfile.TemporaryDirectory() as folder:
@@ -222,7 +204,7 @@ def chain_rows(engine, name):
         yield near(f"{label}: exponent of the speed over the force", wanted, exponent, 0.01, "coste", where=engine)
 
 
-def rows(packing=True):
+def rows():
     """Group, row of every engine; a missing engine gives one row with the reason."""
     for engine, (name, ask) in ENGINES.items():
         why = available(name)
@@ -237,7 +219,6 @@ def rows(packing=True):
         ]
         if name == "yade":
             asked.append(("Regular arrays", shear_jobs(), shear_rows))
-            asked += [("Random packing", packing_jobs(), packing_rows)] if packing else []
         for group, jobs, rows_of in asked:
             yield from ((group, row) for row in rows_of(engine, jobs, ask(jobs)))
         yield from (("Wave in a chain", row) for row in chain_rows(engine, name))

@@ -4,7 +4,7 @@ import sys
 
 import numpy as np
 import yade
-from yade import pack, utils
+from yade import utils
 
 import demlaws as dl
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, engines
@@ -142,62 +142,7 @@ def lattice(job):
     return found
 
 
-def packing(job):
-    """Bulk stiffness [Pa] of a random periodic packing at each pressure, from a small strain and the rest that follows."""
-    O.reset()
-    O.periodic = True
-    _material(job, "grain")
-    radius, count = job["radius"], job["count"]
-    side = (count * 4.0 / 3.0 * np.pi * radius**3 / 0.35) ** (1.0 / 3.0)
-    cloud = pack.SpherePack()
-    cloud.makeCloud((0, 0, 0), (side,) * 3, rMean=radius, rRelFuzz=0.2, num=count, periodic=True, seed=job["seed"])
-    cloud.toSimulation(material="grain")
-    O.materials["grain"].frictionAngle = job["friction"]
-    # a servo holds the pressure while grains find their places; a strain alone meets collisions, and jams at no pressure
-    servo = yade.PeriTriaxController(
-        stressMask=7,
-        dynCell=True,
-        mass=sum(body.state.mass for body in O.bodies),
-        maxUnbalanced=job["unbalanced"],
-        relStressTol=0.01,
-        globUpdate=10,
-        doneHook="O.pause()",
-        label="servo",
-    )
-    O.engines = engines(_law(job), newton=yade.NewtonIntegrator(damping=0.4), after=[servo])
-    O.dt = job["dt"]
-
-    def pressure():
-        return -float(utils.getStress().trace()) / 3.0
-
-    def rest(limit):
-        for _ in range(40):
-            O.run(250, True)
-            if utils.unbalancedForce() < limit:
-                return
-
-    found = []
-    for goal in job["pressures"]:
-        for again in range(6):  # what gives way while the cell rests is not at this pressure yet
-            fast = not found and not again
-            servo.goal, servo.maxStrainRate = (-goal,) * 3, (job["rate"] if fast else job["slow"],) * 3
-            servo.dead = False
-            O.run(job["longest"], True)
-            servo.dead = True
-            O.cell.velGrad = yade.Matrix3.Zero
-            rest(1e-5)
-            if abs(pressure() / goal - 1.0) < 0.02:
-                break
-        start = pressure()
-        O.cell.velGrad = -job["probe"] / (200 * O.dt) * yade.Matrix3.Identity
-        O.run(200, True)
-        O.cell.velGrad = yade.Matrix3.Zero
-        rest(1e-6)
-        found.append((start, (pressure() - start) / (3.0 * job["probe"])))
-    return found
-
-
-KINDS = {"impact": impact, "collisions": collisions, "lattice": lattice, "packing": packing}
+KINDS = {"impact": impact, "collisions": collisions, "lattice": lattice}
 
 if __name__ == "__main__":
     serve(lambda jobs: [KINDS[job["kind"]](job) for job in jobs])

@@ -122,22 +122,3 @@ def shear_jobs():
         path = {name: PATH[name] for name in ("loading", "shear")}
         jobs.append({**job, "options": {"shear": choice}, "path": path, "steps": STEPS, "dt": 1e-9})
     return jobs
-
-
-PRESSURES = (50e3, 100e3, 200e3)
-
-
-SEEDS = range(1, 6)
-"""Of the packings. Up to 0.2.0 there was one; in 0.3.0 it gave 0.53 with hertz, within the scatter of 0.07 of five packings."""
-
-
-def packing_jobs():
-    """Random packings of granite grains of 10 mm, smooth and rough."""
-    jobs = []
-    for name, unloading in ((HERTZ, "elastic"), (POHRT_POPOV, "elastic")):
-        job = {"kind": "packing", "radius": 0.005, "young": 60.6e9, "poisson": 0.25, "density": 2650.0, "law": name}
-        job |= {"unloading": unloading, "options": {}, "surface": ROUGH if name != HERTZ else {"roughness": 0.0}}
-        job |= {"count": 150, "friction": 0.3, "dt": 1e-6, "rate": 5.0, "slow": 0.5, "longest": 200_000, "unbalanced": 1e-3}
-        job |= {"probe": 2e-6, "pressures": PRESSURES}
-        jobs += [{**job, "seed": seed} for seed in SEEDS]
-    return jobs

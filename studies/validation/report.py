@@ -12,7 +12,7 @@ from studies.validation.published import GROUPS
 from studies.validation.row import EQUATIONS, KINDS, METHODS, SOURCES
 
 
-def collect(engines=True, packing=True):
+def collect(engines=True):
     """Group → rows, in the order of the page; with a bar that shows progress."""
     from tqdm import tqdm
 
@@ -20,7 +20,7 @@ def collect(engines=True, packing=True):
     for name, rows in tqdm(GROUPS.items(), desc="published answers", leave=False, disable=None):
         groups[name] = list(rows())
     if engines:
-        for name, row in tqdm(engine_rows.rows(packing), desc="engines", leave=False, disable=None):
+        for name, row in tqdm(engine_rows.rows(), desc="engines", leave=False, disable=None):
             groups.setdefault(name, []).append(row)
     return groups
 
