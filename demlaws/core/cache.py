@@ -61,12 +61,21 @@ def folder_of(function, kinds, constants):
     return _common_folder() / f"{function.__qualname__}-{digest(kinds, *keys)[:24]}"
 
 
+def _file_of(function, folder):
+    return folder / f"{function.__name__}.py"
+
+
+def is_placed(function, folder):
+    """Whether a process has placed the function in this folder before: its machine code is there, or being compiled."""
+    return _file_of(function, folder).exists()
+
+
 def placed(function, folder):
     """The same function as if it were in a file of this folder, which is made: numba keeps its machine code there.
 
     The file is the same wherever it is made, so that code which another process kept is found again.
     """
-    file = folder / f"{function.__name__}.py"
+    file = _file_of(function, folder)
     if not file.exists():
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile("w", dir=folder, delete=False) as temporary:

@@ -101,7 +101,9 @@ def callback(signature, function, constants):
 def _kept(function, folder, compiled):
     """compiled(function, keep): numba's dispatcher or callback, whose machine code is kept in this folder, if there is one."""
     with _compiling:
-        notice.begin()
+        known = folder is not None and cache.is_placed(function, folder)  # loading may take long, too, on a busy machine
+        if not known:
+            notice.begin()
         try:
             for attempt in (1, 2) if folder else ():
                 placed = None
@@ -117,7 +119,8 @@ def _kept(function, folder, compiled):
                         cache.discard(placed)
             return compiled(function, False)
         finally:
-            notice.end()
+            if not known:
+                notice.end()
 
 
 def _stepped(function):

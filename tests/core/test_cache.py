@@ -54,6 +54,20 @@ def test_a_second_process_compiles_nothing():
     assert compiled == "0", which
 
 
+def test_loading_is_not_called_a_compilation(tmp_path):
+    """On a busy machine it takes more than a second, too: each start then announced a compilation that is done once."""
+    code = """
+        from demlaws.core import notice
+        begun = []
+        notice.begin = lambda: begun.append(1)
+        import demlaws as dl
+        dl.law("hertz", dl.Contact(radius=1e-2, modulus=1e10)).stiffness(1e-6)
+        print(len(begun))
+    """
+    assert int(python(code, NUMBA_CACHE_DIR=tmp_path)) > 0
+    assert python(code, NUMBA_CACHE_DIR=tmp_path) == "0"
+
+
 def edited(file):
     """The file with a comment more and the time of before; returns its text of before."""
     text, before = file.read_text(), file.stat()
