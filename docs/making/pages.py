@@ -123,7 +123,7 @@ def write():
     (MADE / "yade.md").write_text(moved("yade_scripts/README.md"))
     cases = [beneath(moved(f"{engine}_inputs/README.md")) for engine in ("liggghts", "lammps")]
     (MADE / "cases.md").write_text("\n".join([CASES, *cases]))
-    (MADE / "changelog.md").write_text(NOT_SEARCHED + "\n## ".join(moved("CHANGELOG.md").split("\n## ")[:3]))
+    (MADE / "changelog.md").write_text(NOT_SEARCHED + "\n## ".join(moved("CHANGELOG.md").split("\n## ")[:2]))
     (MADE / "commands.md").write_text(reference.command_page())
     groups = theory.write(MADE / "theory")
     laws = []

@@ -1,7 +1,10 @@
 """`tools/machines/release.py`: files of a release, from made-up results of `make dist` and `make docs`."""
 
 import re
+import runpy
 import subprocess
+import sys
+import types
 import zipfile
 
 import pytest
@@ -87,6 +90,20 @@ def test_addresses_are_filled_in_one_place(tmp_path, monkeypatch, capsys):
     exec(compile(errors.read_text(), "errors.py", "exec"), filled)
     assert filled["page"]("how-to/cluster") == "https://example.org/demlaws/how-to/cluster.html"
     assert release.main(["--fill", "example.org", ""]) == 1 and "https://" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("site", ["", "https://example.org/demlaws"])
+def test_readme_of_the_metadata_has_no_relative_link(site, monkeypatch):
+    """PyPI shows README alone; hatchling, which reads the hook, is not part of the environment of tests."""
+    for name in ("hatchling.builders.hooks.plugin.interface", "hatchling.metadata.plugin.interface"):
+        module = types.SimpleNamespace(BuildHookInterface=object, MetadataHookInterface=object)
+        monkeypatch.setitem(sys.modules, name, module)
+    hook = runpy.run_path(str(release.ROOT / "hatch_build.py"))["Addresses"]()
+    hook.root = release.ROOT
+    links = re.findall(r"\]\(([^)]*)\)", hook.readme(site))
+    assert links and not [link for link in links if not link.startswith(("#", f"{site}/" if site else "#"))]
+    pages = {link.removeprefix(f"{site}/").partition("#")[0] for link in links if link.endswith(".html")}
+    assert not [page for page in pages if not (release.ROOT / "docs" / page).with_suffix(".md").exists()]
 
 
 def test_no_other_file_names_a_page_by_its_file():
