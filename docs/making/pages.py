@@ -83,15 +83,17 @@ def script(text):
 def citation():
     """The entry of CITATION.cff for a bibliography."""
     import demlaws
+    from demlaws.errors import ADDRESS, REPOSITORY
 
     fields = dict(re.findall(r'^([\w-]+): "?(.*?)"?$', (ROOT / "CITATION.cff").read_text(), re.MULTILINE))
+    where = f",\n  url     = {{{REPOSITORY or ADDRESS}}}" if REPOSITORY or ADDRESS else ""
     return f"""```bibtex
 @software{{demlaws,
   title   = {{{{{fields["title"]}}}}},
   author  = {{{{demlaws authors}}}},
   year    = {{{fields["date-released"][:4]}}},
   version = {{{demlaws.__version__}}},
-  license = {{{fields["license"]}}}
+  license = {{{fields["license"]}}}{where}
 }}
 ```"""
 

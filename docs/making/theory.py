@@ -212,7 +212,7 @@ def rule_section(rule, shown_by):
     """The section of one unloading rule."""
     state = ", ".join(f"`{name}`" for name in rule.state) or "none"
     only = f" Only for laws that define it, such as `{shown_by}`." if rule.curve == "law" else ""
-    spelled = f'unloading="{rule.name}"' if rule.curve != GIVEN else 'unloading=dl.law("hertz", contact)'
+    spelled = f'unloading="{rule.name}"' if rule.name != GIVEN else 'unloading=dl.law("hertz", contact)'
     return f"### {rule.name}\n\n{prose(type(rule.tag).__doc__)}\n\nWrite `{spelled}`.{only} State of a contact: {state}.\n"
 
 
