@@ -187,7 +187,8 @@ def law_page(name, definition, folder):
     text.append(f"## Unloading\n\nDefault: `{definition.default_rule(**law.options)}`. Accepted: {', '.join(accepted)}.\n")
     text += [f"- {rule} is refused: {reason}\n" for rule, reason in refused]
     text.append(f"## Source\n\n{prose(definition.source)}. ([Bibliography](../../bibliography.md))\n")
-    text.append(f"{prose(module.__doc__)}\n")
+    _, _, more = module.__doc__.partition("\n\n")  # the first line is the source
+    text.append(f"{prose(more)}\n")
     notes = ROOT / NOTES.format(name)
     if notes.exists():
         text.append(f"## Notes\n\n{relinked(notes.read_text(), NOTES.format(name), f'made/theory/{name}.md')}")
