@@ -5,7 +5,7 @@ import itertools
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import MISSING, dataclass, field, fields
 from pathlib import Path
 
 import numpy as np
@@ -296,6 +296,9 @@ def _from_toml(path):
                 entries = [section] if isinstance(section, dict) else section
                 if not all(isinstance(entry, dict) for entry in entries):
                     raise DemlawsError(f"{key} must be a table of the file, [{key}], got {section!r:.60}")
+                needed = [one.name for one in fields(kind) if one.default is MISSING]
+                for name in (name for entry in entries for name in needed if name not in entry):
+                    raise DemlawsError(f"[{key}] lacks {name!r}")
                 values[f"{key}s"] = [kind(**entry) for entry in entries]
         reference = text.pop("reference", None)
         if isinstance(reference, dict):
@@ -307,7 +310,7 @@ def _from_toml(path):
         if names_a_file(unloading):  # beside the scene's
             text["unloading"] = str(path.parent.absolute() / unloading)
         return Scene(**values, **text)
-    except (DemlawsError, TypeError) as error:  # TypeError: a Material without its modulus
+    except (DemlawsError, TypeError) as error:
         raise DemlawsError(f"{path}: {error}") from None
 
 

@@ -213,6 +213,15 @@ def test_glass_beads_have_a_reference_that_their_loads_can_meet():
         dl.choose(dl.Scene(radii=0.25e-3, materials=GLASS, surfaces=dl.Surface(0), force=(1.0, 1e12)), tables=False)
 
 
+def test_a_section_that_lacks_a_quantity_is_named(tmp_path):
+    """It was a message of Python about Material.__init__()."""
+    pytest.importorskip("tomllib")
+    file = tmp_path / "scene.toml"
+    file.write_text(TOML.replace("poisson = 0.25\n", ""))
+    with pytest.raises(dl.DemlawsError, match=r"scene.toml: \[material\] lacks 'poisson'$"):
+        dl.Scene.load(file)
+
+
 def test_the_template_names_every_key_and_reaches_yield(tmp_path, capsys):
     """Every field of a scene, of its material and surface. Before: laws that do not yield were ruled out there, so that what
     leaving yield out would cost was not seen."""
