@@ -2,6 +2,8 @@
 
 import math
 import os
+import pty
+import select
 import signal
 import subprocess
 import sys
@@ -392,3 +394,31 @@ def test_signals_go_to_yade(tmp_path, number):
         assert status == 1 and "KeyboardInterrupt" in output
     else:
         assert status == 128 + number and f"signal {number.name}" in output
+
+
+@pytest.mark.slow
+def test_ctrl_c_interrupts_yade_which_goes_on(tmp_path):
+    """In a terminal, where both get the signal: the command killed YADE, and what was simulated was gone."""
+    script = tmp_path / "long.py"
+    script.write_text("import time\nprint('READY', flush=True)\ntime.sleep(600)\n")
+    environment = os.environ | {"PYTHONPATH": str(Path(dl.__file__).parents[1]), "TERM": "dumb"}
+    pid, terminal = pty.fork()
+    if pid == 0:
+        os.execve(sys.executable, [sys.executable, "-m", "demlaws", "yade", "run", str(script)], environment)
+
+    def read_until(word):
+        text = b""
+        while word not in text:
+            assert select.select([terminal], [], [], 120)[0], text
+            text += os.read(terminal, 4096)
+
+    try:
+        read_until(b"READY")
+        os.write(terminal, b"\x03")
+        read_until(b"[1]:")
+        os.write(terminal, b"print('SUM', 20 + 22)\r")
+        read_until(b"SUM 42")
+    finally:
+        os.kill(pid, signal.SIGTERM)
+        os.waitpid(pid, 0)
+        os.close(terminal)
