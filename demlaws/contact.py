@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from demlaws.errors import DemlawsError, MissingQuantity, did_you_mean, refuses_unknown_keywords, warn
+from demlaws.errors import Argument, DemlawsError, MissingQuantity, did_you_mean, refuses_unknown_keywords, warn
 from demlaws.units import RANGES, as_float, judge, number, outside, positive, refuse, refuse_plain_radius
 
 PER_CONTACT = ("radius", "modulus", "roughness")
@@ -415,8 +415,9 @@ def pressure_of(contact: Contact, value: Any, name: str) -> float:
     if np.any(pressure < LOWEST_HARDNESS * np.asarray(contact.modulus)):
         share = pressure / float(np.max(contact.modulus))
         raise DemlawsError(
-            f"{name} = {pressure:g} Pa is {share:.1g} of the effective modulus: check the units (give Pa, or "
-            '"6.3GPa"; a Vickers number in kgf/mm² times 9.807e6)'
+            Argument(name),
+            f" = {pressure:g} Pa is {share:.1g} of the effective modulus: check the units (give Pa, or "
+            '"6.3GPa"; a Vickers number in kgf/mm² times 9.807e6)',
         )
     return pressure
 

@@ -5,8 +5,8 @@ import dataclasses
 import functools
 import sys
 import warnings
-from collections.abc import Iterable, Iterator
-from typing import TypeVar
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, NamedTuple, TypeVar
 
 T = TypeVar("T")
 
@@ -25,7 +25,39 @@ def page(name: str) -> str:
     return f"{ADDRESS}/{name}.html" if ADDRESS else f"docs/{name}.md"
 
 
-class DemlawsError(ValueError):
+class Argument(NamedTuple):
+    """An argument of Python that a message names, so that a command can name its option instead.
+
+    value: None, where only the name is written; ... (Ellipsis) where the value is to be given.
+
+    >>> print(Argument("force_noise"), Argument("unloading", "hertz"), Argument("slope", ...), sep="; ")
+    force_noise; unloading='hertz'; slope=...
+    """
+
+    name: str
+    value: Any = None
+
+    def __str__(self) -> str:
+        if self.value is None:
+            return self.name
+        return f"{self.name}={'...' if self.value is ... else repr(self.value)}"
+
+
+class Message(Exception):
+    """An error or a warning whose parts are text, `Argument`s and other messages."""
+
+    def text(self, named: Callable[[Argument], str] = str) -> str:
+        """The message, with `named(argument)` for each argument."""
+        return "".join(
+            part.text(named) if isinstance(part, Message) else named(part) if isinstance(part, Argument) else str(part)
+            for part in self.args
+        )
+
+    def __str__(self) -> str:
+        return self.text()
+
+
+class DemlawsError(Message, ValueError):
     """Bad input: the message names the value, its unit and the remedy.
 
     >>> dl.Contact(radius=-1e-3, modulus=32e9)
@@ -50,14 +82,14 @@ class MissingQuantity(DemlawsError):
         super().__init__(user, quantity)
         self.user, self.quantity = user, quantity
 
-    def __str__(self) -> str:
-        """For Python: what is missing and where it is given."""
-        both = " (Contact.between: roughness1=... and roughness2=...)" if self.quantity == "roughness" else ""
-        return self.given_by(f"Contact(..., {self.quantity}=...){both}")
-
-    def given_by(self, place: str) -> str:
-        """The message for users who give the quantity by `place`: an option, a line of a file."""
-        smooth = ", 0 for smooth surfaces" if self.quantity == "roughness" else ""
+    def text(self, named: Callable[[Argument], str] = str) -> str:
+        """What is missing and where it is given: by `named(argument)`, in Python as a field of the contact."""
+        place, smooth = named(Argument(self.quantity, ...)), ""
+        if named is str:
+            both = " (Contact.between: roughness1=... and roughness2=...)" if self.quantity == "roughness" else ""
+            place = f"Contact(..., {place}){both}"
+        if self.quantity == "roughness":
+            smooth = ", 0 for smooth surfaces"
         return f"{self.user} needs the contact's {self.quantity}, which is not given: give {place}{smooth}"
 
 
@@ -69,7 +101,7 @@ class NeedsClasses(DemlawsError):
     """A curve that depends on the radius cannot serve a range of radii; define grains of a few sizes."""
 
 
-class ValidityWarning(UserWarning):
+class ValidityWarning(Message, UserWarning):
     """A law is used outside the validity range of its source.
 
     >>> import warnings
@@ -144,9 +176,12 @@ def refuses_unknown_keywords(cls: type[T]) -> type[T]:
     return cls
 
 
-def warn(text: str, category: type[Warning] = ValidityWarning) -> None:
-    """Issue a warning that shows the line of the caller's file, the first one outside of this package."""
+def warn(text: str | tuple, category: type[Warning] = ValidityWarning) -> None:
+    """Issue a warning that shows the line of the caller's file, the first one outside of this package.
+
+    text: also the parts of a `Message`.
+    """
     frame, depth = sys._getframe(1), 2
     while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "demlaws":
         frame, depth = frame.f_back, depth + 1
-    warnings.warn(text, category, stacklevel=depth)
+    warnings.warn(category(*text) if isinstance(text, tuple) else category(text), stacklevel=depth)

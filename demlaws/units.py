@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.errors import DemlawsError
+from demlaws.errors import Argument, DemlawsError
 
 SMALL_OVERLAP = 0.1
 """Overlap over effective radius up to which contact laws are valid (bodies as half-spaces). One warning beyond it."""
@@ -110,7 +110,7 @@ def quantity(text, name, unit=""):
     if match and (not symbol or symbol in factors):
         return float(match[1]) * factors.get(symbol, 1.0)
     units = f" in {unit}, or with one of the units {', '.join(factors)}" if factors else f" in {unit}" if unit else ""
-    raise DemlawsError(f"{name} must be a number{units}, got {text!r:.60}")
+    raise DemlawsError(Argument(name), f" must be a number{units}, got {text!r:.60}")
 
 
 def unmasked(value):
@@ -133,10 +133,10 @@ def as_float(value, name, unit="", array=False):
         result = result.astype(float)
     except (TypeError, ValueError, OverflowError):
         kind = "a number or an array" if array else "a number"
-        raise DemlawsError(f"{name} must be {kind}{f' in {unit}' if unit else ''}, got {value!r:.60}") from None
+        raise DemlawsError(Argument(name), f" must be {kind}{f' in {unit}' if unit else ''}, got {value!r:.60}") from None
     if result.ndim > (1 if array else 0):
         kind = "a number or a 1-D array" if array else "one number"
-        raise DemlawsError(f"{name} must be {kind}, got shape {result.shape}")
+        raise DemlawsError(Argument(name), f" must be {kind}, got shape {result.shape}")
     return result
 
 
@@ -148,7 +148,7 @@ def number(value, name, unit="", low=0.0, high=math.inf, allow_low=False):
         return result
     end = "" if high == math.inf else f" and at most {high:g}"
     raise DemlawsError(
-        f"{name} = {result:g} {unit}".rstrip() + f": must be {'at least' if allow_low else 'above'} {low:g}{end}"
+        Argument(name), f" = {result:g} {unit}".rstrip() + f": must be {'at least' if allow_low else 'above'} {low:g}{end}"
     )
 
 
@@ -156,7 +156,7 @@ def positive(value, name, unit):
     """An array of positive, finite numbers; DemlawsError otherwise."""
     array = as_float(value, name, unit, array=True)
     if not np.all(np.isfinite(array) & (array > 0)):
-        raise DemlawsError(f"{name} must be positive and finite, in {unit}, got {value!r}")
+        raise DemlawsError(Argument(name), f" must be positive and finite, in {unit}, got {value!r}")
     return array
 
 
@@ -165,7 +165,7 @@ def whole(value, name, low=1, high=10_000_000):
     result = float(as_float(value, name))
     if result == result and low <= result <= high and result == int(result):
         return int(result)
-    raise DemlawsError(f"{name} = {result:.15g}: give a whole number from {low} to {high}")
+    raise DemlawsError(Argument(name), f" = {result:.15g}: give a whole number from {low} to {high}")
 
 
 class Range(NamedTuple):
@@ -212,7 +212,8 @@ class Finding(NamedTuple):
     """An inadmissible value, or an unlikely one, in words."""
 
     admissible: bool
-    text: str
+    quantity: str
+    text: str  # begins with the name of the quantity
 
 
 def outside(name: str, values: float | np.ndarray) -> np.ndarray:
@@ -235,18 +236,21 @@ def judge(**quantities: float) -> list[Finding]:
     for name, value in quantities.items():
         if outside(name, value):
             remedy = "it must be positive" if value <= 0.0 < RANGES[name].low else RANGES[name].remedy
-            findings.append(Finding(False, f"{name} = {value:g} {RANGES[name].unit}".rstrip() + f": {remedy}"))
+            findings.append(Finding(False, name, f"{name} = {value:g} {RANGES[name].unit}".rstrip() + f": {remedy}"))
     if findings:
         return findings
     radius, roughness = quantities.get("radius", 0.0), quantities.get("roughness", 0.0)
     if radius > LARGE_RADIUS:
-        findings.append(Finding(True, f"radius = {radius:g} m is above {LARGE_RADIUS:g} m; did you mean mm (1 mm = 0.001 m)?"))
+        findings.append(
+            Finding(True, "radius", f"radius = {radius:g} m is above {LARGE_RADIUS:g} m; did you mean mm (1 mm = 0.001 m)?")
+        )
     if radius and roughness > LARGE_ROUGHNESS * radius:
         admissible = roughness <= LARGEST_ROUGHNESS * radius
         limit = LARGE_ROUGHNESS if admissible else LARGEST_ROUGHNESS
         findings.append(
             Finding(
                 admissible,
+                "roughness",
                 f"roughness = {roughness:g} m is {roughness / radius:.3g} of the radius {radius:g} m, above {limit:g}: the "
                 "laws assume a roughness far below the radius; did you mean µm (1 µm = 1e-6 m)?",
             )
@@ -259,7 +263,7 @@ def refuse(**quantities: float) -> list[str]:
     findings = judge(**quantities)
     for one in findings:
         if not one.admissible:
-            raise DemlawsError(one.text)
+            raise DemlawsError(Argument(one.quantity), one.text.removeprefix(one.quantity))
     return [one.text for one in findings]
 
 

@@ -90,8 +90,8 @@ def fitted(model, displacement_noise, force_noise):
         if uneven > 2.0:
             notes.append(
                 f"scatter up to {uneven:.2g} times larger where the contact is soft: points are weighted as with noise of the "
-                "force; intervals contained the true value in 81 to 98 % of tests: give force_noise and displacement_noise if "
-                "known"
+                "force; intervals contained the true value in 81 to 98 % of tests: give the noise of force and displacement "
+                "if known"
             )
     return _report(model, x, squares, displacement_noise is not None, notes)
 

@@ -9,8 +9,8 @@ import re
 import sys
 import warnings
 
-from demlaws.cli.output import Output, arranged
-from demlaws.errors import DemlawsError, MissingQuantity, ValidityWarning, most_similar, page
+from demlaws.cli.output import Output, Result
+from demlaws.errors import DemlawsError, Message, ValidityWarning, most_similar, page
 
 COMMANDS = {
     "check": ("check", "test the installation with each engine that is found, print versions for a report"),
@@ -36,17 +36,21 @@ COMMANDS = {
 LAW_FILE = "--law-file"
 
 
-def in_options(text, arguments):
-    """A message of the package with the command's options in place of Python's arguments: --force-noise for force_noise.
+def text_of(message, parsed):
+    """An error, a warning or a text as the command shows it."""
+    return message.text(lambda argument: _option_of(argument, parsed)) if isinstance(message, Message) else str(message)
 
-    Names in a list, as those of quantities, stay as they are.
-    """
-    for name in vars(arguments):
-        option = f"--{name.replace('_', '-')}"
-        text = re.sub(rf"\b{name}='([\w.-]+)'", rf"{option} \1", text)
-        if "_" in name:
-            text = re.sub(rf"(?<!, )(?<![-\w]){name}\b(?!,)", option, text)
-    return re.sub(r"\b(give|and) (\w+)=\.\.\.", r"\1 --option \2=VALUE", text) if hasattr(arguments, "option") else text
+
+def _option_of(argument, parsed):
+    """How the command names an argument of Python: --force-noise, --option slope=VALUE, a line of its scene file."""
+    name, value = argument
+    if hasattr(parsed, "scene"):
+        return f"{name} = ... below [surface] or [material] of the scene" if value is ... else str(argument)
+    if hasattr(parsed, name):
+        combined = f"combined_{name}" if value is ... and hasattr(parsed, f"combined_{name}") else ""
+        text = f"--{name}" + (f" (or --{combined})" if combined else "")
+        return text.replace("_", "-") + ("" if value in (None, ...) else f" {value}")
+    return f"--option {name}=VALUE" if value is ... and hasattr(parsed, "option") else str(argument)
 
 
 class _LawFile(argparse.Action):
@@ -189,13 +193,13 @@ def example(text):
     return {"epilog": "example:\n" + text, "formatter_class": _Help}
 
 
-def _show_warnings(arguments):
+def _show_warnings(parsed):
     """Warnings for users as one line without a place, which would be in our files; any other as Python does."""
     otherwise, shown = warnings.showwarning, set()
 
     def show(message, category, filename, lineno, file=None, line=None):
         if issubclass(category, UserWarning):
-            if (text := in_options(str(message), arguments)) not in shown:
+            if (text := text_of(message, parsed)) not in shown:
                 print(f"demlaws: warning: {text}", file=sys.stderr)
                 shown.add(text)
         else:
@@ -217,7 +221,10 @@ def main(arguments=None):
 
 
 def execute(parser, arguments):
-    """Parse the arguments with the parser that `parser()` returns and call its `func`; an error is one line and status 2."""
+    """Parse the arguments with the parser that `parser()` returns and call its `func` with them and a `Result`.
+
+    Returns the exit status: 2 after an error, which is one line.
+    """
     if sys.stderr is None:  # closed, as by 2>&-
         sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
     if sys.stdout is None:
@@ -231,13 +238,14 @@ def execute(parser, arguments):
             parsed = parser().parse_args(arguments)
             with warnings.catch_warnings():
                 _show_warnings(parsed)
-                with arranged(parsed):
-                    status = parsed.func(parsed) or 0
+                result = Result.of(parsed)
+                status = parsed.func(parsed, result) or 0
+                result.finish()
         finally:
             sys.stdout.flush()
         return status
     except DemlawsError as error:
-        return _failed(in_options(_as_typed(error, parsed), parsed))
+        return _failed(text_of(error, parsed))
     except OverflowError:
         return _failed("a value exceeds the range of numbers: check the units")
     except MemoryError:
@@ -255,17 +263,6 @@ def execute(parser, arguments):
             _drop_output(sys.stdout)
         place = f"{error.filename}: " if error.filename else "output: "
         return _failed(f"{place}{error.strerror or error}")
-
-
-def _as_typed(error, arguments):
-    """The text of an error, a missing quantity by the option, or the line of the scene file, that gives it."""
-    if not isinstance(error, MissingQuantity):
-        return str(error)
-    if hasattr(arguments, "scene"):
-        return error.given_by(f"{error.quantity} = ... below [surface] or [material] of the scene")
-    other = f"combined_{error.quantity}"
-    either = f" (or --{other.replace('_', '-')})" if hasattr(arguments, other) else ""
-    return error.given_by(f"--{error.quantity.replace('_', '-')}{either}")
 
 
 def _failed(reason):

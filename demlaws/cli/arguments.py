@@ -53,8 +53,8 @@ def whole(low=1, high=10_000_000):
 def law_name(text):
     """Name of a law; "?" prints all of them."""
     if text == "?":
-        from demlaws.cli.laws import print_laws
+        from demlaws.cli.laws import lines
 
-        print_laws()
+        print(*lines(), sep="\n")
         sys.exit(0)
     return text

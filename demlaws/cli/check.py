@@ -5,7 +5,6 @@ import platform
 import subprocess
 import sys
 
-from demlaws.cli.output import record
 from demlaws.errors import DemlawsError, page
 
 ENGINES = {"yade": ("check", "--quick"), "liggghts": ("check",), "lammps": ("check",)}
@@ -57,19 +56,17 @@ def checked(engine):
     return "all good" if done.returncode == 0 else "failed", done.stdout.strip()
 
 
-def _check(arguments):
+def _check(arguments, result):
     found, results = versions(), {}
     if arguments.report:
-        print("\n".join(f"{name:12}{version}" for name, version in found.items()))
+        result.print(*(f"{name:12}{version}" for name, version in found.items()))
     else:
-        print(f"demlaws {found['demlaws']}, Python {found['Python']}, numpy {found['numpy']}, numba {found['numba']}")
+        result.print(f"demlaws {found['demlaws']}, Python {found['Python']}, numpy {found['numpy']}, numba {found['numba']}")
     for engine in ENGINES:
         results[engine] = verdict, output = checked(engine)
-        print(f"{engine:12}{verdict}", flush=True)
+        result.print(f"{engine:12}{verdict}")
         if arguments.report or verdict != "all good":
-            print("\n".join(f"    {line}" for line in output.splitlines()))
-    record(
-        versions=found,
-        engines={engine: {"verdict": verdict, "output": output} for engine, (verdict, output) in results.items()},
-    )
+            result.print(*(f"    {line}" for line in output.splitlines()))
+    engines = {engine: {"verdict": verdict, "output": output} for engine, (verdict, output) in results.items()}
+    result.values = {"versions": found, "engines": engines}
     return 1 if any(verdict == "failed" for verdict, _ in results.values()) else 0

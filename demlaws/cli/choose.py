@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 from demlaws.cli import example
-from demlaws.cli.output import Output, record, say, write_csv
+from demlaws.cli.output import Output
 from demlaws.errors import DemlawsError
 
 FIELDS = ("error", "mean_error", "ns", "step_factor", "step", "state_bytes", "table_rows", "meets")
@@ -36,7 +36,7 @@ def register(add):
     parser.set_defaults(func=run)
 
 
-def run(arguments):
+def run(arguments, result):
     """Do what the command's arguments ask."""
     from tqdm import tqdm
 
@@ -44,7 +44,7 @@ def run(arguments):
     from demlaws.advice.scene import TEMPLATE, Scene
 
     if arguments.template:
-        print(TEMPLATE.read_text(encoding="utf-8"), end="")
+        result.print(TEMPLATE.read_text(encoding="utf-8").rstrip("\n"))
         return
     if arguments.scene is None:
         raise DemlawsError("give a scene file, or --template for one to fill in")
@@ -58,84 +58,90 @@ def run(arguments):
         processes=min(2, os.cpu_count() or 1),
     )
     name = scene.name or arguments.scene.stem
-    _print_choices(choices, scene, name, arguments.all)
-    _record(choices, scene, name)
+    _print_choices(result, choices, scene, name, arguments.all)
+    result.values = _values(choices, scene, name)
     if arguments.csv is not None:
-        write_csv(arguments.csv, TITLES, ((c.describe(), *(getattr(c, name) for name in FIELDS)) for c in choices))
+        result.write_csv(arguments.csv, TITLES, ((c.describe(), *(getattr(c, name) for name in FIELDS)) for c in choices))
     best = choices.best
     if not best.meets:
         raise DemlawsError(
             f"nothing meets the tolerance {scene.tolerance:g}: the best is {best.describe()} with {best.error:.2g}; "
             "use that tolerance, or give the reference's quantities (fractal dimension, hardness, yield pressure)"
         )
-    _print_best(best, scene)
+    _print_best(result, best, scene)
     if advice is not None:
-        print(f"softer grains, {'applied here' if arguments.soften else 'with --soften'}:")
-        say("\n".join(advice.lines()))
-    print(best.script(arguments.out or Path("law.tbl"), advice.dt if arguments.soften else None))
+        result.print(f"softer grains, {'applied here' if arguments.soften else 'with --soften'}:")
+        result.say("\n".join(advice.lines()))
+    result.print(best.script(arguments.out or Path("law.tbl"), advice.dt if arguments.soften else None))
     if arguments.out is not None:
-        _write(best, scene, arguments.out)
+        _write(result, best, scene, arguments.out)
 
 
-def _print_choices(choices, scene, name, every):
+def _print_choices(result, choices, scene, name, every):
     """The ranking, without the laws that miss the tolerance unless `every`, and what was ruled out."""
     from demlaws.advice.choose import by_reason
     from demlaws.advice.errors import QUANTITIES
 
-    say(f"{name}: {scene.quantity} within {scene.tolerance:g} ({QUANTITIES[scene.quantity]})")
+    result.say(f"{name}: {scene.quantity} within {scene.tolerance:g} ({QUANTITIES[scene.quantity]})")
     low, high = scene.force_range(scene.contacts(scene.effective_radii()[1])[0])
-    print(f"loads {float(low):.3g} to {float(high):.3g} N on the largest contact, {'cyclic' if scene.unloads else 'monotonic'}")
-    print(f"reference: {choices.reference.name}, {choices.reference.unloading} unloading\n")
-    print(f"{'error':>9} {'mean':>9} {'ns':>6} {'step':>6} {'state':>6} {'rows':>6}  law, unloading, evaluation")
+    result.print(
+        f"loads {float(low):.3g} to {float(high):.3g} N on the largest contact, {'cyclic' if scene.unloads else 'monotonic'}"
+    )
+    result.print(f"reference: {choices.reference.name}, {choices.reference.unloading} unloading\n")
+    result.print(f"{'error':>9} {'mean':>9} {'ns':>6} {'step':>6} {'state':>6} {'rows':>6}  law, unloading, evaluation")
     for choice in choices:
         if choice.meets or every:
-            say(
+            result.say(
                 f"{choice.error:9.2g} {choice.mean_error:9.2g} {choice.ns:6.2f} {choice.step_factor:6.3f} "
                 f"{choice.state_bytes:4d} B {choice.table_rows:6d}  {choice.describe()}"
                 f"{'' if choice.meets else ' (above the tolerance)'}",
                 " " * 49,
             )
-    say("(ns: stored time per contact of the law alone; step: stable step over that of the reference; order: by ns/step)")
-    for reason, plans in by_reason(choices.ruled_out).items():
-        say(f"ruled out: {'; '.join(plans)}: {reason}")
-    for note in choices.notes:
-        say(f"note: {note}")
-
-
-def _record(choices, scene, name):
-    record(
-        scene=name,
-        quantity=scene.quantity,
-        tolerance=scene.tolerance,
-        reference={"law": choices.reference.name, "unloading": choices.reference.unloading},
-        choices=[{"choice": c.describe(), **{name: getattr(c, name) for name in FIELDS}} for c in choices],
-        ruled_out=dict(choices.ruled_out),
-        notes=list(choices.notes),
+    result.say(
+        "(ns: stored time per contact of the law alone; step: stable step over that of the reference; order: by ns/step)"
     )
+    for reason, plans in by_reason(choices.ruled_out).items():
+        result.say(f"ruled out: {'; '.join(plans)}: {reason}")
+    for note in choices.notes:
+        result.say(f"note: {note}")
 
 
-def _print_best(best, scene):
+def _values(choices, scene, name):
+    return {
+        "scene": name,
+        "quantity": scene.quantity,
+        "tolerance": scene.tolerance,
+        "reference": {"law": choices.reference.name, "unloading": choices.reference.unloading},
+        "choices": [{"choice": c.describe(), **{name: getattr(c, name) for name in FIELDS}} for c in choices],
+        "ruled_out": dict(choices.ruled_out),
+        "notes": list(choices.notes),
+    }
+
+
+def _print_best(result, best, scene):
     from demlaws.contact import DENSITY
     from demlaws.timestep import STEP_SAFETY, rayleigh_step
 
     rayleigh = min(rayleigh_step(scene.radii[0], m.density or DENSITY, m.young, poisson=m.poisson) for m in scene.materials)
-    print(f"\nchosen: {best.describe()}")
-    say(f"time step {best.step:.3g} s, at most {STEP_SAFETY:g} of the estimated stability limit (Rayleigh: {rayleigh:.3g} s)")
+    result.print(f"\nchosen: {best.describe()}")
+    result.say(
+        f"time step {best.step:.3g} s, at most {STEP_SAFETY:g} of the estimated stability limit (Rayleigh: {rayleigh:.3g} s)"
+    )
     for physics, error in best.left_out:
-        print(f"  neglected: {physics}: error of the {scene.quantity} {error:.2g}")
+        result.print(f"  neglected: {physics}: error of the {scene.quantity} {error:.2g}")
 
 
-def _write(best, scene, out):
+def _write(result, best, scene, out):
     """The case of an engine with plugins, else the tables of the chosen law."""
     from demlaws.advice.choose import table_name
 
     if scene.engine in ("liggghts", "lammps"):
-        print(f"wrote {best.export(out)} and {len(list(out.glob('*.tbl')))} table(s)")
+        result.print(f"wrote {best.export(out)} and {len(list(out.glob('*.tbl')))} table(s)")
         return
     for kinds, table in best.tables().items():
         path = table_name(out, scene, kinds)
         table.save(path)
-        print(f"wrote {path}")
+        result.print(f"wrote {path}")
 
 
 def _advice(scene, mandatory):

@@ -153,10 +153,10 @@ def law_of_unloading(name, contact, **options):
         raise DemlawsError(f"--unloading-law {name}: {error}; {remedy}") from None
 
 
-def draw(path, make):
+def draw(result, path, make):
     """Save the figure that `make(plots.surface)` returns, if a path is given; print the path."""
     if path is not None:
         from demlaws import plots
         from demlaws.plots import surface as plots_surface
 
-        print(plots.save(make(plots_surface), path))
+        result.print(plots.save(make(plots_surface), path))

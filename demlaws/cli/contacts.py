@@ -4,7 +4,7 @@ from pathlib import Path
 
 from demlaws.cli import example
 from demlaws.cli.contact import add_law_arguments, law_from
-from demlaws.cli.output import Output, record, say, write_csv
+from demlaws.cli.output import Output
 from demlaws.cli.timestep import contacts_of_dump, frames, stiffness_of_dump
 from demlaws.errors import DemlawsError
 
@@ -40,25 +40,25 @@ def register(add):
     parser.set_defaults(func=run)
 
 
-def run(arguments):
+def run(arguments, result):
     """Do what the command's arguments ask."""
-    table = read(arguments)
+    table = read(arguments, result)
     if arguments.csv:
         columns = table.columns()
-        write_csv(arguments.csv, list(columns), zip(*columns.values(), strict=True))
+        result.write_csv(arguments.csv, list(columns), zip(*columns.values(), strict=True))
     if arguments.vtk:
-        print(table.save(arguments.vtk))
-    print(table)
+        result.print(table.save(arguments.vtk))
+    result.print(table)
     flattened = table.flattened
-    record(contacts=len(table), flattened=None if flattened is None else int(flattened.sum()))
+    result.values = {"contacts": len(table), "flattened": None if flattened is None else int(flattened.sum())}
     if flattened is None:
-        say("history: not in this dump (no law with history, or name its columns: --largest-overlap, --plastic-overlap)")
+        result.say("history: not in this dump (no law with history, or name its columns: --largest-overlap, --plastic-overlap)")
     elif len(table):
-        print(f"{int(flattened.sum())} of {len(table)} contacts have deformed plastically")
+        result.print(f"{int(flattened.sum())} of {len(table)} contacts have deformed plastically")
     return 0
 
 
-def read(arguments):
+def read(arguments, result):
     """`Contacts` of the two dumps that the arguments name."""
     import numpy as np
 
@@ -84,13 +84,15 @@ def read(arguments):
         )
     if np.any(rounding > 0.01 * np.abs(overlap)):
         error = float(np.max(rounding))
-        say(f"overlaps are computed from the rounded positions of {arguments.snapshot} (error {error:.1g} m): dump more digits")
+        result.say(
+            f"overlaps are computed from the rounded positions of {arguments.snapshot} (error {error:.1g} m): dump more digits"
+        )
     centres = np.stack([atoms[axis] for axis in "xyz"], axis=1)
     first = centres[pairs[:, 0]]
     bodies = atoms["id"].astype(int)[pairs]
     effective = 1.0 / np.sum(1.0 / radius, axis=1)
     if arguments.law is not None and len(pairs):
-        known |= _stiffnesses(arguments, effective, force, known.get("maximum_overlap"), overlap, rounding)
+        known |= _stiffnesses(arguments, result, effective, force, known.get("maximum_overlap"), overlap, rounding)
     if "plastic_overlap" in known:
         known["flattened"] = known["plastic_overlap"] > 0.0
     if "maximum_overlap" in known:
@@ -100,7 +102,7 @@ def read(arguments):
     )
 
 
-def _stiffnesses(arguments, radius, force, largest, overlap, rounding):
+def _stiffnesses(arguments, result, radius, force, largest, overlap, rounding):
     """Stiffness and modulus of the contacts by the law that the arguments name; without them if the history is not known."""
     import numpy as np
 
@@ -108,8 +110,8 @@ def _stiffnesses(arguments, radius, force, largest, overlap, rounding):
     law = law_from(arguments)
     stiffness, history, note = stiffness_of_dump(arguments.contacts, law, force, largest, overlap, rounding)
     if note:
-        say(note)
+        result.say(note)
     if history == "stiffest":
-        say("stiffness: not known without the largest overlap of each contact (--largest-overlap)")
+        result.say("stiffness: not known without the largest overlap of each contact (--largest-overlap)")
         return {}
     return {"stiffness": stiffness, "modulus": np.broadcast_to(law.contact.modulus, stiffness.shape).copy()}

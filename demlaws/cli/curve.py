@@ -3,7 +3,7 @@
 from demlaws.cli import example
 from demlaws.cli.arguments import force, length, whole
 from demlaws.cli.contact import add_law_arguments, contact_from, describe, law_from, unloads
-from demlaws.cli.output import Output, output, record, write_csv
+from demlaws.cli.output import Output, output
 from demlaws.responses.results import PATH_COLUMNS
 
 
@@ -33,7 +33,7 @@ def register(add):
     curve.set_defaults(func=run_curve)
 
 
-def run_curve(arguments):
+def run_curve(arguments, result):
     """Do what the command's arguments ask."""
     from demlaws import driver, plots
     from demlaws.units import check_overlaps
@@ -45,15 +45,15 @@ def run_curve(arguments):
         path = driver.force_controlled(law, arguments.forces, arguments.steps)
     else:
         path = driver.displacement_controlled(law, arguments.overlaps, arguments.steps)
-    print(f"{unloads(law)}; {describe(law.contact)}")
-    record(law=law.name, unloading=law.unloading, contact=law.contact, options=law.options)
-    record(**{name: getattr(path, name) for name in PATH_COLUMNS.values()})
+    result.print(f"{unloads(law)}; {describe(law.contact)}")
+    result.values = {"law": law.name, "unloading": law.unloading, "contact": law.contact, "options": law.options}
+    result.values |= {name: getattr(path, name) for name in PATH_COLUMNS.values()}
     if arguments.csv is not None:
-        write_csv(arguments.csv, PATH_COLUMNS, path.csv_rows())
+        result.write_csv(arguments.csv, PATH_COLUMNS, path.csv_rows())
     else:
-        print(f"{'overlap (µm)':>14} {'force (N)':>12} {'K (N/mm)':>12} {'plastic (µm)':>13} {'work (J)':>12}")
+        result.print(f"{'overlap (µm)':>14} {'force (N)':>12} {'K (N/mm)':>12} {'plastic (µm)':>13} {'work (J)':>12}")
         every = max(1, path.overlap.size // 20)
         for row in list(zip(path.overlap, path.force, path.stiffness, path.plastic_overlap, path.work, strict=True))[::every]:
-            print(f"{row[0] * 1e6:14.4f} {row[1]:12.5g} {row[2] / 1e3:12.5g} {row[3] * 1e6:13.4f} {row[4]:12.4g}")
+            result.print(f"{row[0] * 1e6:14.4f} {row[1]:12.5g} {row[2] / 1e3:12.5g} {row[3] * 1e6:13.4f} {row[4]:12.4g}")
     if arguments.figure is not None:
-        print(plots.save(plots.path_figure(path, law, unloads(law)), arguments.figure))
+        result.print(plots.save(plots.path_figure(path, law, unloads(law)), arguments.figure))

@@ -8,7 +8,7 @@ import sys
 from demlaws.cli import Parser, example, option
 from demlaws.cli.arguments import density, force, law_name, length, plain, pressure, whole
 from demlaws.cli.contact import law_of_unloading, unloading_named
-from demlaws.cli.output import output, record, say
+from demlaws.cli.output import output
 from demlaws.errors import DemlawsError
 from demlaws.laws import USUAL
 
@@ -55,7 +55,7 @@ def register(add):
     _add_build(parts, name)
     _add_source(parts, name)
     checks = parts.add_parser("check", help="test the plugin on this machine (15 s)", **example(f"  demlaws {name} check"))
-    checks.set_defaults(func=lambda arguments: _function(name, "check")())
+    checks.set_defaults(func=lambda _, result: _function(name, "check")(result.print))
     _add_export(parts, name)
     _add_convert(parts, name)
     _add_run(parts, name)
@@ -69,11 +69,11 @@ def _function(engine, name):
 
 
 def _add_build(parts, name):
-    def build(arguments):
+    def build(arguments, result):
         from demlaws.lammps.run import refusal
 
         plugin = _function(name, "build")(portable=arguments.portable, force=arguments.force)
-        print(plugin)
+        result.print(plugin)
         if name == "lammps":
             with contextlib.suppress(DemlawsError):  # no LAMMPS here: built for another machine
                 if reason := refusal(plugin):
@@ -91,11 +91,11 @@ def _add_source(parts, name):
     text = example(f"  demlaws {name} source ~/{name}/{place}")
     sources = parts.add_parser("source", help=f"write the models as sources of {engine}, to be compiled with it", **text)
     sources.add_argument("folder", help=f"folder {place} of {engine}'s sources, {release}")
-    sources.set_defaults(func=lambda arguments: print(_function(name, "source")(arguments.folder)))
+    sources.set_defaults(func=lambda arguments, result: result.print(_function(name, "source")(arguments.folder)))
 
 
 def _add_export(parts, name):
-    def export(arguments):
+    def export(arguments, result):
         from demlaws.plugins.grains import Case
 
         grains, unloading, options = _grains_of(arguments)
@@ -103,11 +103,11 @@ def _add_export(parts, name):
         values |= {"shear_ratio": arguments.shear_ratio, "levels": arguments.levels}
         stock = getattr(arguments, "stock", None)
         case = Case(arguments.law, tuple(grains), unloading, options, stock=stock, **values)
-        print(case.title)
+        result.print(case.title)
         path = _function(name, "export")(arguments.folder, case)
         if stock:
-            print((path.parent / "fit.txt").read_text(), end="")
-        print(f"wrote {path}; start {path.parent / 'run.sh'}")
+            result.print((path.parent / "fit.txt").read_text().rstrip("\n"))
+        result.print(f"wrote {path}; start {path.parent / 'run.sh'}")
 
     text = example(EXPORT_EXAMPLE.format(name=name) + (WITHOUT_COMPILER if name == "liggghts" else ""))
     exports = parts.add_parser("export", help="write a complete case: tables, input, run script", **text)
@@ -118,14 +118,14 @@ def _add_export(parts, name):
 
 
 def _add_convert(parts, name):
-    def convert(arguments):
+    def convert(arguments, result):
         from demlaws.plugins.convert import convert_file
 
         out = arguments.out or output(arguments.input + ".demlaws")
         out, conversion = convert_file(arguments.input, name, arguments.table, out=out)
-        record(file=out, notes=conversion.notes)
+        result.values = {"file": out, "notes": conversion.notes}
         last = "no line converted, no file written" if out is None else f"wrote {out}"
-        say("\n".join([*conversion.report(arguments.input), last]))
+        result.say("\n".join([*conversion.report(arguments.input), last]))
         return 0 if conversion.complete else 1
 
     converts = parts.add_parser(
@@ -144,7 +144,9 @@ def _add_convert(parts, name):
 def _add_run(parts, name):
     engine = name.upper()
 
-    def run(arguments):
+    def run(arguments, _):
+        if arguments.json:
+            raise DemlawsError(f"--json is not available for {name} run: {engine} prints to the standard output itself")
         _refuse_mpirun(name)
         # options may stand behind the input, too; unknown ones are the engine's
         ours = argparse.ArgumentParser(prog=f"demlaws {name} run", add_help=False, allow_abbrev=False)

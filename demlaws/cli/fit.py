@@ -3,10 +3,10 @@
 import os
 from pathlib import Path
 
-from demlaws.cli import example, in_options
+from demlaws.cli import example, text_of
 from demlaws.cli.arguments import compliance, force, law_name, length
 from demlaws.cli.contact import add_contact_arguments, contact_from, describe
-from demlaws.cli.output import Output, output, record, write_csv
+from demlaws.cli.output import Output, output
 from demlaws.files import wrapped
 
 TITLES = [
@@ -77,7 +77,7 @@ def shown(name, estimate, unit):
     return f"{text} {unit}".rstrip() + (f" ({estimate.cause})" if estimate.cause else "")
 
 
-def table_lines(ranking, arguments):
+def table_lines(ranking):
     """The ranking: a line for each law, its parameters and notes below; a note that several laws share comes last."""
     from demlaws.advice.fit import parameters
     from demlaws.advice.fit_report import SYSTEMATIC
@@ -90,12 +90,12 @@ def table_lines(ranking, arguments):
         kind = "systematic" if f.systematic else "scatter"
         yield f"{f.name:16} {f.unloading:9} {f.misfit * 1e6:11.4g} {f.delta:9.1f} {f.weight:7.3f}  {kind}"
         yield wrapped("; ".join(shown(n, e, units[n]) for n, e in f.parameters.items()), "    ")
-        yield from (wrapped(in_options(note, arguments), "    * ", "      ") for note in f.notes if note != SYSTEMATIC)
+        yield from (wrapped(note, "    * ", "      ") for note in f.notes if note != SYSTEMATIC)
     if any(f.systematic for f in ranking):
         yield wrapped(SYSTEMATIC)
 
 
-def run(arguments):
+def run(arguments, result):
     """Do what the command's arguments ask."""
     from tqdm import tqdm
 
@@ -104,7 +104,7 @@ def run(arguments):
     from demlaws.curves.point_files import read_points
 
     points, contact = read_points(arguments.points), contact_from(arguments)
-    print(describe(contact))
+    result.print(describe(contact))
     ranking = fit(
         points,
         contact,
@@ -117,21 +117,21 @@ def run(arguments):
         progress=lambda jobs: tqdm(jobs, desc="fit", unit="law", leave=False, disable=None),
         processes=min(2, os.cpu_count() or 1),
     )
-    print(f"{points.source}: {ranking.points[1].size} points to {ranking.points[1].max():.4g} N; intervals hold 95 %\n")
-    print("\n".join(table_lines(ranking, arguments)))
+    result.print(f"{points.source}: {ranking.points[1].size} points to {ranking.points[1].max():.4g} N; intervals hold 95 %\n")
+    result.print(*table_lines(ranking))
     fields = ("name", "unloading", "misfit", "systematic", "aicc", "delta", "weight", "notes")
     laws = [{name: getattr(f, name) for name in fields} for f in ranking]
     for one, f in zip(laws, ranking, strict=True):
         one["parameters"] = {name: {**e._asdict(), "note": e.note} for name, e in f.parameters.items()}
-    record(laws=laws, skipped=dict(ranking.skipped))
+    result.values = {"laws": laws, "skipped": dict(ranking.skipped)}
     for name, reason in ranking.skipped.items():
-        print(wrapped(in_options(f"not fitted: {name}: {reason}", arguments)))
+        result.say(f"not fitted: {name}: {text_of(reason, arguments)}")
     if arguments.csv is not None:
         rows = [
             (f.name, f.unloading, f.misfit, f.aicc, f.delta, f.weight, name, e.value, e.error, e.low, e.high, e.note)
             for f in ranking
             for name, e in f.parameters.items()
         ]
-        write_csv(arguments.csv, TITLES, rows)
+        result.write_csv(arguments.csv, TITLES, rows)
     if arguments.figure is not None:
-        print(plots.save(plots.fit_figure(ranking, points.source), arguments.figure))
+        result.print(plots.save(plots.fit_figure(ranking, points.source), arguments.figure))

@@ -26,8 +26,8 @@ def register(add):
     parser.set_defaults(func=run)
 
 
-def run(arguments):
+def run(arguments, result):
     """Do what the command's arguments ask."""
     from demlaws.granite.command import run
 
-    run(arguments)
+    run(arguments, result)

@@ -1,7 +1,6 @@
 """`demlaws laws`: the laws, and the options of each."""
 
 from demlaws.cli import example
-from demlaws.cli.output import record, say
 from demlaws.errors import DemlawsError
 
 
@@ -17,15 +16,14 @@ def register(add):
     parser.set_defaults(func=run)
 
 
-def print_laws():
-    """Print one line per law: name and description."""
+def lines():
+    """One line per law: name and description."""
     from demlaws.laws.registry import registry
 
-    for name, definition in registry().items():
-        print(f"{name:16} {definition.description}")
+    return [f"{name:16} {definition.description}" for name, definition in registry().items()]
 
 
-def run(arguments):
+def run(arguments, result):
     """Do what the command's arguments ask."""
     from demlaws.core.unloading import GIVEN, RULES
     from demlaws.laws.registry import find, registry
@@ -36,29 +34,31 @@ def run(arguments):
         from demlaws.user_laws.check import check_law
 
         report = check_law(arguments.name)
-        print(report)
+        result.print(report)
         return 0 if report.passed else 1
     if arguments.name is None:
         rules = [rule for rule in RULES if rule != GIVEN]
-        record(laws={name: d.description for name, d in registry().items()}, unloading=rules)
-        print_laws()
-        say(f"unloading: {', '.join(rules)}, or a table to unload along; options and rules of a law: demlaws laws NAME")
+        result.values = {"laws": {name: d.description for name, d in registry().items()}, "unloading": rules}
+        result.print(*lines())
+        result.say(f"unloading: {', '.join(rules)}, or a table to unload along; options and rules of a law: demlaws laws NAME")
         return 0
     definition = find(arguments.name)
-    fields = ("name", "description", "equation", "source")
-    record(**{name: getattr(definition, name) for name in fields}, needs=definition.needed())
     rules = [rule for rule in definition.offered() if rule != GIVEN]
-    record(unloading=rules, default_unloading=definition.default_rule())
-    record(options={name: option._replace(values=str(option.values)) for name, option in definition.options.items()})
-    say(f"{definition.name}: {definition.description}\n  {definition.equation}\n  {definition.source}")
-    print(f"  needs of the contact: {', '.join(('radius', 'modulus', *definition.needed()))}")
-    lines = list(definition.option_lines())
-    print("  no options" if not lines else "  options:")
-    for line in lines:
-        say(f"    {line}", "        ")
+    result.values = {name: getattr(definition, name) for name in ("name", "description", "equation", "source")} | {
+        "needs": definition.needed(),
+        "unloading": rules,
+        "default_unloading": definition.default_rule(),
+        "options": {name: option._replace(values=str(option.values)) for name, option in definition.options.items()},
+    }
+    result.say(f"{definition.name}: {definition.description}\n  {definition.equation}\n  {definition.source}")
+    result.print(f"  needs of the contact: {', '.join(('radius', 'modulus', *definition.needed()))}")
+    options = list(definition.option_lines())
+    result.print("  options:" if options else "  no options")
+    for line in options:
+        result.say(f"    {line}", "        ")
     if definition.unloading:
-        say(f"  unloading: {', '.join(rules)}, or a table to unload along (except those that would create energy)")
-        print(f"  default: {definition.default_rule()}")
+        result.say(f"  unloading: {', '.join(rules)}, or a table to unload along (except those that would create energy)")
+        result.print(f"  default: {definition.default_rule()}")
     for rule in definition.rules:
-        say(f"  {rule.name}, a rule of this law only: {rule.description}")
+        result.say(f"  {rule.name}, a rule of this law only: {rule.description}")
     return 0

@@ -3,7 +3,6 @@
 import textwrap
 
 from demlaws.cli import example
-from demlaws.cli.output import record
 
 
 def register(add):
@@ -17,19 +16,18 @@ def register(add):
     parser.set_defaults(func=run)
 
 
-def run(arguments):
+def run(arguments, result):
     """Do what the command's arguments ask."""
     from demlaws.materials import SYMBOLS, Typical, names, typical
 
     chosen = [arguments.name] if arguments.name else names()
-    record(**{name: {quantity: value._asdict() for quantity, value in typical(name).items()} for name in chosen})
+    result.values = {name: {quantity: value._asdict() for quantity, value in typical(name).items()} for name in chosen}
     if not arguments.name:
-        print(Typical(chosen))
-        print("?: no value in public text. Sources and ranges: demlaws materials NAME")
+        result.print(Typical(chosen), "?: no value in public text. Sources and ranges: demlaws materials NAME")
         return 0
     for quantity, value in typical(arguments.name).items():
         first, between = value.shown()
         number = f"{first} {value.unit if value.value is not None else ''}".rstrip() + (f" ({between})" if between else "")
-        print(f"{SYMBOLS[quantity]:3} {quantity.replace('_', ' '):18} {number}")
-        print(textwrap.fill(value.source, 96, initial_indent="    ", subsequent_indent="    "))
+        result.print(f"{SYMBOLS[quantity]:3} {quantity.replace('_', ' '):18} {number}")
+        result.print(textwrap.fill(value.source, 96, initial_indent="    ", subsequent_indent="    "))
     return 0

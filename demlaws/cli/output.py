@@ -1,16 +1,14 @@
-"""Output of the commands: files that are not overwritten by mistake, CSV on standard output, JSON."""
+"""Output of the commands: files that are not overwritten by mistake, results as text and as JSON."""
 
 import argparse
-import contextlib
 import dataclasses
-import io
 import json
 import math
 import sys
 from pathlib import Path
 
 from demlaws.errors import DemlawsError
-from demlaws.files import PARAVIEW
+from demlaws.files import PARAVIEW, csv_text, wrapped, write_atomically
 
 
 class Output:
@@ -45,38 +43,50 @@ output = Output()
 """A picture, table or height map to write."""
 
 
-_results = {}
-_streams = []
+class Result:
+    """What a command computes: text, printed as it comes, and `values`, which --json prints instead when the command ends."""
 
+    def __init__(self, as_json=False, file=None):
+        """file: the standard output, unless a CSV file goes there."""
+        self.values = {}
+        self._as_json, self._file, self._lines = as_json, file, []
 
-def record(**values):
-    """Add values to the JSON document that the command prints with --json."""
-    _results.update(values)
+    @classmethod
+    def of(cls, parsed):
+        """Of the parsed arguments, whose files are checked first: DemlawsError where one may not be written."""
+        if not getattr(parsed, "overwrite", False):
+            for kind, path in parsed.outputs:
+                kind.check(path)
+        to_output = [kind for kind, path in parsed.outputs if str(path) == "-"]
+        if any(not kind.titles for kind in to_output) or len(to_output) > (0 if parsed.json else 1):
+            raise DemlawsError('"-" is standard output, for one CSV file and without --json')
+        return cls(parsed.json, sys.stderr if to_output else sys.stdout)
 
+    def print(self, *texts):
+        """Print texts, each from a new line on."""
+        for text in texts:
+            if self._as_json:
+                self._lines += str(text).splitlines()
+            else:
+                print(text, file=self._file, flush=True)
 
-def recorded(name, default):
-    """A value of the JSON document so far."""
-    return _results.get(name, default)
+    def say(self, text, rest="    "):
+        """Print each line of a text, wrapped; `rest` begins the lines after the first."""
+        self.print(*(wrapped(line, rest=rest) for line in text.splitlines()))
 
+    def write_csv(self, path, titles, rows):
+        """Write rows to a CSV file and print its name, or to the standard output if the path is "-"."""
+        rows = list(rows)
+        text = csv_text(titles, rows)
+        if str(path) == "-":
+            sys.stdout.write(text)
+        else:
+            self.print(f"{write_atomically(path, text)}: {len(rows)} rows")
 
-def say(text, rest="    "):
-    """Print each line of a text, wrapped."""
-    from demlaws.files import wrapped
-
-    for line in text.splitlines():
-        print(wrapped(line, rest=rest))
-
-
-def write_csv(path, titles, rows):
-    """Write rows to a CSV file and print its name, or to standard output if the path is "-"."""
-    from demlaws.files import csv_text, write_atomically
-
-    rows = list(rows)
-    text = csv_text(titles, rows)
-    if str(path) == "-":
-        (_streams[-1] if _streams else sys.stdout).write(text)
-    else:
-        print(f"{write_atomically(path, text)}: {len(rows)} rows")
+    def finish(self):
+        """With --json: print the values, or the text of a command without values."""
+        if self._as_json and (self.values or self._lines):
+            print(json.dumps(plain(self.values or {"text": self._lines}), indent=1, ensure_ascii=False))
 
 
 def plain(value):
@@ -94,28 +104,3 @@ def plain(value):
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value if value is None or isinstance(value, bool | int | float | str) else str(value)
-
-
-@contextlib.contextmanager
-def arranged(parsed):
-    """Check the files that the command is to write, and arrange its output for --json and for a file named "-"."""
-    if not getattr(parsed, "overwrite", False):
-        for kind, path in parsed.outputs:
-            kind.check(path)
-    to_output = [kind for kind, path in parsed.outputs if str(path) == "-"]
-    if any(not kind.titles for kind in to_output) or len(to_output) > (0 if parsed.json else 1):
-        raise DemlawsError('"-" is standard output, for one CSV file and without --json')
-    if not parsed.json and not to_output:
-        yield
-        return
-    _results.clear()
-    _streams.append(sys.stdout)
-    text = io.StringIO()
-    try:
-        with contextlib.redirect_stdout(text if parsed.json else sys.stderr):
-            yield
-    finally:
-        stream = _streams.pop()
-    if parsed.json:
-        answer = plain(_results) if _results else {"text": text.getvalue().splitlines()}
-        stream.write(json.dumps(answer, indent=1, ensure_ascii=False) + "\n")

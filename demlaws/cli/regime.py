@@ -3,7 +3,7 @@
 from demlaws.cli import example
 from demlaws.cli.arguments import force, plain, pressure
 from demlaws.cli.contact import add_contact_arguments, contact_from, draw
-from demlaws.cli.output import output, record, say
+from demlaws.cli.output import output
 from demlaws.errors import DemlawsError, MissingQuantity
 
 
@@ -30,7 +30,7 @@ def register(add):
     regime.set_defaults(func=run_regime)
 
 
-def run_regime(arguments):
+def run_regime(arguments, result):
     """Do what the command's arguments ask."""
     from demlaws import regime
 
@@ -49,15 +49,15 @@ def run_regime(arguments):
         if measured:
             raise DemlawsError("--load missing: a measured yield is compared with a load")
         yields = regime.transition_force(pair, mu=arguments.mu)
-        print(f"the bulk yields (p(0)/H_m = {regime.YIELD_RATIO}) from {yields:.4g} N; below, asperities")
-        record(contact=pair, transition_force=yields)
+        result.print(f"the bulk yields (p(0)/H_m = {regime.YIELD_RATIO}) from {yields:.4g} N; below, asperities")
+        result.values = {"contact": pair, "transition_force": yields}
     else:
         assessment = regime.assess(pair, arguments.load, arguments.mu, yield_pressure=limit)
         laws = regime.advise(pair, arguments.load, limit, mu=arguments.mu)
-        record(contact=pair, assessment=assessment, laws=laws)
-        say(str(assessment))
-        print("laws at this force:")
+        result.values = {"contact": pair, "assessment": assessment, "laws": laws}
+        result.say(str(assessment))
+        result.print("laws at this force:")
         for advice in laws:
-            say(f"  {advice.law:16} {'applies' if advice.fits else 'no':7} {advice.reason}", " " * 27)
-    draw(arguments.figure, lambda plots: plots.regime_figure(pair, arguments.load))
+            result.say(f"  {advice.law:16} {'applies' if advice.fits else 'no':7} {advice.reason}", " " * 27)
+    draw(result, arguments.figure, lambda plots: plots.regime_figure(pair, arguments.load))
     return 0

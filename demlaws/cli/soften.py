@@ -3,7 +3,6 @@
 from demlaws.cli import example
 from demlaws.cli.arguments import force, plain
 from demlaws.cli.contact import add_law_arguments, law_from, unloads
-from demlaws.cli.output import record, say
 from demlaws.errors import DemlawsError
 
 _UNITS = {
@@ -32,7 +31,7 @@ def register(add):
     parser.set_defaults(func=run)
 
 
-def run(arguments):
+def run(arguments, result):
     """Do what the command's arguments ask."""
     from demlaws.advice.soften import Softening
     from demlaws.units import HANDY
@@ -42,24 +41,31 @@ def run(arguments):
         raise DemlawsError(f"--factor = {softening.factor:g} makes grains stiffer: it divides the modulus, give 1 or more")
     law = law_from(arguments)
     report = softening.report(law, arguments.load)
-    print(f"{unloads(law)}, s = {softening.factor:g}\n")
-    record(law=law.name, unloading=law.unloading, factor=softening.factor, contact=law.contact, options=law.options)
-    record(softened={"contact": report.law.contact, "options": report.law.options}, report=report.lines())
-    record(effects=[dict(zip(("quantity", "factor", "power"), row, strict=True)) for row in softening.effects()])
+    result.print(f"{unloads(law)}, s = {softening.factor:g}\n")
+    result.values = {
+        "law": law.name,
+        "unloading": law.unloading,
+        "factor": softening.factor,
+        "contact": law.contact,
+        "options": law.options,
+        "softened": {"contact": report.law.contact, "options": report.law.options},
+        "report": report.lines(),
+        "effects": [dict(zip(("quantity", "factor", "power"), row, strict=True)) for row in softening.effects()],
+    }
     rows = [(n.replace("_", " "), *unit, getattr(law.contact, n), getattr(report.law.contact, n)) for n, unit in _UNITS.items()]
     for name, value in law.options.items():
         unit = law.definition.options[name].unit if name in law.definition.options else ""
         rows.append((name, *HANDY.get(unit, (unit, 1.0)), value, report.law.options[name]))
-    print(f"{'input':34}{'original':>14}{'softened':>18}")
+    result.print(f"{'input':34}{'original':>14}{'softened':>18}")
     for name, unit, times, before, after in rows:
         if isinstance(before, int | float):
             title = f"{name} [{unit}]" if unit else name
-            print(f"{title:34}{before * times:14.6g}{after * times:18.6g}")
-    print(f"\n{'effect':66}{'×':>10}")
+            result.print(f"{title:34}{before * times:14.6g}{after * times:18.6g}")
+    result.print(f"\n{'effect':66}{'×':>10}")
     for quantity, times, power in softening.effects():
         if len(power) > 20:
-            say(f"{quantity}: {power}")
+            result.say(f"{quantity}: {power}")
         else:
-            print(f"{quantity:66}{times:>10}  {power}")
-    print()
-    say("\n".join(report.lines()))
+            result.print(f"{quantity:66}{times:>10}  {power}")
+    result.print("")
+    result.say("\n".join(report.lines()))

@@ -5,7 +5,7 @@ import math
 from demlaws.cli import example
 from demlaws.cli.arguments import force, length, plain, share, whole
 from demlaws.cli.contact import add_contact_arguments, contact_from, draw
-from demlaws.cli.output import Output, output, record, recorded, write_csv
+from demlaws.cli.output import Output, output
 from demlaws.errors import DemlawsError
 from demlaws.laws import ASPERITY
 
@@ -87,29 +87,29 @@ def register(add):
     surface.set_defaults(func=run_surface)
 
 
-def run_surface(arguments):
+def run_surface(arguments, result):
     """Do what the command's arguments ask."""
     first, *rest = arguments.words
     if first == "synthetic" and not rest:
-        return _synthetic(arguments)
+        return _synthetic(arguments, result)
     if first == "contact":
         if len(rest) != 1:
             raise DemlawsError("`demlaws surface contact` takes one height map")
-        return _contact(arguments, rest[0])
+        return _contact(arguments, result, rest[0])
     if first == "summits" and len(rest) == 1:
-        return _summits(arguments, rest[0])
+        return _summits(arguments, result, rest[0])
     if rest:
         raise DemlawsError(f"one height map at a time, got {' '.join(arguments.words)}")
-    raw = _cropped(arguments, first)
-    _form(raw)
+    raw = _cropped(arguments, result, first)
+    _form(result, raw)
     heights = _without_form(arguments, raw)
-    _describe(heights, arguments.wavelengths)
-    _write(arguments.out, heights)
-    draw(arguments.figure, lambda plots: plots.surface_figure(heights, arguments.wavelengths))
+    _describe(result, heights, arguments.wavelengths)
+    _write(result, arguments.out, heights)
+    draw(result, arguments.figure, lambda plots: plots.surface_figure(heights, arguments.wavelengths))
     return 0
 
 
-def _cropped(arguments, path):
+def _cropped(arguments, result, path):
     """The map as it was read, without spikes if asked for, and without what lies outside the field of view asked for."""
     from demlaws import surface
     from demlaws.surfaces import plausibility
@@ -122,18 +122,18 @@ def _cropped(arguments, path):
     if arguments.despike:
         clean = heights.despiked()
         count = round((clean.missing - heights.missing) * heights.heights.size)
-        record(despiked=count)
-        print(f"{count} pixels were spikes or fillers and are now missing")
+        result.values["despiked"] = count
+        result.print(f"{count} pixels were spikes or fillers and are now missing")
         heights = clean
-    _warn(plausibility.doubts(heights, scale))
+    _warn(result, plausibility.doubts(heights, scale))
     return heights
 
 
-def _warn(found):
+def _warn(result, found):
     """Print and record reasons to doubt a map."""
     from demlaws.errors import MapWarning, warn
 
-    record(doubts=[*recorded("doubts", []), *found])
+    result.values["doubts"] = [*result.values.get("doubts", []), *found]
     for text in found:
         warn(f"height map: {text}", MapWarning)
 
@@ -147,8 +147,8 @@ def _field(arguments, heights):
     return heights.cropped(*sides[:2], centre=tuple(sides[2:]) or None)
 
 
-def _levelled(arguments, path):
-    return _without_form(arguments, _cropped(arguments, path))
+def _levelled(arguments, result, path):
+    return _without_form(arguments, _cropped(arguments, result, path))
 
 
 def _without_form(arguments, heights):
@@ -156,58 +156,58 @@ def _without_form(arguments, heights):
     return heights if order == -1 else heights.without_form(order)
 
 
-def _form(heights):
+def _form(result, heights):
     """What the form is that levelling takes away: the radius of a ball's cap, or of a cone's tip."""
     first, second = heights.radii_of_curvature()
     kind = "a cap" if min(first, second) > 0.0 else "a hollow" if max(first, second) < 0.0 else "a saddle"
     text = f"form before levelling: {kind} with radii of curvature {first * 1e3:.4g} and {second * 1e3:.4g} mm"
     if first * second > 0.0 and math.isfinite(first * second):
         text += f", √(R1 R2) = {math.sqrt(first * second) * 1e3:.4g} mm"
-    print(text)
+    result.print(text)
 
 
-def _summits(arguments, path):
+def _summits(arguments, result, path):
     from demlaws.solvers.summits import summits
     from demlaws.surfaces import plausibility
 
-    heights = _levelled(arguments, path)
+    heights = _levelled(arguments, result, path)
     sample = summits(heights)
-    record(total=sample.total, density=sample.density, radius=sample.radius, height=sample.height, spread=sample.spread)
-    print(
+    result.values |= {name: getattr(sample, name) for name in ("total", "density", "radius", "height", "spread")}
+    result.print(
         f"{sample.total} nine-point summits on {heights.field_of_view[0] * 1e6:.4g} x {heights.field_of_view[1] * 1e6:.4g} µm, "
         f"pixels of {heights.pixel_x * 1e6:.4g} µm: η = {sample.density * 1e-12:.4g} /µm²"
     )
-    print(
+    result.print(
         f"β = {sample.radius * 1e6:.4g} µm (one over the mean curvature; mean of the radii {sample.mean_radius * 1e6:.4g} µm), "
         f"summits {sample.height * 1e6:.4g} µm above the mean plane, rms {sample.spread * 1e6:.4g} µm; "
         f"Sq = {sample.roughness * 1e6:.4g} µm"
     )
     if arguments.effective_radius is not None:
-        _warn(plausibility.field_doubts(heights, arguments.effective_radius))
-        print(
+        _warn(result, plausibility.field_doubts(heights, arguments.effective_radius))
+        result.print(
             f"μ = (8/3) η σ √(2Rβ) = {sample.mu(arguments.effective_radius):.4g} for "
             f"R = {arguments.effective_radius * 1e3:g} mm and σ = Sq"
         )
-    draw(arguments.figure, lambda plots: plots.surface_figure(heights, arguments.wavelengths))
+    draw(result, arguments.figure, lambda plots: plots.surface_figure(heights, arguments.wavelengths))
     return 0
 
 
-def _describe(heights, wavelengths):
+def _describe(result, heights, wavelengths):
     from demlaws.surfaces import plausibility
 
-    record(pixels=heights.shape[::-1], field_of_view=heights.field_of_view, missing=heights.missing)
-    record(sq=heights.sq, sa=heights.sa, slope=heights.slope, form_order=heights.form_order)
+    names = ("field_of_view", "missing", "sq", "sa", "slope", "form_order", "robust_sq")
+    result.values |= {"pixels": heights.shape[::-1]} | {name: getattr(heights, name) for name in names}
     rows, columns = heights.shape
     width, height = heights.field_of_view
-    print(f"{columns} x {rows} pixels of {heights.pixel_x * 1e6:.4g} x {heights.pixel_y * 1e6:.4g} µm", end="; ")
-    print(f"field of view {width * 1e6:.4g} x {height * 1e6:.4g} µm; {100 * heights.missing:.3g} % missing")
+    result.print(
+        f"{columns} x {rows} pixels of {heights.pixel_x * 1e6:.4g} x {heights.pixel_y * 1e6:.4g} µm; "
+        f"field of view {width * 1e6:.4g} x {height * 1e6:.4g} µm; {100 * heights.missing:.3g} % missing"
+    )
     form = "none" if heights.form_order is None else f"polynomial of order {heights.form_order}"
-    print(f"form removed: {form}")
-    robust = heights.robust_sq
-    record(robust_sq=robust)
-    print(
-        f"Sq = {heights.sq * 1e6:.4g} µm (robust, by the median: {robust * 1e6:.4g} µm), Sa = {heights.sa * 1e6:.4g} µm, "
-        f"rms slope {heights.slope:.4g}"
+    result.print(f"form removed: {form}")
+    result.print(
+        f"Sq = {heights.sq * 1e6:.4g} µm (robust, by the median: {heights.robust_sq * 1e6:.4g} µm), "
+        f"Sa = {heights.sa * 1e6:.4g} µm, rms slope {heights.slope:.4g}"
     )
     if heights.sq == 0:
         return
@@ -219,21 +219,21 @@ def _describe(heights, wavelengths):
     ):
         try:
             found[name] = dimension = method(wavelengths)
-            record(**{f"fractal_dimension_by_{name.replace(', ', '_').replace(' ', '_')}": dimension})
-            print(f"fractal dimension by {name}: Df = {dimension:.3f}")
+            result.values[f"fractal_dimension_by_{name.replace(', ', '_').replace(' ', '_')}"] = dimension
+            result.print(f"fractal dimension by {name}: Df = {dimension:.3f}")
         except DemlawsError as error:
-            print(f"fractal dimension by {name}: none ({error})")
-    _warn(plausibility.dimension_doubts(found.get("box counting, calibrated"), found.get("spectrum")))
+            result.print(f"fractal dimension by {name}: none ({error})")
+    _warn(result, plausibility.dimension_doubts(found.get("box counting, calibrated"), found.get("spectrum")))
 
 
-def _write(path, heights):
+def _write(result, path, heights):
     if path is not None:
         from demlaws import surface
 
-        print(surface.write(path, heights))
+        result.print(surface.write(path, heights))
 
 
-def _synthetic(arguments):
+def _synthetic(arguments, result):
     from demlaws.surface import self_affine
 
     if arguments.out is None:
@@ -248,13 +248,13 @@ def _synthetic(arguments):
         longest=arguments.longest,
         anisotropy=arguments.anisotropy,
     )
-    _describe(heights, arguments.wavelengths)
-    _write(arguments.out, heights)
-    draw(arguments.figure, lambda plots: plots.surface_figure(heights, arguments.wavelengths))
+    _describe(result, heights, arguments.wavelengths)
+    _write(result, arguments.out, heights)
+    draw(result, arguments.figure, lambda plots: plots.surface_figure(heights, arguments.wavelengths))
     return 0
 
 
-def _contact(arguments, name):
+def _contact(arguments, result, name):
     from demlaws.regime import assess
     from demlaws.surfaces.plausibility import resolution_doubts
 
@@ -267,33 +267,34 @@ def _contact(arguments, name):
             f"--out {arguments.out}: only an .npz file contains what the next contact needs, the pressures that were carried; "
             "then `demlaws surface FILE.npz --form -1 --out FILE.asc` writes the heights alone"
         )
-    contact = _rough_contact(arguments, name)
+    contact = _rough_contact(arguments, result, name)
     if arguments.table is not None:
-        _table(arguments, contact)
+        _table(arguments, result, contact)
     if arguments.load is None:
         return 0
-    _warn(resolution_doubts(contact.heights, contact.pair, arguments.load))
+    _warn(result, resolution_doubts(contact.heights, contact.pair, arguments.load))
     if contact.pair.hardness is not None:
-        print(assess(contact.pair, arguments.load))
-    step, worn = _cycles(arguments, contact)
-    print(step)
-    record(contact=contact.pair, force=arguments.load, text=str(step).splitlines(), micro_contacts=len(step.micro))
+        result.print(assess(contact.pair, arguments.load))
+    step, worn = _cycles(arguments, result, contact)
+    result.print(step)
+    result.values |= {"contact": contact.pair, "force": arguments.load, "text": str(step).splitlines()}
+    result.values["micro_contacts"] = len(step.micro)
     if arguments.csv is not None:
         columns = (map(float, getattr(step.micro, name)) for name in MICRO_CONTACTS)
-        write_csv(arguments.csv, MICRO_CONTACTS, zip(*columns, strict=True))
+        result.write_csv(arguments.csv, MICRO_CONTACTS, zip(*columns, strict=True))
     if arguments.out is not None:
-        print(worn.save(arguments.out))
-    draw(arguments.figure, lambda plots: plots.contact_figure(contact, step))
+        result.print(worn.save(arguments.out))
+    draw(result, arguments.figure, lambda plots: plots.contact_figure(contact, step))
     return 0
 
 
-def _rough_contact(arguments, name):
+def _rough_contact(arguments, result, name):
     """The contact of the ball with the map of a file, or the one that an earlier command left in it."""
     from demlaws.solvers.contact import RoughContact, has_memory
 
     material = arguments.poisson[-1], arguments.plastic_factor, arguments.plastic_ratio
     if not has_memory(name):
-        heights = _levelled(arguments, name)
+        heights = _levelled(arguments, result, name)
         return RoughContact(heights, contact_from(arguments, roughness=heights.sq), *material)
     for option in ("form", "crop", "despike", "pixel", "missing", "channel"):
         if getattr(arguments, option) not in (None, False):
@@ -301,7 +302,7 @@ def _rough_contact(arguments, name):
     return RoughContact.resume(name, contact_from(arguments, roughness=0.0), *material)
 
 
-def _cycles(arguments, contact):
+def _cycles(arguments, result, contact):
     """The step of the first loading of the command, and the contact after the last; prints how much each cycle changes."""
     steps, changes = [], []
     for _ in range(arguments.cycles):
@@ -309,14 +310,16 @@ def _cycles(arguments, contact):
         worn = contact.unload(steps[-1])
         changes.append(worn.change_from(contact))
         contact = worn
-    record(cycles=[{"area": s.contact_area, "change": c} for s, c in zip(steps, changes, strict=True)])
+    result.values["cycles"] = [{"area": s.contact_area, "change": c} for s, c in zip(steps, changes, strict=True)]
     for number, (step, change) in enumerate(zip(steps, changes, strict=True), 1):
         share = f", {change / changes[0]:.2g} of the first" if number > 1 and changes[0] > 0.0 else ""
-        print(f"cycle {number}: area {step.contact_area * 1e12:.5g} µm², change of the map {change * 1e18:.4g} µm³{share}")
+        result.print(
+            f"cycle {number}: area {step.contact_area * 1e12:.5g} µm², change of the map {change * 1e18:.4g} µm³{share}"
+        )
     return steps[0], contact
 
 
-def _table(arguments, contact):
+def _table(arguments, result, contact):
     from demlaws.make import law
 
     options = {} if arguments.max_force is None else {"max_force": arguments.max_force}
@@ -332,8 +335,9 @@ def _table(arguments, contact):
     )
     table = bound.tabulate(arguments.rtol)
     table.save(arguments.table)
-    record(table=str(arguments.table), force_error=table.force_error, stiffness_error=table.stiffness_error)
-    print(
+    result.values |= {name: getattr(table, name) for name in ("force_error", "stiffness_error")}
+    result.values["table"] = str(arguments.table)
+    result.print(
         f"{arguments.table}: law asperity ({arguments.unloading} unloading), {table.nodes.u.size} rows, "
         f"error of force {table.force_error:.1e}, of stiffness {table.stiffness_error:.1e}"
     )

@@ -5,7 +5,7 @@ from pathlib import Path
 from demlaws.cli import example
 from demlaws.cli.arguments import force, length, plain
 from demlaws.cli.contact import add_law_arguments, contact_from, describe, law_from, unloads
-from demlaws.cli.output import output, record, say
+from demlaws.cli.output import output
 from demlaws.errors import DemlawsError
 from demlaws.files import names_a_file
 
@@ -63,7 +63,7 @@ def _is_table(path):
         raise DemlawsError(f"cannot read {path}: {error.strerror or error}") from error
 
 
-def measured_table(arguments):
+def measured_table(arguments, result):
     """The table of the points, and the (overlap, force) of first loading and unloading for a figure."""
     import numpy as np
 
@@ -96,54 +96,58 @@ def measured_table(arguments):
     )
     rest = int(test.force.size - np.count_nonzero(first))
     knots = table.knots
-    say(
+    result.say(
         f"{arguments.points}: {knots.points} points of first loading; smoothing: {knots.smoothing}; points deviate by up to "
         f"{knots.departure:.3g} N from the curve"
     )
     if rest and len(curves) == 1:
-        say(f"{rest} points of unloading and reloading are not used: give --unloading {arguments.points} to unload along them")
+        result.say(
+            f"{rest} points of unloading and reloading are not used: give --unloading {arguments.points} to unload along them"
+        )
     if not np.isnan(knots.uncertainty).all():
         k = int(np.nanargmax(knots.uncertainty / knots.force))
-        print(
+        result.print(
             f"standard uncertainty of the force: at most {100 * knots.uncertainty[k] / knots.force[k]:.2g} % "
             f"(at {knots.force[k]:.3g} N)"
         )
     return table, curves
 
 
-def run(arguments):
+def run(arguments, result):
     """Do what the command's arguments ask."""
     from demlaws import plots
 
     curves = law = None
     if arguments.points is not None:
-        print(describe(contact_from(arguments)))
-        table, curves = measured_table(arguments)
+        result.print(describe(contact_from(arguments)))
+        table, curves = measured_table(arguments, result)
     elif arguments.law is None:
         raise DemlawsError("give --law NAME, or measured points with --points FILE")
     else:
         law = law_from(arguments)
-        print(f"{unloads(law)}; {describe(law.contact)}")
+        result.print(f"{unloads(law)}; {describe(law.contact)}")
         table = law.tabulate(1e-5 if arguments.rtol is None else arguments.rtol, arguments.max_force)
     table.save(arguments.out)
-    record(file=str(arguments.out), rows=table.nodes.u.size, largest_force=table.largest_force, rtol=table.rtol)
-    record(force_error=table.force_error, stiffness_error=table.stiffness_error)
-    say(
+    result.values = {"file": str(arguments.out), "rows": table.nodes.u.size, "largest_force": table.largest_force}
+    result.values |= {"rtol": table.rtol, "force_error": table.force_error, "stiffness_error": table.stiffness_error}
+    result.say(
         f"{arguments.out}: {table.nodes.u.size} rows, {2**table.curve.rows.bits} cells per octave, "
         f"to {table.largest_force:.4g} N; largest relative error: force {table.force_error:.1e}, "
         f"stiffness {table.stiffness_error:.1e}"
     )
     curve = table.unloading_law
     if curve is not None:
-        say(
+        result.say(
             f"unloading along {curve.name!r}: {curve.nodes.u.size} rows, to {curve.largest_force:.4g} N; "
             f"largest relative error: force {curve.force_error:.1e}, stiffness {curve.stiffness_error:.1e}"
         )
     if table.collapses and arguments.max_force is not None:
         smaller = table.bound_to(table.contact.with_values(radius=0.1 * table.contact.radius))
-        say(f"for another contact the table ends at another force: with a tenth of this R at {smaller.largest_force:.3g} N")
+        result.say(
+            f"for another contact the table ends at another force: with a tenth of this R at {smaller.largest_force:.3g} N"
+        )
     if not table.collapses:
-        say(f"the curve of {table.name!r} depends on the radius or modulus: this table is valid for this contact only")
+        result.say(f"the curve of {table.name!r} depends on the radius or modulus: this table is valid for this contact only")
     if arguments.figure is not None:
         picture = plots.table_figure(table, law) if curves is None else plots.points_figure(table, curves)
-        print(plots.save(picture, arguments.figure))
+        result.print(plots.save(picture, arguments.figure))

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 from demlaws.cli import example
 from demlaws.cli.arguments import density, plain
 from demlaws.cli.contact import add_law_arguments, law_from
-from demlaws.cli.output import record, say
 from demlaws.errors import DemlawsError
 
 LAMMPS_CASE = ["index", "c_ids[1]", "c_ids[2]", *(f"c_contacts[{i}]" for i in range(1, 8))]
@@ -83,7 +82,7 @@ class Snapshot(NamedTuple):
     note: str = ""
 
 
-def run(arguments):
+def run(arguments, result):
     """Do what the command's arguments ask."""
     import numpy as np
 
@@ -106,23 +105,33 @@ def run(arguments):
     if shear.any() and np.all(np.asarray(shot.blocked)[free, 3:]):
         motion = "with shear, without rotation"
     which = "between grains" if shot.step is None else "as they are"
-    print(f"{len(shot.pairs)} contacts, {np.sum(free)} grains, {mean:.3g} contacts per grain")
-    say(f"{name:<17} {limits.exact:.4g} s  2/ω_max {motion}, contacts {which}", " " * 18)
+    result.print(f"{len(shot.pairs)} contacts, {np.sum(free)} grains, {mean:.3g} contacts per grain")
+    result.say(f"{name:<17} {limits.exact:.4g} s  2/ω_max {motion}, contacts {which}", " " * 18)
     if shot.history == "stiffest":
-        say("history           the stiffest tangent of all histories that allow the contacts' forces and overlaps", " " * 18)
+        result.say(
+            "history           the stiffest tangent of all histories that allow the contacts' forces and overlaps", " " * 18
+        )
     if shot.note:
-        say(f"note              {shot.note}", " " * 18)
+        result.say(f"note              {shot.note}", " " * 18)
     share = f"of the {name}"
-    print(f"rigorous bound    {limits.bound:.4g} s  {limits.bound / limits.exact:.2f} {share}")
+    result.print(f"rigorous bound    {limits.bound:.4g} s  {limits.bound / limits.exact:.2f} {share}")
     if shot.rayleigh is not None:
-        print(f"Rayleigh step     {shot.rayleigh:.4g} s  {shot.rayleigh / limits.exact:.2f} {share}, for comparison")
-    print(f"recommended step  {STEP_SAFETY * limits.exact:.4g} s  {STEP_SAFETY:g} {share}; less if loads still grow")
-    record(contacts=len(shot.pairs), grains=int(np.sum(free)), exact=limits.exact, bound=limits.bound)
-    record(rayleigh=shot.rayleigh, step=shot.step, recommended=STEP_SAFETY * limits.exact)
-    record(history=shot.history, motion=motion)
+        result.print(f"Rayleigh step     {shot.rayleigh:.4g} s  {shot.rayleigh / limits.exact:.2f} {share}, for comparison")
+    result.print(f"recommended step  {STEP_SAFETY * limits.exact:.4g} s  {STEP_SAFETY:g} {share}; less if loads still grow")
+    result.values = {
+        "contacts": len(shot.pairs),
+        "grains": int(np.sum(free)),
+        "exact": limits.exact,
+        "bound": limits.bound,
+        "rayleigh": shot.rayleigh,
+        "step": shot.step,
+        "recommended": STEP_SAFETY * limits.exact,
+        "history": shot.history,
+        "motion": motion,
+    }
     if shot.step is not None:
         unstable = ": unstable" if shot.step > limits.exact else ""
-        print(f"the scene's step  {shot.step:.4g} s  {shot.step / limits.exact:.3g} {share}{unstable}")
+        result.print(f"the scene's step  {shot.step:.4g} s  {shot.step / limits.exact:.3g} {share}{unstable}")
 
 
 def _from_yade(arguments):

@@ -66,17 +66,18 @@ def register(add):
     run.set_defaults(func=_run)
 
 
-def _check(arguments):
+def _check(arguments, result):
     from demlaws.yade.run import run
 
     captured = {"stdout": subprocess.PIPE, "text": True} if arguments.json else {}
     words = [*(arguments.extent or []), *(f"--law-file={file}" for file in getattr(arguments, "law_files", []))]
     ended = run(_file("check.py"), words, **captured)
-    print(ended.stdout or "", end="")
+    if arguments.json:
+        result.print(ended.stdout)
     return ended.returncode
 
 
-def _run(arguments):
+def _run(arguments, _):
     from demlaws.yade.run import run
 
     if arguments.script is None:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from demlaws.errors import DemlawsError
+from demlaws.errors import Argument, DemlawsError
 from demlaws.units import as_float, number
 
 FEWEST = 6
@@ -298,6 +298,7 @@ def past_plastic_overlap(overlap: Any, force: Any, plastic_overlap: Any = None) 
         foot = float(d0 - s0 * (d1 - d0) / (s1 - s0)) if s1 > s0 and d1 > d0 else lowest - 1e-3 * float(np.ptp(overlap))
     if not foot < lowest:
         raise DemlawsError(
-            f"plastic_overlap = {foot:g} m: unloading still carries {force[carries][0]:g} N at overlap {lowest:g} m"
+            Argument("plastic_overlap"),
+            f" = {foot:g} m: unloading still carries {force[carries][0]:g} N at overlap {lowest:g} m",
         )
     return overlap[carries] - foot, force[carries], foot

@@ -21,7 +21,7 @@ from demlaws.core.loops import (
 from demlaws.core.table_types import NO_YIELD
 from demlaws.curves.table import Certificate, TableCurve
 from demlaws.curves.unloading import Unloading, joined_shape
-from demlaws.errors import DemlawsError
+from demlaws.errors import Argument, DemlawsError
 from demlaws.laws.definition import Definition
 
 
@@ -165,7 +165,9 @@ def rescaled(table: TableCurve, contact: Contact, unloading: Unloading) -> Table
         if not np.isfinite(top):
             raise DemlawsError(
                 f"the unloading curve, a table of {curve.definition.name!r}, must reach beyond this table's {end:.4g} N: "
-                "make it with a larger max_force, or this one with a smaller"
+                "make it with a larger ",
+                Argument("max_force"),
+                ", or this one with a smaller",
             )
         return top / length
 

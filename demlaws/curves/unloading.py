@@ -9,7 +9,7 @@ from demlaws.contact import SIZES, Contact
 from demlaws.core.loops import first_loading, inverse_loop, loading_part, one_of
 from demlaws.core.table_types import TableParams
 from demlaws.core.unloading import GIVEN, RULES, JoinedParams, JoinedShape, Rule
-from demlaws.errors import DemlawsError, NotPassive
+from demlaws.errors import Argument, DemlawsError, NotPassive
 from demlaws.laws import HERTZ
 
 
@@ -39,8 +39,9 @@ def beside_table(curve: Any, contact: Contact, unloading: Unloading) -> Unloadin
         return unloading
     if unloading.rule is not RULES["hertz"]:
         raise DemlawsError(
-            f"a table of law {curve.definition.name!r} and its bulk_radius cannot take {unloading.rule.name!r} unloading: "
-            "use unloading='hertz', or the law without a table"
+            f"a table of law {curve.definition.name!r} and its bulk_radius cannot take {unloading.rule.name!r} unloading: use ",
+            Argument("unloading", "hertz"),
+            ", or the law without a table",
         )
     from demlaws.curves.closed import ClosedForm
     from demlaws.laws.registry import registry
@@ -84,12 +85,12 @@ def refuse_unless_passive(law: Any) -> None:
         whose = "Hertz's" if curve is None else f"that of its unloading curve ({curve.definition.name!r})"
         ratio = f"{excess:.4g}" if excess > 1.001 else f"1 + {excess - 1.0:.1g}"
         other = law.definition.default_rule(**law.options)
-        remedy = (
-            f"use unloading={other!r}" if other != law.unloading else "use unloading='elastic', or other options of the law"
-        )
+        remedy, more = (other, "") if other != law.unloading else ("elastic", ", or other options of the law")
         raise NotPassive(
             f"law {law.name!r} cannot take {law.unloading!r} unloading: at {force:.3g} N its stiffness is {ratio} times "
-            f"{whose}, so that unloading would return more work than loading took; {remedy}"
+            f"{whose}, so that unloading would return more work than loading took; use ",
+            Argument("unloading", remedy),
+            more,
         )
 
 

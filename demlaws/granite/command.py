@@ -23,7 +23,7 @@ STAGE_TITLES = (
 """Titles of the fields of a `StageRow`."""
 
 
-def run(arguments):
+def run(arguments, output):
     """Run the tests; print tables and claims, write CSV files and figures."""
     from tqdm import tqdm
 
@@ -36,75 +36,78 @@ def run(arguments):
         result, messages = granite.run_test(name, test)
         runs.setdefault(test.name, []).append(result)
         notes[test.name, name] = messages
-    print_tables(tests, runs, notes)
+    output.print(*table_lines(tests, runs, notes))
     test_names = None if arguments.test is None else [tests[0].name]
     verdicts = [] if arguments.law else claims.granite_claims(test_names)
     if verdicts:
-        print_claims(verdicts)
+        output.print(*claim_lines(verdicts))
     if any(test.name == "FC5" for test in tests):
-        print_sensitivity(claims.cone_sensitivity(modulus))
+        output.print(*sensitivity_lines(claims.cone_sensitivity(modulus)))
     with quiet():  # the notes have been printed with the tables
         files = write_csv(arguments.out, tests, runs, notes, verdicts)
-        files += draw(arguments.out, tests, runs, modulus, whole=not (arguments.test or arguments.law))
-    print(f"\n{len(files)} files written to {arguments.out}/")
+        if plots.available():
+            files += draw(arguments.out, tests, runs, modulus, whole=not (arguments.test or arguments.law))
+        else:
+            output.print("no figures: matplotlib is missing (pip install 'demlaws[plots]')")
+    output.print(f"\n{len(files)} files written to {arguments.out}/")
 
 
-def print_sensitivity(rows):
-    """Print what FC5's uncertain radius and fractal dimension do."""
-    print("\nFC5, first loading by Pohrt-Popov: what its uncertain radius and fractal dimension do")
-    print(f"  {'R (mm)':>7} {'Df':>6} {'µm, 0.1 to 7 N':>15} {'K at 7 N (N/mm)':>16} {'threshold F (N)':>16}")
+def sensitivity_lines(rows):
+    """What FC5's uncertain radius and fractal dimension do."""
+    yield "\nFC5, first loading by Pohrt-Popov: what its uncertain radius and fractal dimension do"
+    yield f"  {'R (mm)':>7} {'Df':>6} {'µm, 0.1 to 7 N':>15} {'K at 7 N (N/mm)':>16} {'threshold F (N)':>16}"
     for r in rows:
-        print(
+        yield (
             f"  {r.radius * 1e3:7.2f} {r.fractal_dimension:6.2f} {r.displacement * 1e6:15.2f} {r.stiffness / 1e3:16.0f} "
             f"{r.threshold:16.1f}"
         )
 
 
-def print_tables(tests, runs, notes):
-    """Print a table a test: displacement and stiffness of each law."""
+def table_lines(tests, runs, notes):
+    """A table for each test: displacement and stiffness of each law."""
     for test in tests:
         low, high, loads = granite.forces_of(test)
-        print(
+        yield (
             f"\n{test.name}: R = {test.radius * 1e3:.2f} mm, σ = {test.roughness * 1e6:.2f} µm, Df = {test.fractal_dimension}, "
             f"E* = {test.contact.modulus / 1e9:.2f} GPa, H = {test.contact.hardness / 1e9:.3f} GPa"
         )
         if test.assumed:
-            print(f"  note: {test.assumed}")
-        print(f"  {'law':16} {f'µm, {low:g} to {high:g} N':>17} " + "".join(f"{f'K {f:g} N':>10}" for f in loads) + "   (N/mm)")
+            yield f"  note: {test.assumed}"
+        yield f"  {'law':16} {f'µm, {low:g} to {high:g} N':>17} " + "".join(f"{f'K {f:g} N':>10}" for f in loads) + "   (N/mm)"
         for row in granite.table_of(test, runs[test.name], notes):
-            print(f"  {row.law:16} {row.displacement:17.1f} " + "".join(f"{k:10.0f}" for k in row.stiffness))
+            yield f"  {row.law:16} {row.displacement:17.1f} " + "".join(f"{k:10.0f}" for k in row.stiffness)
         for result in runs[test.name]:
             if test.cyclic and result.law.definition.before_yield is not None:
-                print_stages(result)
+                yield from _stage_lines(result)
             for message in notes[test.name, result.law.name]:
-                print(wrapped(f"  warning: {message}"))
+                yield wrapped(f"  warning: {message}")
 
 
-def print_stages(result):
-    """Print stiffness and plastic overlap of each stage of a cyclic test."""
-    print(f"  {result.law.name}, {result.law.unloading} unloading, p_y = {result.test.yield_pressure / 1e9:.2f} GPa")
-    print(f"    {'stage':>5} {'to (N)':>7} {'reload K/K_H':>13} {'K at maximum (N/mm)':>20} {'plastic overlap (µm)':>21}")
+def _stage_lines(result):
+    """Stiffness and plastic overlap of each stage of a cyclic test."""
+    yield f"  {result.law.name}, {result.law.unloading} unloading, p_y = {result.test.yield_pressure / 1e9:.2f} GPa"
+    yield f"    {'stage':>5} {'to (N)':>7} {'reload K/K_H':>13} {'K at maximum (N/mm)':>20} {'plastic overlap (µm)':>21}"
     for s in granite.stages_of(result):
         reload = f"{s.over_hertz:13.3f}" if math.isfinite(s.over_hertz) else f"{'first':>13}"
-        print(
+        yield (
             f"    {s.stage:5} {s.maximum_force:7.0f} {reload} {s.final_stiffness / 1e3:20.0f} {s.plastic_overlap * 1e6:21.2f}"
         )
     if result.beyond:
-        print(f"    {result.beyond}")
+        yield f"    {result.beyond}"
 
 
-def print_claims(verdicts):
-    """Print each claim, what the runs give, the verdict, and how many of each."""
-    print("\nClaims of the paper against the runs")
+def claim_lines(verdicts):
+    """Each claim, what the runs give, the verdict, and how many of each."""
+    yield "\nClaims of the paper against the runs"
     for claim in verdicts:
-        print(wrapped(f"  {claim.test}: {claim.claim}"))
-        print(wrapped(claim.gives, "      ", "      "))
-        print(wrapped(f"      → {claim.verdict}" + (f" ({claim.criterion})" if claim.criterion else ""), rest="        "))
+        yield wrapped(f"  {claim.test}: {claim.claim}")
+        yield wrapped(claim.gives, "      ", "      ")
+        yield wrapped(f"      → {claim.verdict}" + (f" ({claim.criterion})" if claim.criterion else ""), rest="        ")
         if claim.other_gives:
-            print(wrapped(f"with {_other}: {claim.other_gives}", "      ", "      "))
-            print(wrapped(f"      → {claim.other_verdict}", rest="        "))
-    print(wrapped(f"  {_counts(c.verdict for c in verdicts)}"))
-    print(wrapped(f"  with {_other}: {_counts(c.other_verdict or c.verdict for c in verdicts)}"))
+            yield wrapped(f"with {_other}: {claim.other_gives}", "      ", "      ")
+            yield wrapped(f"      → {claim.other_verdict}", rest="        ")
+    yield wrapped(f"  {_counts(c.verdict for c in verdicts)}")
+    yield wrapped(f"  with {_other}: {_counts(c.other_verdict or c.verdict for c in verdicts)}")
 
 
 _other = f"E* = {granite.MODULI['figures'] / 1e9:.1f} GPa"
@@ -140,9 +143,6 @@ def write_csv(out, tests, runs, notes, verdicts):
 
 def draw(out, tests, runs, modulus, whole):
     """Draw all figures of these tests, with the E* of this name; returns the files."""
-    if not plots.available():
-        print("no figures: matplotlib is missing (pip install 'demlaws[plots]')")
-        return []
     figures = []  # name, function that draws, its arguments
 
     def run_of(test, law):

@@ -15,7 +15,7 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, kernel
 from demlaws.core.grid import Nodes, grid, shape_from_nodes
 from demlaws.core.table_types import Grid
-from demlaws.errors import DemlawsError
+from demlaws.errors import Argument, DemlawsError
 from demlaws.laws.definition import (
     POSITIVE,
     Advice,
@@ -124,8 +124,9 @@ def sample(rough, start, max_force):
     loaded = forces > 0
     if loaded.sum() < 3 * _SAMPLES:
         raise DemlawsError(
-            f"only {int(loaded.sum())} overlaps of this map carry load below {limit:.3g} N: give a larger max_force "
-            "or a larger map"
+            f"only {int(loaded.sum())} overlaps of this map carry load below {limit:.3g} N: give a larger ",
+            Argument("max_force"),
+            " or a larger map",
         )
     if max_force is not None and edge:
         rough.advise(rough.at(start + overlaps[-1]))
@@ -220,7 +221,7 @@ def _prepare(
     surface = _map(surface)
     if curve == "reloading":
         if force is None:
-            raise DemlawsError("curve = 'reloading' needs force, the first loading in N: give force=...")
+            raise DemlawsError("curve = 'reloading' needs force, the first loading in N: give ", Argument("force", ...))
     elif force is not None:
         raise DemlawsError(f"force = {force!r:.60}: the first loading [N] of curve='reloading'; give that, or leave force out")
     if surface.sq == 0.0:

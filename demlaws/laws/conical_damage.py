@@ -14,7 +14,7 @@ import numpy as np
 from demlaws.contact import GRANITE_YIELD_PRESSURE, pressure_of
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, sqrt
-from demlaws.errors import DemlawsError
+from demlaws.errors import Argument, DemlawsError
 from demlaws.laws.definition import (
     LENGTH,
     POSITIVE,
@@ -105,7 +105,10 @@ def _blunting(angle):
 def _prepare(contact, strength=None, angle=None):
     if strength is None or angle is None:
         raise DemlawsError(
-            "law 'conical-damage' needs strength σ_max in Pa and angle α in rad (give strength=... and angle=...)"
+            "law 'conical-damage' needs strength σ_max in Pa and angle α in rad: give ",
+            Argument("strength", ...),
+            " and ",
+            Argument("angle", ...),
         )
     if angle >= 0.5 * math.pi:
         raise DemlawsError(f"angle = {angle:g} rad: give an angle below π/2, where the cone is a plane")

@@ -9,7 +9,7 @@ from demlaws.core.dispatch import bind, energy, parts, virgin
 from demlaws.core.fastmath import cbrt, hertz_coefficient, hertz_overlap, kernel, sqrt
 from demlaws.core.shear import of_first_loading
 from demlaws.core.unloading import Rule, own_rule
-from demlaws.errors import DemlawsError
+from demlaws.errors import Argument, DemlawsError
 from demlaws.laws.definition import (
     Advice,
     Definition,
@@ -174,7 +174,7 @@ EEPA = own_rule(
 
 def _prepare(contact, stiffness_ratio=None, softness=1.0):
     if stiffness_ratio is None:
-        raise DemlawsError("law 'eepa' needs stiffness_ratio, k2/k1 from 1: give stiffness_ratio=...")
+        raise DemlawsError("law 'eepa' needs stiffness_ratio, k2/k1 from 1: give ", Argument("stiffness_ratio", ...))
     return EepaShape(softness, stiffness_ratio)
 
 

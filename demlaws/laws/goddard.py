@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import cbrt, hertz_coefficient, hertz_overlap, kernel, sqrt
-from demlaws.errors import DemlawsError
+from demlaws.errors import Argument, DemlawsError
 from demlaws.laws.definition import Definition, Drawing, Fitting, Numbers, Option, Parameter, slope_softens
 from demlaws.laws.pohrt_popov import transition_energy
 
@@ -66,7 +66,7 @@ bind(GoddardParams, virgin=_virgin, inverse=_inverse, energy=_energy)
 
 def _prepare(contact, slope=None):
     if slope is None:
-        raise DemlawsError("law 'goddard' needs slope in rad, the flank of the tip ; give slope=...")
+        raise DemlawsError("law 'goddard' needs slope in rad, the flank of the tip: give ", Argument("slope", ...))
     return GoddardShape(3.0 * math.pi**2 / 16.0 * max(math.tan(slope) ** 2, 1e-40))
 
 

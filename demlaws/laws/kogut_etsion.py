@@ -20,7 +20,7 @@ import numpy as np
 from demlaws.contact import pressure_of
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import exp2, hertz_coefficient, hertz_overlap, kernel, log2, sqrt
-from demlaws.errors import DemlawsError
+from demlaws.errors import Argument, DemlawsError
 from demlaws.laws.definition import (
     POSITIVE,
     PRESSURE,
@@ -118,7 +118,9 @@ bind(KogutEtsionParams, virgin=_virgin, inverse=_inverse, energy=_energy)
 
 def _prepare(contact, yield_strength=None, poisson=0.3):
     if yield_strength is None:
-        raise DemlawsError("law 'kogut-etsion' needs yield_strength Y in Pa (H = 2.8 Y): give yield_strength=...")
+        raise DemlawsError(
+            "law 'kogut-etsion' needs yield_strength Y in Pa (H = 2.8 Y): give ", Argument("yield_strength", ...)
+        )
     return KogutEtsionShape(_pressure(pressure_of(contact, yield_strength, "yield_strength"), poisson))
 
 

@@ -20,7 +20,7 @@ import numpy as np
 from demlaws.contact import GRANITE, GRANITE_YIELD_PRESSURE, pressure_of
 from demlaws.core.dispatch import bind, energy, inverse, scale, virgin
 from demlaws.core.fastmath import bits, cbrt, from_bits, hertz_coefficient, hertz_overlap, kernel
-from demlaws.errors import DemlawsError
+from demlaws.errors import Argument, DemlawsError
 from demlaws.laws.definition import (
     DIMENSION,
     POSITIVE,
@@ -149,7 +149,9 @@ def _prepare(
             f"{GRANITE_YIELD_PRESSURE / 1e9:g}e9, that is {GRANITE_YIELD_PRESSURE / GRANITE.hardness:.3f} times its hardness"
         )
         raise DemlawsError(
-            f"law 'rough-plastic' needs yield_pressure in Pa: give yield_pressure=... (granite of the tests: {of_granite})"
+            "law 'rough-plastic' needs yield_pressure in Pa: give ",
+            Argument("yield_pressure", ...),
+            f" (granite of the tests: {of_granite})",
         )
     pressure = after = pressure_of(contact, yield_pressure, "yield_pressure")
     if post_yield_pressure is not None:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.core.numba_compat import kernel
-from demlaws.errors import DemlawsError
+from demlaws.errors import Argument, DemlawsError
 from demlaws.units import number
 
 ELASTIC, ELASTIC_PLASTIC, PLASTIC = 0, 1, 2
@@ -130,11 +130,12 @@ def plasticity(modulus, hardness, poisson, plastic_factor=ALUMINIUM_FACTOR, plas
     """
     hardness = math.inf if hardness == math.inf else number(hardness, "hardness", "Pa")
     nu = number(poisson, "poisson", low=-1.0, high=0.5)
-    factor = number(plastic_factor, "plastic_factor (c_h)")
+    factor = number(plastic_factor, "plastic_factor")
     if factor < 2 / 3 * yield_factor(nu):
         raise DemlawsError(
-            f"plastic_factor (c_h) = {factor:g}: the fully plastic pressure cannot be below the mean pressure at first "
-            f"yield, {2 / 3 * yield_factor(nu):.3f} H_m"
+            Argument("plastic_factor"),
+            f" = {factor:g}: the fully plastic pressure cannot be below the mean pressure at first "
+            f"yield, {2 / 3 * yield_factor(nu):.3f} H_m",
         )
-    ratio = number(plastic_ratio, "plastic_ratio (c_A)", low=2.0)
+    ratio = number(plastic_ratio, "plastic_ratio", low=2.0)
     return Plasticity(number(modulus, "modulus", "Pa"), hardness, yield_factor(nu), factor, ratio)

@@ -87,7 +87,7 @@ def _doubts_of_lengths(heights, z, scale):
         units = [unit for unit, factor in (("mm", 1e-3), ("um", 1e-6), ("nm", 1e-9)) if 1e-3 < slope * factor / scale < STEEP]
         found.append(
             f"slope {slope:.4g} (robust rms), above 45 degrees: are heights or pixels in another unit than read? "
-            + (f"check unit='{units[0]}'" if units and slope > 10.0 else remedy)
+            + (f"check unit (--unit), perhaps {units[0]}" if units and slope > 10.0 else remedy)
         )
     elif 0.0 < slope < FLAT and robust_sq(z) > 1e-9 * np.nanmax(np.abs(heights.heights)):  # no rounding of a plane
         found.append(f"slope {slope:.4g} (robust rms), flatter than polished optics: are units as meant? {remedy}")

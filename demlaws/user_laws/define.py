@@ -14,7 +14,7 @@ from demlaws.contact import Contact
 from demlaws.core.content import digest_of
 from demlaws.core.dispatch import bind, function_of_text, scalar
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel
-from demlaws.errors import DemlawsError
+from demlaws.errors import Argument, DemlawsError
 from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, Numbers, Option, check_name
 from demlaws.units import number
 
@@ -108,7 +108,8 @@ def define(
         for n, default in defaults.items():
             value = keywords.get(n, default)
             if value is None:
-                raise DemlawsError(f"law {name!r} needs {n}: {entries[n][1].meaning or 'an option'}; give {n}=...")
+                meaning = entries[n][1].meaning or "an option"
+                raise DemlawsError(f"law {name!r} needs {n}: {meaning}; give ", Argument(n, ...))
             values[n] = value
         return shape_type(*(math.nan if values[n] is None else float(values[n]) for n in extra))
 

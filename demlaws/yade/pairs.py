@@ -352,7 +352,7 @@ class Pairs:
             shape = source.shape(surface, self.unloading, self.modulus)
         except DemlawsError as error:
             missing = isinstance(error, MissingQuantity)
-            text = f"{names}: {error.given_by(f'Surface({error.quantity}=...)') if missing else error}"
+            text = f"{names}: {error.text(lambda one: f'Surface({one})') if missing else error}"
             if not complete and len(self.labels) > 1:
                 return None, (math.nan, math.nan)  # such a contact, should it occur, stops the simulation
             raise DemlawsError(text) from None

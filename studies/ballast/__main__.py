@@ -31,7 +31,7 @@ def parser():
     return parser
 
 
-def run(arguments):
+def run(arguments, _):
     """Run what is missing, then print the tables."""
 
     def progress(text):

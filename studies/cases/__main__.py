@@ -26,7 +26,7 @@ def parser():
     return parser
 
 
-def run(arguments):
+def run(arguments, _):
     """Run the case, print its table, write its curves."""
     with tempfile.TemporaryDirectory() as folder:
         if arguments.case == "ballast":

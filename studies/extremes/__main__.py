@@ -42,7 +42,7 @@ def parser():
     return parser
 
 
-def run(arguments):
+def run(arguments, _):
     """Do what the command's arguments ask."""
     laws = [find(n).name for n in arguments.law] if arguments.law else None
     problems = []

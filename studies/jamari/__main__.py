@@ -6,7 +6,7 @@ from demlaws import plots
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.output import output
 from demlaws.errors import quiet
-from demlaws.granite.command import print_claims
+from demlaws.granite.command import claim_lines
 from studies.jamari.claims import jamari_claims
 from studies.jamari.cycles import press, print_memories
 from studies.jamari.figure import regime_map
@@ -34,11 +34,11 @@ def parser():
     return parser
 
 
-def run(arguments):
+def run(arguments, _):
     """Print and draw what the arguments ask, by default the published tests."""
     if arguments.claims:
         with quiet():
-            print_claims(list(jamari_claims()))
+            print(*claim_lines(list(jamari_claims())), sep="\n")
     if arguments.repeat:
         press(published_contact(arguments.repeat), LOAD, arguments.figure, arguments.repeat)
     elif arguments.memory:

@@ -159,7 +159,7 @@ def parser():
     return parser
 
 
-def show(options):
+def show(options, _):
     """Run the missing cases if asked to, then print the table and draw the picture."""
     path = options.results or HERE / ("small_strain.csv" if options.small else "angular.csv")
     lines = list(csv.reader(path.read_text().splitlines())) if path.exists() else []

@@ -56,7 +56,7 @@ def parser():
     return parser
 
 
-def run(arguments):
+def run(arguments, _):
     """Print what the arguments ask, by default the oblique impacts."""
     if arguments.gas:
         gas.run_all(arguments.gas, arguments.friction, arguments.poisson, shears=arguments.shear, steps=arguments.steps)

@@ -71,7 +71,7 @@ def _progress(things):
     return tqdm(things, desc="trade", leave=False, disable=None)
 
 
-def run(arguments):
+def run(arguments, _):
     """Do what the command's arguments ask."""
     if arguments.scene:
         return _scenes(arguments)

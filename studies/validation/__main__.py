@@ -18,7 +18,7 @@ def parser():
     return parser
 
 
-def run(options):
+def run(options, _):
     """Run all comparisons and write the page; exit status 1 where one fails."""
     groups = collect(engines=not options.no_engines)
     path = write(groups, options.out)
