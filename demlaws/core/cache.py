@@ -18,23 +18,16 @@ from types import FunctionType
 import llvmlite.binding
 import numba
 
-from demlaws.core.content import dependencies, digest, file_digest
-from demlaws.core.content import source_digest as source_digest
-
-_CORE = [
-    (f"{file.parent.name}/{file.name}", file_digest(file))
-    for folder in ("core", "laws")
-    for file in sorted(Path(__file__).parents[1].glob(f"{folder}/*.py"))
-]
+from demlaws.core.content import UNKNOWN, digest, digest_of_loop, shared_digest
 
 
 @functools.cache
 def _common_folder():
-    """Where machine code is kept, one folder per processor and version of core and laws: below NUMBA_CACHE_DIR, else beside
-    this file, else in the user's cache. None where none of them may be written."""
+    """Where machine code is kept, one folder per processor and version of the package's kernels: below NUMBA_CACHE_DIR, else
+    beside this file, else in the user's cache. None where none of them may be written."""
     processor = llvmlite.binding.get_host_cpu_name(), llvmlite.binding.get_host_cpu_features().flatten()
     settings = numba.__version__, sys.implementation.cache_tag, numba.config.CPU_NAME, numba.config.CPU_FEATURES
-    name = f"demlaws-{digest(*processor, *settings, *_CORE)[:16]}"
+    name = f"demlaws-{digest(*processor, *settings, shared_digest())[:16]}"
     places = [numba.config.CACHE_DIR] if numba.config.CACHE_DIR else [Path(__file__).parent / "__pycache__"]
     if not numba.config.CACHE_DIR:
         with contextlib.suppress(RuntimeError):  # in a container a user may have neither a HOME nor a name
@@ -54,11 +47,12 @@ def _is_writable(folder):
 def folder_of(function, kinds, constants):
     """Folder for the machine code of a function for arguments of these numba types, with these values (a dict) of its globals;
     None if the code must be compiled in every process: something that it depends on is unknown, or no folder may be written.
+    The names of users' types contain what their kernels depend on (`content.tag_of`).
     """
-    keys = dependencies(function, kinds, constants)
-    if keys is None or _common_folder() is None:
+    loop, arguments = digest_of_loop(function), repr((kinds, constants))
+    if loop is None or UNKNOWN in arguments or _common_folder() is None:
         return None
-    return _common_folder() / f"{function.__qualname__}-{digest(kinds, *keys)[:24]}"
+    return _common_folder() / f"{function.__qualname__}-{digest(loop, arguments)[:24]}"
 
 
 def _file_of(function, folder):

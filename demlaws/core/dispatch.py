@@ -14,7 +14,7 @@ import numpy as np
 from numba import types
 from numba.extending import overload
 
-from demlaws.core.content import is_our_module, record_dependencies
+from demlaws.core.content import is_known, tag_of
 from demlaws.core.fastmath import read_only
 from demlaws.core.numba_compat import INLINED
 
@@ -66,17 +66,15 @@ def bind(cls, **functions):
         raise TypeError(
             f"{cls.__module__}.{cls.__name__}: no generic function is called {', '.join(unknown)}; there are {names}"
         )
-    tag = record_dependencies(cls, *functions.values())
-    if cls not in _KERNELS:
-        others = {other.__name__ for other in _KERNELS}
-        if not is_our_module(cls.__module__):
-            # symbols of two such types, of two users or of one file before and after it was edited, must not clash either
-            numbers = itertools.count(2)
-            name = cls.__name__ = f"{cls.__name__}_{(tag or 'unknown')[:8]}"
-            while cls.__name__ in others:
-                cls.__name__ = f"{name}_{next(numbers)}"
-        elif cls.__name__ in others:
-            raise TypeError(f"{cls.__module__}.{cls.__name__}: another law has a type of this name; rename it")
+    others = {other.__name__ for other in _KERNELS if other is not cls}
+    if not is_known(cls.__module__) or cls.__module__ == "demlaws.user_laws.define":
+        # symbols of two such types, of two users or of one file before and after it was edited, must not clash either
+        numbers = itertools.count(2)
+        name = cls.__name__ = f"{cls.__name__}_{tag_of(cls, *functions.values())}"
+        while cls.__name__ in others:
+            cls.__name__ = f"{name}_{next(numbers)}"
+    elif cls.__name__ in others:
+        raise TypeError(f"{cls.__module__}.{cls.__name__}: another law has a type of this name; rename it")
     _KERNELS.setdefault(cls, {}).update(functions)
 
 

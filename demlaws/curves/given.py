@@ -104,8 +104,9 @@ def along_points(unloading) -> Iterator[None]:
         if not isinstance(unloading, TableCurve):
             raise
         raise NotPassive(
-            f"{str(error).partition('; use ')[0]}. If this is noise: fit laws to all points (demlaws fit), whose loading and "
-            "unloading belong together, and tabulate the best; or take 'elastic' unloading"
+            error.args[0],  # without its remedy
+            ". If this is noise: fit laws to all points (demlaws fit), whose loading and unloading belong together, and tabulate "
+            "the best; or take 'elastic' unloading",
         ) from None
 
 

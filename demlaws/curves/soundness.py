@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from demlaws.core.content import digest_of
 from demlaws.core.dispatch import energy, inverse, kernels_of, virgin
 from demlaws.core.loops import bind_params, first_loading, follow_loop, one_of
 from demlaws.core.numba_compat import loop
@@ -33,7 +32,7 @@ _X, _W = np.polynomial.legendre.leggauss(4)
 DERIVATIVE = 1e-4
 """Relative difference of stiffness and derivative of the force from which a law is refused."""
 INVERSE, ENERGY, EQUIVALENT = 1e-7, 1e-4, 1e-7
-_passed = Counter()  # content of a law, or of a law and its rule → contacts on which it was found sound
+_passed = Counter()  # types of a law, or of a law and its rule → contacts on which it was found sound
 _FULLY = 30
 """Contacts on which a law is fully checked in a process; then only for values that are not finite, negative or falling:
 a fit binds it thousands of times."""
@@ -261,7 +260,7 @@ def refuse_unsound(definition, shape, contact, options) -> None:
             raise DemlawsError(
                 f"{name}: its Params, {type(params).__qualname__}, must hold hertz_coefficient = (4/3) E* √R [N/m^1.5]"
             )
-        content = _content(definition.prepare, type(shape), type(params))
+        content = definition.prepare, type(shape), type(params)
         for index in contact.representatives():
             radius = float(np.broadcast_to(contact.radius, contact.size or 1)[index])
             one, fully = one_of(params, index), _passed[content] < _FULLY
@@ -276,12 +275,6 @@ def refuse_unsound(definition, shape, contact, options) -> None:
         if type(error).__module__.startswith("numba"):
             raise DemlawsError(f"{name}: its functions do not compile: {_first_line(error)}") from error
         raise
-
-
-def _content(prepare, *types):
-    """Digest of a function, and of the kernels that types are bound to; where it is unknown, these functions themselves."""
-    kernels = [prepare, *(kernel for kind in types for kernel in kernels_of(kind).values())]
-    return digest_of(*kernels) or tuple(kernels)
 
 
 def _refuse_array(name, params, contact):
@@ -303,7 +296,7 @@ def _refuse_array(name, params, contact):
 def refuse_unsound_rule(name, rule, params, radius) -> None:
     """Raise DemlawsError where a law's own rule (its `Rule`) is none on one contact: first loading that is not the law's, a
     jump where loading turns, work that is returned or that its energies do not account for, a state that outlives contact."""
-    content = _content(None, type(params), type(rule.tag))
+    content = type(params), type(rule.tag)
     if _passed[content] >= _FULLY:
         return
     for share in (1e-7, 1e-5, 1e-3, 2e-2):

@@ -88,7 +88,8 @@ def refuse_unless_passive(law: Any) -> None:
         remedy, more = (other, "") if other != law.unloading else ("elastic", ", or other options of the law")
         raise NotPassive(
             f"law {law.name!r} cannot take {law.unloading!r} unloading: at {force:.3g} N its stiffness is {ratio} times "
-            f"{whose}, so that unloading would return more work than loading took; use ",
+            f"{whose}, so that unloading would return more work than loading took",
+            "; use ",
             Argument("unloading", remedy),
             more,
         )

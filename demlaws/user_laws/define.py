@@ -1,7 +1,6 @@
 """A law from plain functions of one contact: `define` makes the types, kernels and `Definition` that a file of laws writes."""
 
 import inspect
-import itertools
 import keyword
 import math
 from collections import namedtuple
@@ -11,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from demlaws.contact import Contact
-from demlaws.core.content import digest_of
+from demlaws.core.content import tag_of
 from demlaws.core.dispatch import bind, function_of_text, scalar
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel
 from demlaws.errors import Argument, DemlawsError
@@ -23,7 +22,6 @@ _OF_CONTACT = ("fractal_dimension", "hardness")
 _X, _W = np.polynomial.legendre.leggauss(8)
 _PANELS = 32  # an octave of overlap
 _OCTAVES = 40
-_unknown = itertools.count(1)
 
 
 def define(
@@ -143,7 +141,7 @@ def _described(law, name, value):
 
 def _types(name, functions, extra):
     """Type of the law's Shape, with its Params bound to the kernels."""
-    tag = (digest_of(*functions, name, extra) or f"unknown{next(_unknown)}")[:8]
+    tag = tag_of(*functions, name, extra)
     stem = "".join(part.capitalize() for part in str(name).replace("_", "-").split("-") if part.isalnum())
     shape_type, params_type = (
         namedtuple(f"{stem}{kind}_{tag}", fields, module=__name__)

@@ -9,7 +9,6 @@ import math
 import numpy as np
 from numba import types
 
-from demlaws.core.cache import source_digest
 from demlaws.core.dispatch import scale, step, stored_and_dissipated, virgin
 from demlaws.core.fastmath import hertz_coefficient
 from demlaws.core.loops import clamped_roughness
@@ -23,7 +22,7 @@ from demlaws.yade.layout import CONTEXT, SEEN, SHAPE
 from demlaws.yade.mindlin import Contact, body_of, native_go, with_states
 from demlaws.yade.notes import alarm, check_depth, note_changed, note_fault, note_shared, rare
 from demlaws.yade.records import add_float, add_integer, array, assign, exchange_if, foreign, pointee, vector, view
-from demlaws.yade.shear import Slip, apply_mindlin, compress, synchronise
+from demlaws.yade.shear import apply_mindlin, compress, synchronise
 from demlaws.yade.tuples import keep_params, keep_state, params_of_row, shape_of, state_of
 
 LOWEST_MODULUS = RANGES["modulus"].low
@@ -519,13 +518,7 @@ def entry(pairs, own, behind):
     own: `mindlin.OwnStep` or `NativeStep`. The address of the context is `behind` bytes after the functor's table of virtual
     functions. The dtypes, with offsets in YADE's objects, are constants of the code.
     """
-    code = None
-    if isinstance(pairs.mode, Slip):
-        from demlaws.yade import slip
-
-        code = source_digest(slip.__file__)  # loaded too late for the cache to know that this code uses it
     constants = {
-        "CODE": code,
         "OBJECTS": objects.identity(),
         "KIND": pairs.kind,
         "PARAMS_KIND": pairs.params_kind,
