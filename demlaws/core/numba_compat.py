@@ -61,7 +61,9 @@ def loop(function):
         key = tuple([_kind(value) for value in arguments])
         variant = compiled.get(key)
         if variant is None:
-            variant = compiled[key] = _variant(function, tuple(map(numba.typeof, arguments)))
+            kinds = tuple(map(numba.typeof, arguments))
+            folder = cache.folder_of(function, kinds, {})
+            variant = compiled[key] = _kept(function, folder, lambda f, keep: numba.njit(kinds, cache=keep, **OPTIONS)(f))
         return variant(*arguments)
 
     call.py_func = function
@@ -79,10 +81,6 @@ def _kind(value):
     if isinstance(value, tuple):
         return (kind, *[_kind(item) for item in value])
     return numba.typeof(value)
-
-
-def _variant(function, kinds):
-    return _kept(function, cache.folder_of(function, kinds, {}), lambda f, keep: numba.njit(kinds, cache=keep, **OPTIONS)(f))
 
 
 def callback(signature, function, constants):

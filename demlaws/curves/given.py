@@ -105,8 +105,8 @@ def along_points(unloading) -> Iterator[None]:
             raise
         raise NotPassive(
             error.args[0],  # without its remedy
-            ". If this is noise: fit laws to all points (demlaws fit), whose loading and unloading belong together, and tabulate "
-            "the best; or take 'elastic' unloading",
+            ". If this is noise: fit laws to all points (demlaws fit), whose loading and unloading belong together, and "
+            "tabulate the best; or take 'elastic' unloading",
         ) from None
 
 

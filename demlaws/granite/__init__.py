@@ -14,12 +14,9 @@ import numpy as np
 from demlaws import driver
 from demlaws.contact import GRANITE, GRANITE_YIELD_PRESSURE, Contact
 from demlaws.errors import DemlawsError, LargeOverlap, ValidityWarning, quiet
-from demlaws.files import save_csv
 from demlaws.laws import POHRT_POPOV
 from demlaws.laws.registry import registry
 from demlaws.make import law
-from demlaws.responses.path import Path
-from demlaws.responses.results import PATH_COLUMNS
 from demlaws.solvers import master_curves
 
 MODULI = {"text": 0.5 * GRANITE.plane_modulus, "figures": 0.5 * GRANITE.young / (1.0 - GRANITE.poisson)}
@@ -284,8 +281,3 @@ def effective_radius(alpha):
 
 
 # --- files
-
-
-def save_path(path, curve: Path):
-    """A path as CSV: overlap, force, stiffness, plastic overlap, work, stored, dissipated."""
-    return save_csv(path, PATH_COLUMNS, curve.csv_rows())

@@ -11,6 +11,7 @@ from demlaws.granite import figures as pictures
 from demlaws.granite.cone_figure import cone_figure
 from demlaws.laws import POHRT_POPOV, ROUGH_PLASTIC
 from demlaws.laws.registry import find
+from demlaws.responses.results import PATH_COLUMNS
 
 STAGE_TITLES = (
     "stage",
@@ -128,7 +129,7 @@ def write_csv(out, tests, runs, notes, verdicts):
             summary.append([test.name, row.law, f"{low:g}-{high:g}", row.displacement, k[1.0], k[10.0], row.note])
             for number, path in enumerate(result.paths, start=1):
                 stage = f"-stage{number}" if len(result.paths) > 1 else ""
-                files.append(granite.save_path(out / f"{test.key}-{row.law}{stage}.csv", path))
+                files.append(save_csv(out / f"{test.key}-{row.law}{stage}.csv", PATH_COLUMNS, path.csv_rows()))
         if test.cyclic:
             for result in runs[test.name]:
                 path = out / f"{test.key}-{result.law.name}-cycles.csv"

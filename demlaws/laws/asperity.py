@@ -110,7 +110,9 @@ def sample(rough, start, max_force):
     """Overlaps past `start` and forces of a `RoughContact` at evenly spaced logarithms of the overlap, up to max_force."""
     from tqdm import tqdm
 
-    limit = _limit_force(rough) if max_force is None else max_force
+    limit = math.inf if max_force is None else max_force
+    if max_force is None and rough.pair.hardness is not None:
+        limit = transition_force(rough.pair.with_values(roughness=rough.heights.sq))
     overlap = max(rough.heights.sq, 1e-12) * 2.0**-_OCTAVES
     overlaps, forces, edge = [], [], 0.0
     for _ in tqdm(range(40 * _SAMPLES), desc="asperity", unit="cut", leave=False, disable=None, delay=1):
@@ -131,12 +133,6 @@ def sample(rough, start, max_force):
     if max_force is not None and edge:
         rough.advise(rough.at(start + overlaps[-1]))
     return np.array(overlaps)[loaded], forces[loaded]
-
-
-def _limit_force(rough):
-    if rough.pair.hardness is None:
-        return math.inf
-    return transition_force(rough.pair.with_values(roughness=rough.heights.sq))
 
 
 def _smooth(u, s, reach):

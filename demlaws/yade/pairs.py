@@ -154,9 +154,11 @@ class LawSource:
         only = self.only_for()
         if only[0] > 0.0:
             return only
-        # both at most the given radius of the bulk; whether the law fits the bodies is seen when they meet
-        bulk = self.options.get("bulk_radius") or math.inf
-        radius = max(min(TYPICAL_RADIUS, 0.5 * bulk), 100.0 * (surface.roughness or 0.0))
+        # both at most the radius of the bulk that an option gives; whether the law fits the bodies is seen when they meet
+        tip = Contact(1e-12, TYPICAL_MODULUS)
+        bulk = self.definition.bulk_radius(tip, **self.options)
+        typical = TYPICAL_RADIUS if bulk is tip.radius else min(TYPICAL_RADIUS, 0.5 * bulk)
+        radius = max(typical, 100.0 * (surface.roughness or 0.0))
         modulus = modulus or (5.0 * surface.hardness if surface.hardness else TYPICAL_MODULUS)
         return np.array([radius, 2.0 * radius]), np.full(2, modulus)
 
