@@ -71,7 +71,7 @@ def combined_roughness(roughness1: Any, roughness2: Any) -> Any:
     return None if roughness1 is None or roughness2 is None else np.hypot(roughness1, roughness2)
 
 
-class Unknown(str):
+class MissingValue(str):
     """In place of a quantity that no source gives: what is missing and what to do, the text of the error where it is used."""
 
 
@@ -109,7 +109,7 @@ class Material:
     poisson: float
     hardness: float | None = None
     density: float | None = None
-    surface: "Surface | Unknown | None" = None
+    surface: "Surface | MissingValue | None" = None
 
     if TYPE_CHECKING:  # text becomes a number
 
@@ -119,12 +119,12 @@ class Material:
             poisson: float,
             hardness: float | str | None = None,
             density: float | str | None = None,
-            surface: "Surface | Unknown | None" = None,
+            surface: "Surface | MissingValue | None" = None,
         ) -> None: ...
 
     def __post_init__(self) -> None:
         _check(self, "young", "poisson", "hardness", "density")
-        if not isinstance(self.surface, Surface | Unknown | None):
+        if not isinstance(self.surface, Surface | MissingValue | None):
             raise DemlawsError(f"surface must be a demlaws.Surface, got {self.surface!r:.60}")
 
     @property
@@ -424,7 +424,7 @@ def pressure_of(contact: Contact, value: Any, name: str) -> float:
 
 def surface_of(material: Material) -> Surface:
     """The material's surface, of which nothing is known if it has none. DemlawsError if no text gives its roughness."""
-    if isinstance(material.surface, Unknown):
+    if isinstance(material.surface, MissingValue):
         raise DemlawsError(str(material.surface))
     return material.surface or Surface()
 
@@ -447,7 +447,7 @@ def _surface_in(name: str, material: Any, roughness: Any) -> Surface:
     """Surface of a body whose roughness is given, or None: that of its material."""
     if not isinstance(material, Material):
         raise DemlawsError(f"{name} must be a demlaws.Material, got {material!r:.60}")
-    return Surface() if roughness is not None and isinstance(material.surface, Unknown) else surface_of(material)
+    return Surface() if roughness is not None and isinstance(material.surface, MissingValue) else surface_of(material)
 
 
 def _lengths_of(**lengths: Any) -> dict[str, np.ndarray]:

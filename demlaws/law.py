@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.contact import Contact, as_contact
-from demlaws.core.loops import equal_params, loading_part, one_of
+from demlaws.core.loops import equal_params, loading_part, params_at
 from demlaws.core.unloading import GIVEN
 from demlaws.curves.closed import ClosedForm
 from demlaws.curves.unloading import ELASTIC, Unloading, beside_table, refuse_unless_passive
@@ -102,7 +102,7 @@ class Law(Response):
 
     def kinks(self) -> list[float]:
         """Overlaps [m] at which the stiffness of first loading (of the first contact) jumps or has a kink."""
-        return self.curve.kinks(one_of(loading_part(self.params), 0))
+        return self.curve.kinks(params_at(loading_part(self.params), 0))
 
     def joined(self, unloading: "str | os.PathLike | Law") -> "Law":
         """The same law of first loading with another unloading rule.
@@ -343,7 +343,7 @@ class Table(Law):
         pathlib.Path
             The file.
         """
-        from demlaws.curves.saved import name_what_is_lost
+        from demlaws.curves.table_file import name_what_is_lost
 
         name_what_is_lost(as_path(path), self)
         return write_atomically(path, self._compose()[0])
@@ -354,7 +354,7 @@ class Table(Law):
         return self._compose()[1]
 
     def _compose(self):
-        from demlaws.curves.saved import compose
+        from demlaws.curves.table_file import compose
 
         return compose(self.contact, self.curve, self.unloading_parts, self.collapses)
 
@@ -376,7 +376,7 @@ class Table(Law):
         DemlawsError
             If the file is truncated, edited or not a table; the message gives the line.
         """
-        from demlaws.curves.saved import read
+        from demlaws.curves.table_file import read
 
         return cls(*read(path))
 
@@ -430,7 +430,7 @@ class Table(Law):
         DemlawsError
             If the function raises, is not finite, is negative, falls, jumps, or has another derivative; with the overlap.
         """
-        from demlaws.curves.given import from_function
+        from demlaws.curves.user_curves import from_function
 
         parts = from_function(
             force,
@@ -494,7 +494,7 @@ class Table(Law):
         DemlawsError
             If points do not follow a rising curve, or unloading does not begin where loading ends; with overlap and force.
         """
-        from demlaws.curves.given import along_points, from_points
+        from demlaws.curves.user_curves import along_points, from_points
 
         parts = from_points(
             points,

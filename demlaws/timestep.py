@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.contact import Material
-from demlaws.core.loops import first_loading, unloaded_loop
+from demlaws.core.loops import force_loop, unloaded_loop
 from demlaws.core.shear import LARGEST_SHEAR_RATIO
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, as_law
@@ -354,7 +354,7 @@ def _jumps_down(law, end):
 
 def _tangent(law, overlap):
     """Stiffness [N/m] of first loading, without the warnings of `law.stiffness`."""
-    return first_loading(law.params, overlap)[1]
+    return force_loop(law.params, overlap)[1]
 
 
 def _stiffness(value):

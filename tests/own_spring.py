@@ -25,7 +25,7 @@ SPRING = """
     from typing import NamedTuple
 
     import demlaws as dl
-    from demlaws.core.dispatch import bind, energy, parts, virgin
+    from demlaws.core.dispatch import bind, energy, curves_of, first_loading
     from demlaws.core.fastmath import kernel, sqrt
     from demlaws.core.fastmath import hertz_coefficient, hertz_overlap
     from demlaws.core.unloading import Rule, own_rule
@@ -45,7 +45,7 @@ SPRING = """
         return SpringParams(hertz_coefficient(radius, modulus), shape.stiffness, shape.lost)
 
     @kernel
-    def _virgin(p, overlap):
+    def _first_loading(p, overlap):
         force = p.stiffness * overlap
         equivalent = hertz_overlap(p, force)
         return force, p.stiffness, equivalent, equivalent
@@ -59,18 +59,18 @@ SPRING = """
         return 0.5 * p.stiffness * overlap * overlap
 
     bind(SpringShape, scale=_scale)
-    bind(SpringParams, virgin=_virgin, inverse=_inverse, energy=_energy)
+    bind(SpringParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
     class Slack(NamedTuple):
         '''Back along a straight line from (δmax, Pmax) to δp = lost δmax.'''
 
     @kernel
     def _step(rule, p, overlap, state):
-        lost = parts(p)[1].lost
+        lost = curves_of(p)[1].lost
         positive = 0.0 if overlap <= 0.0 else overlap
         maximum, top = state
         if overlap >= state[0]:
-            force, stiffness, _, _ = virgin(p, positive)
+            force, stiffness, _, _ = first_loading(p, positive)
             maximum, top = overlap, force
         else:
             stiffness = top / (maximum * (1.0 - lost))
@@ -85,14 +85,14 @@ SPRING = """
     def _energies(rule, p, overlap, state):
         if state[0] <= 0.0:
             return 0.0, 0.0
-        lost = parts(p)[1].lost
+        lost = curves_of(p)[1].lost
         whole = state[0] * (1.0 - lost)
         elastic = max(overlap - lost * state[0], 0.0) if overlap > 0.0 else 0.0
         return 0.5 * state[1] * elastic * elastic / whole, energy(p, state[0]) - 0.5 * state[1] * whole
 
     @kernel
     def _unloaded(rule, p, force, state):
-        lost = parts(p)[1].lost
+        lost = curves_of(p)[1].lost
         return state[0] * (lost + (1.0 - lost) * force / state[1])
 
     bind(Slack, step=_step, stored_and_dissipated=_energies, unloaded=_unloaded)
@@ -133,15 +133,15 @@ def restored():
 @contextlib.contextmanager
 def registered(folder, text=SPRING, name="my_spring.py"):
     """The file's law, as long as the block lasts; the path of the file."""
-    file, rules = folder / name, unloading._OWN.copy()
+    file, rules = folder / name, unloading._OF_LAWS.copy()
     file.write_text(textwrap.dedent(text))
     with restored():
         try:
             dl.load_laws(file)
             yield file
         finally:
-            unloading._OWN.clear()
-            unloading._OWN.update(rules)
+            unloading._OF_LAWS.clear()
+            unloading._OF_LAWS.update(rules)
 
 
 def expected(path, lost=0.4, stiffness=2e6):

@@ -161,7 +161,7 @@ def test_imports_go_one_way():
 
 
 def test_studies_import_the_package_and_not_the_reverse():
-    """Studies are not in the wheel; the package keeps the fitted curves and costs that it needs in advice/kept.json."""
+    """Studies are not in the wheel; the package has the curves and costs that it needs in advice/measured_costs.json."""
     for folder, refused in ((PACKAGE, {"studies", "tests"}), (PROJECT / "studies", {"tests"})):
         for path in folder.rglob("*.py"):
             assert not {name.partition(".")[0] for name in imports(path)} & refused, path

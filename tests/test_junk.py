@@ -121,7 +121,7 @@ LEFT_OUT = {
     "from_portable",
     "portable",
     "record",
-    "quick_shape",
+    "unloading_shape",
     "joined",
     "bound_to",
     "__init__",

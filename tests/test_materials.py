@@ -3,7 +3,7 @@
 import pytest
 
 import demlaws as dl
-from demlaws.contact import GRANITE, Unknown
+from demlaws.contact import GRANITE, MissingValue
 from demlaws.materials import SYMBOLS, names, typical
 from demlaws.plugins.grains import Grain
 
@@ -19,7 +19,7 @@ def test_record(name):
             assert value.value is None or value.low <= value.value <= value.high
     material = getattr(dl.materials, name)
     assert isinstance(material, dl.Material) and material.young == values["young"].value
-    assert isinstance(material.surface, Unknown) == (values["roughness"].value is None)
+    assert isinstance(material.surface, MissingValue) == (values["roughness"].value is None)
 
 
 def test_granite_is_that_of_the_tests():

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.advice.errors import error_of
-from demlaws.advice.kept import kept
+from demlaws.advice.measured_costs import measured_costs
 from demlaws.advice.processes import results
 from demlaws.advice.scene import Scene, samples, stable_step, unloading_rule
 from demlaws.contact import Contact
@@ -39,7 +39,7 @@ _ROUNDING = 1e-13
 
 def kept_cost(plan):
     """ns per contact of a `Plan`, measured by `make trade`; a law that it did not measure costs as much as a table."""
-    cost = kept()["cost"]
+    cost = measured_costs()["cost"]
     tables = cost["table"]
     table = tables.get(plan.unloading, max(tables.values()))
     return table if plan.evaluation == "table" else cost["closed form"].get(plan.name, {}).get(plan.unloading, table)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.contact import Contact
-from demlaws.core.loops import energies_loop, energy_loop, first_loading, inverse_loop, loading_part, unloaded_loop
+from demlaws.core.loops import energies_loop, energy_loop, force_loop, inverse_loop, loading_part, unloaded_loop
 from demlaws.errors import quiet
 
 QUANTITIES = {
@@ -69,7 +69,7 @@ class Loaded:
         params = self.law.params
         overlap = np.maximum(self.top.astype(float), 1e-9 * np.asarray(self.law.contact.radius))
         for _ in range(60):
-            energy, (force, _) = energy_loop(loading_part(params), overlap), first_loading(params, overlap)
+            energy, (force, _) = energy_loop(loading_part(params), overlap), force_loop(params, overlap)
             step = np.log(work / energy) * energy / (force * overlap)
             step = np.where(np.isfinite(step), np.clip(step, -2.0, 2.0), -0.7)  # beyond a table's end: half of it
             overlap *= np.exp(step)

@@ -148,7 +148,7 @@ class Model:
         contact, options = self.inputs(x)
         params = loops.bind_params(self.definition.prepare(contact, **options), contact)
         kinks = self.definition.kinks(params, **options)
-        return float(loops.first_loading(params, np.array([max(kinks)]))[0][0]) if kinks else math.nan
+        return float(loops.force_loop(params, np.array([max(kinks)]))[0][0]) if kinks else math.nan
 
     def joint_places(self, x, index):
         """Coordinates `index` at which the joint of the curve lies at `JOINTS`; none where the joint does not rise or fall."""

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.advice.kept import kept
+from demlaws.advice.measured_costs import measured_costs
 from demlaws.advice.scene import PROCESSES, Scene, stable_step, unloading_rule
 from demlaws.advice.soften import Softening, soften
 from demlaws.contact import DENSITY
@@ -110,7 +110,7 @@ class ErrorCurves(NamedTuple):
 @functools.cache
 def curves(process: str, quantity: str, unloads: bool) -> ErrorCurves:
     """`ErrorCurves` of a quantity in a process, as `make trade` fitted them to runs in YADE."""
-    data = kept()["curves"][process]
+    data = measured_costs()["curves"][process]
     entries = data["+".join(n for n in MEASURED[process][quantity] if unloads or n != "unloading")]
     points = {"unbalanced": data["unbalanced"], **entries}
     fits = {name: ErrorCurve(*np.array(points[name])) for name in ErrorCurves._fields if name != "chance" and name in points}
@@ -139,7 +139,7 @@ def _inertial_of_rate(scene):
     return sum(scene.radii) * math.sqrt(density / scene.pressure[1])
 
 
-class Advice(NamedTuple):
+class SofteningAdvice(NamedTuple):
     """A modulus factor, a loading rate and a time step for a scene, with what they cost."""
 
     factor: float
@@ -220,7 +220,7 @@ def _check(scene):
 
 
 def _errors(scene, factor, inertial, part, here):
-    """Fields geometry to what of an `Advice`."""
+    """Fields geometry to what of an `SofteningAdvice`."""
     process = _process(scene)
     if scene.quantity not in MEASURED[process]:
         names = ("geometry", "waves", "coarse", "error", "left_alone", "unbalanced")
@@ -257,7 +257,7 @@ def predict(
     law: str = USUAL,
     options: dict | None = None,
     part: float = STANDARD,
-) -> Advice:
+) -> SofteningAdvice:
     """Predicted error of the scene's quantity with grains softer by `factor`, at inertial number `inertial`, in steps of `part`
     of the stability limit, which is estimated (`packing_estimate`).
 
@@ -275,7 +275,7 @@ def predict(
 
     rule = unloading_rule(scene, law, options)  # of many a law unloading is stiffer than loading
     stable = stable_step(scene, bind) * Softening(factor).step
-    return Advice(
+    return SofteningAdvice(
         factor,
         inertial,
         inertial / _inertial_of_rate(scene),
@@ -288,7 +288,7 @@ def predict(
     )
 
 
-def advise(scene: Scene, law: str = USUAL, options: dict | None = None, ways: tuple = WAYS) -> Advice | None:
+def advise(scene: Scene, law: str = USUAL, options: dict | None = None, ways: tuple = WAYS) -> SofteningAdvice | None:
     """The factor, rate and time step of fewest steps whose predicted error is within the scene's tolerance, or None.
 
     A `rate` of the scene [1/s] is the fastest that is advised. ways: (factor, I, part of the limit) to choose from. Where the

@@ -210,7 +210,7 @@ class Softening:
             ("geometric error, of the order of overlap over diameter", f"{overlap:.4g}", "s^(2/3)"),
         ]
 
-    def report(self, law: Law, force: float) -> "Report":
+    def report(self, law: Law, force: float) -> "SofteningReport":
         """One contact of `law` at `force` [N], softened with all parameters, and with the modulus alone."""
         force = number(force, "force", "N")
         law.single_params()
@@ -222,7 +222,7 @@ class Softening:
             for one in (law, softened, modulus_only):
                 overlap = float(one.overlap(force))
                 rows.append(At(overlap, float(one.stiffness(overlap)), overlap / float(one.contact.radius)))
-        return Report(self, force, softened, *rows)
+        return SofteningReport(self, force, softened, *rows)
 
 
 def softened_option(law: str, name: str, option: Option, value: Any, factor: float) -> Any:
@@ -256,7 +256,7 @@ class At:
 
 
 @dataclass(frozen=True)
-class Report:
+class SofteningReport:
     """See `Softening.report`."""
 
     softening: Softening

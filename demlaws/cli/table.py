@@ -54,7 +54,7 @@ def register(add):
 
 
 def _is_table(path):
-    from demlaws.curves.text import FORMAT
+    from demlaws.curves.table_grammar import FORMAT
 
     try:
         with open(path, "rb") as file:
@@ -73,7 +73,7 @@ def measured_table(arguments, result):
     if arguments.law is not None or arguments.option or arguments.max_force is not None:
         raise DemlawsError("--points replaces --law, --option and --max-force: give one or the other")
     test = read_points(arguments.points)
-    first = test.first_loading()
+    first = test.loading_mask()
     curves = [(test.displacement[first] - arguments.zero, test.force[first])]
     unloading = "elastic" if arguments.unloading is None else arguments.unloading
     if arguments.unloading_law is not None:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numba.extending import overload
 
-from demlaws.core.dispatch import bind, energy, virgin
+from demlaws.core.dispatch import bind, energy, first_loading
 from demlaws.core.fastmath import bits, from_bits, hertz_coefficient, hertz_overlap, row_of_four, sqrt
 from demlaws.core.numba_compat import INLINED, kernel, loop
 from demlaws.core.table_types import TableParams, TableShape
@@ -74,7 +74,7 @@ def read_curve(g, u, row):
 
 
 @kernel
-def _virgin(p, overlap):
+def _first_loading(p, overlap):
     u = overlap * p.inverse_length + p.offset
     s, slope = read_curve(p.grid, u, 0)
     equivalent = s * p.length
@@ -196,7 +196,7 @@ def _energy(p, overlap):
 
 
 bind(TableShape, scale=_scale)
-bind(TableParams, virgin=_virgin, inverse=_inverse, energy=_energy)
+bind(TableParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
 class CurveShape(NamedTuple):
@@ -222,8 +222,8 @@ def _curve_scale(shape, radius, modulus, roughness):
 
 
 @kernel
-def _curve_virgin(p, overlap):
-    return virgin(p.curve, overlap)
+def _curve_first_loading(p, overlap):
+    return first_loading(p.curve, overlap)
 
 
 @kernel
@@ -237,7 +237,7 @@ def _curve_energy(p, overlap):
 
 
 @kernel
-def _curve_recover(p, force, equivalent):
+def _curve_inverse_near(p, force, equivalent):
     """One look-up where `inverse` searches; NaN above the last node of the reverse."""
     above = equivalent * p.curve.inverse_length - p.curve.grid.seat
     u, _ = read_curve(p.reverse.grid, 0.0 if above <= 0.0 else above, 0)
@@ -245,7 +245,13 @@ def _curve_recover(p, force, equivalent):
 
 
 bind(CurveShape, scale=_curve_scale)
-bind(CurveParams, virgin=_curve_virgin, inverse=_curve_inverse, recover=_curve_recover, energy=_curve_energy)
+bind(
+    CurveParams,
+    first_loading=_curve_first_loading,
+    inverse=_curve_inverse,
+    inverse_near=_curve_inverse_near,
+    energy=_curve_energy,
+)
 
 
 @loop

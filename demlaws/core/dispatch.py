@@ -1,6 +1,6 @@
 """Compiled generic functions: which law runs is decided by the type of its parameters, when the caller is compiled.
 
-A law hands its kernels to `bind`; any compiled code may then call `scale`, `virgin`, `inverse`, `energy` with that law's
+A law hands its kernels to `bind`; any compiled code may then call `scale`, `first_loading`, `inverse`, `energy` with that law's
 `Shape` or `Params` and LLVM sees one straight function. Dispatch on a type rather than on a function keeps numba's
 on-disk cache valid from one process to the next. The names of these types go into the symbols of the machine code, so
 each is unique in the package; a type from elsewhere is given a name of its own.
@@ -95,7 +95,7 @@ def scale(shape, radius, modulus, roughness):
 
 
 @generic()
-def virgin(p, overlap):
+def first_loading(p, overlap):
     """First loading at overlap > 0 [m]: force P [N], tangent stiffness K [N/m], δ_H(P) [m], a²/R [m].
 
     δ_H(P) is the overlap at which a smooth contact carries P (the Hertz-equivalent overlap); a is the contact radius
@@ -109,13 +109,13 @@ def inverse(p, force):
 
 
 @generic(lambda *_: lambda p, force, equivalent: inverse(p, force))
-def recover(p, force, equivalent):
+def inverse_near(p, force, equivalent):
     """As `inverse`, from both the force > 0 [N] and its Hertz-equivalent overlap [m], and perhaps rough: one step of Newton's
-    method with `virgin` makes it exact. A law that binds nothing has its `inverse` called."""
+    method with `first_loading` makes it exact. A law that binds nothing has its `inverse` called."""
 
 
 @generic(lambda *_: lambda p: (p, p, 1.0))
-def parts(p):
+def curves_of(p):
     """Params of first loading and of the given unloading curve, and the factor from a Hertz-equivalent overlap of the one
     to that of the other at equal force. A law without such a curve goes back along its own."""
 
@@ -195,15 +195,14 @@ def fix_tables(params):
     """Params whose tables are plain pointers, for use in a loop during which `params` stays alive."""
 
 
-def fix_to_recover(params):
-    """`fix_tables` for a curve whose overlaps are recovered: one without a `recover` keeps its arrays, its `inverse` searches
-    them."""
+def fix_for_inverse(params):
+    """`fix_tables` for a curve that is inverted: without an `inverse_near` it keeps its arrays, which `inverse` searches."""
     return params
 
 
-@overload(fix_to_recover, jit_options=INLINED)
-def _fix_to_recover(params):
-    if kernel_of(params, "recover") is None:
+@overload(fix_for_inverse, jit_options=INLINED)
+def _fix_to_inverse_near(params):
+    if kernel_of(params, "inverse_near") is None:
         return lambda params: params
     return lambda params: fix_tables(params)
 

@@ -149,7 +149,7 @@ def shape_from_nodes(
     return TableShape(grid, bulk, float(length_over_roughness), float(length_over_radius))
 
 
-def quick_to_invert(shape, kinks=()):
+def with_reverse(shape, kinks=()):
     """A table's shape with its reverse. kinks: u of the table's."""
     curve = shape.grid
     bits_per_octave = 53 - curve.shift  # finer by a bit, so that one step of Newton's method is exact to rounding

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.core.dispatch import bind, gather, inverse, step, unloaded, virgin
+from demlaws.core.dispatch import bind, first_loading, gather, inverse, step, unloaded
 from demlaws.core.numba_compat import kernel, loop
 
 
@@ -20,7 +20,7 @@ class LoadedParams(NamedTuple):
 
 
 @kernel
-def _loaded_virgin(p, overlap):
+def _loaded_first_loading(p, overlap):
     return p.force, p.stiffness, p.equivalent, p.area
 
 
@@ -29,7 +29,7 @@ def _loaded_inverse(p, force):
     return p.overlap
 
 
-bind(LoadedParams, virgin=_loaded_virgin, inverse=_loaded_inverse)
+bind(LoadedParams, first_loading=_loaded_first_loading, inverse=_loaded_inverse)
 
 
 @loop
@@ -37,8 +37,8 @@ def loading_loop(p, force, overlap, stiffness, equivalent, area):
     """First loading of one contact at each `force` > 0 [N]: all else that `LoadedParams` has."""
     for i in range(force.size):
         overlap[i] = inverse(p, force[i])
-        # below a seating load the curve continues to overlaps under 0, where `virgin` is not defined
-        _, stiffness[i], equivalent[i], area[i] = virgin(p, max(overlap[i], 1e-300))
+        # below a seating load the curve continues to overlaps under 0, where `first_loading` is not defined
+        _, stiffness[i], equivalent[i], area[i] = first_loading(p, max(overlap[i], 1e-300))
 
 
 @loop

@@ -25,7 +25,7 @@ from demlaws.core.shear import EMPTY, shear_stiffness
 
 
 @kernel
-def touch(bound, stretch, stiffness):
+def set_stiffness(bound, stretch, stiffness):
     """Move the bounds [N/m] of the levels to a new K_t; stretch: (2, levels) [m]."""
     top = bound.size - 1
     if stiffness <= bound[top]:
@@ -111,7 +111,7 @@ def levels_loop(choice, rule, p, overlap, along, across, ratio, friction, state,
         force, tangent, new = step(rule, p, overlap[n], gather(state, 0))
         scatter(state, 0, new)
         top = shear_stiffness(choice, rule, p, overlap[n], force, tangent, new) if overlap[n] > 0.0 else 0.0
-        touch(bound, stretch, ratio * top)
+        set_stiffness(bound, stretch, ratio * top)
         du = along[n] - along[n - 1] if n > 0 else 0.0
         dv = across[n] - across[n - 1] if n > 0 else 0.0
         limit = friction * force if force > 0.0 else 0.0

@@ -130,7 +130,7 @@ def loading_part(params):
     return params.loading if isinstance(params, JoinedShape | JoinedParams) else params
 
 
-def first_loading(params, overlap):
+def force_loop(params, overlap):
     """Force [N] and stiffness [N/m] of first loading at any overlaps [m]."""
     force, stiffness = np.empty(overlap.size), np.empty(overlap.size)
     batch_loop(Elastic(), loading_part(params), overlap, (), UNBOUNDED, FINITE, force, stiffness)
@@ -170,6 +170,6 @@ def bind_params(shape, contact):
     return map_leaves(shared, arrays)
 
 
-def one_of(params, index):
+def params_at(params, index):
     """Params of contact `index` of an array of contacts (of a single one: its own)."""
     return map_leaves(lambda v: float(v[index]) if isinstance(v, np.ndarray) and v.ndim == 1 else v, params)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.core.dispatch import bind, gather, generic, inverse, parts, scatter, step, virgin
+from demlaws.core.dispatch import bind, curves_of, first_loading, gather, generic, inverse, scatter, step
 from demlaws.core.fastmath import cbrt, sqrt
 from demlaws.core.numba_compat import kernel, loop
 from demlaws.core.unloading import Elastic, Given, Hertz, Thornton
@@ -72,7 +72,7 @@ def loading_stiffness(rule, p, overlap, force, stiffness, state):
 @kernel
 def at_force(p, force):
     """Tangent of first loading at `force`."""
-    return virgin(p, inverse(p, force))[1] if force > 0.0 else 0.0
+    return first_loading(p, inverse(p, force))[1] if force > 0.0 else 0.0
 
 
 @generic()
@@ -131,7 +131,7 @@ def of_thornton(rule, p, overlap, force, stiffness, state):
 @kernel
 def _of_curve(rule, p, overlap, force, stiffness, state):
     elastic = overlap - state[1]
-    return virgin(parts(p)[1], elastic)[1] if overlap >= state[0] and elastic > 0.0 else stiffness
+    return first_loading(curves_of(p)[1], elastic)[1] if overlap >= state[0] and elastic > 0.0 else stiffness
 
 
 @kernel

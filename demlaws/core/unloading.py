@@ -14,7 +14,18 @@ from typing import NamedTuple
 
 from numba.extending import overload
 
-from demlaws.core.dispatch import bind, contact_area, energy, fix_tables, fix_to_recover, inverse, parts, recover, scale, virgin
+from demlaws.core.dispatch import (
+    bind,
+    contact_area,
+    curves_of,
+    energy,
+    first_loading,
+    fix_for_inverse,
+    fix_tables,
+    inverse,
+    inverse_near,
+    scale,
+)
 from demlaws.core.fastmath import cbrt, sqrt
 from demlaws.core.numba_compat import INLINED, kernel
 
@@ -88,7 +99,7 @@ RULES = {
 """Name → the rules that any law may take."""
 
 
-_OWN = {}  # name → the rule of a law or of a family of laws
+_OF_LAWS = {}  # name → the rule of a law or of a family of laws
 _OF_TAG = {}  # type of tag → rule; a file that runs twice makes types of one name twice, and laws of either live on
 
 OF_THE_PACKAGE = ("linear", "eepa", "etsion", "jackson")
@@ -103,12 +114,12 @@ def own_rule(rule: Rule) -> Rule:
     """Make a law's own rule known to compiled code, for its `Definition.rules`.
 
     Its kernels `step`, `unloaded` and `stored_and_dissipated` are bound to its tag. They read the law's Params from
-    `parts(p)[1]`, so that they serve a table of the law, too, and the force of first loading from `virgin(p, overlap)`. A rule
-    with a `number` has `keys` and a `shape`: in a table `parts(p)[1]` is then what `shape` makes of the file's numbers.
+    `curves_of(p)[1]`, so that they serve a table of the law, too, and the force from `first_loading(p, overlap)`. A rule with a
+    `number` has `keys` and a `shape`: in a table `curves_of(p)[1]` is then what `shape` makes of the file's numbers.
     TypeError: a name that a general rule or another law's rule has, a state larger than engines keep, or springs that it cannot
     have. The same file may run again (imported and loaded).
     """
-    other = _OWN.get(rule.name)
+    other = _OF_LAWS.get(rule.name)
     if (
         rule.name in RULES
         or (rule.name in OF_THE_PACKAGE and not type(rule.tag).__module__.startswith("demlaws.laws."))
@@ -124,7 +135,7 @@ def own_rule(rule: Rule) -> Rule:
         raise TypeError(
             f"rule {rule.name!r}: springs = {rule.springs!r} with {len(rule.state)} numbers of state; {known} exist"
         )
-    _OWN[rule.name] = _OF_TAG[type(rule.tag)] = rule
+    _OF_LAWS[rule.name] = _OF_TAG[type(rule.tag)] = rule
     return rule
 
 
@@ -180,8 +191,8 @@ def _joined_scale(shape, radius, modulus, roughness):
 
 
 @kernel
-def _joined_virgin(p, overlap):
-    return virgin(p.loading, overlap)
+def _joined_first_loading(p, overlap):
+    return first_loading(p.loading, overlap)
 
 
 @kernel
@@ -201,23 +212,23 @@ def _joined_parts(p):
 
 @kernel
 def _joined_fix_tables(p):
-    return JoinedParams(p.hertz_coefficient, fix_tables(p.loading), fix_to_recover(p.unloading), p.equivalent_ratio)
+    return JoinedParams(p.hertz_coefficient, fix_tables(p.loading), fix_for_inverse(p.unloading), p.equivalent_ratio)
 
 
 bind(JoinedShape, scale=_joined_scale)
 bind(
     JoinedParams,
-    virgin=_joined_virgin,
+    first_loading=_joined_first_loading,
     inverse=_joined_inverse,
     energy=_joined_energy,
-    parts=_joined_parts,
+    curves_of=_joined_parts,
     fix_tables=_joined_fix_tables,
 )
 
 
 @kernel
 def _elastic_step(rule, p, overlap, state):
-    force, stiffness, _, _ = virgin(p, 0.0 if overlap <= 0.0 else overlap)
+    force, stiffness, _, _ = first_loading(p, 0.0 if overlap <= 0.0 else overlap)
     if overlap <= 0.0:
         force, stiffness = 0.0, 0.0
     return force, stiffness, state
@@ -243,7 +254,7 @@ def _hertz_step(rule, p, overlap, state):
     root = p.hertz_coefficient * sqrt(elastic)
     force, stiffness = root * elastic, 1.5 * root
     if overlap >= maximum:
-        force, stiffness, hertz_overlap, _ = virgin(p, positive)
+        force, stiffness, hertz_overlap, _ = first_loading(p, positive)
         maximum, plastic = overlap, overlap - hertz_overlap
     if overlap <= 0.0:
         force, stiffness, maximum, plastic = 0.0, 0.0, 0.0, 0.0
@@ -289,7 +300,7 @@ def thornton_step(rule, p, overlap, state):
     root = p.hertz_coefficient * sqrt(ratio * elastic)
     force, stiffness = root * elastic, 1.5 * root
     if overlap >= maximum:
-        force, stiffness, hertz_overlap, area = virgin(p, positive)
+        force, stiffness, hertz_overlap, area = first_loading(p, positive)
         area = contact_area(rule, p, positive, area)
         # R_p/R = (a²/R / δ_H)^1.5 and δmax - δp = a²/R_p
         growth = area / hertz_overlap
@@ -315,13 +326,13 @@ def thornton_unloaded(rule, p, force, state):
 
 @kernel
 def _given_step(rule, p, overlap, state):
-    loading, curve, ratio = parts(p)
+    loading, curve, ratio = curves_of(p)
     positive = 0.0 if overlap <= 0.0 else overlap
     loads = overlap >= state[0]
     if loads:
-        force, stiffness, equivalent, _ = virgin(loading, positive)
+        force, stiffness, equivalent, _ = first_loading(loading, positive)
         sought = equivalent * ratio
-        elastic = recover(curve, force, sought)
+        elastic = inverse_near(curve, force, sought)
         force = force if elastic == elastic else math.nan  # beyond the curve's end
         maximum, plastic = overlap, 0.0
     else:
@@ -330,7 +341,7 @@ def _given_step(rule, p, overlap, state):
         elastic = positive - plastic
         elastic = 0.0 if elastic <= 0.0 else elastic
     # one reading of the curve for both: where the contact is, or the last step of the search for Pmax on it
-    back, tangent, equivalent, _ = virgin(curve, elastic)
+    back, tangent, equivalent, _ = first_loading(curve, elastic)
     if loads:
         # in δ_H, which is straighter than the force: dδ_H/dδ = K δ_H/(1.5 P)
         rise = tangent * equivalent
@@ -347,7 +358,7 @@ def _given_step(rule, p, overlap, state):
 
 @kernel
 def _given_stored_and_dissipated(rule, p, overlap, state):
-    loading, curve, _ = parts(p)
+    loading, curve, _ = curves_of(p)
     if state[0] <= 0.0:
         return 0.0, 0.0
     # as in `_balance`: the energy of the curve below δ = 0 is never returned
@@ -361,7 +372,7 @@ def _given_stored_and_dissipated(rule, p, overlap, state):
 
 @kernel
 def _given_unloaded(rule, p, force, state):
-    return state[1] + (inverse(parts(p)[1], force) if force > 0.0 else 0.0)
+    return state[1] + (inverse(curves_of(p)[1], force) if force > 0.0 else 0.0)
 
 
 bind(

@@ -1,5 +1,5 @@
 // demlaws_facts.h: unloading rules, keys of table files and limits. Written by `make facts` from the records in Python
-// (core/unloading.py, core/shear.py, curves/text.py, units.py and the laws): change them there.
+// (core/unloading.py, core/shear.py, curves/table_grammar.py, units.py and the laws): change them there.
 //
 // Licence: GPL-2.0-or-later, as the package demlaws.
 // clang-format off

@@ -166,7 +166,7 @@ private:
     const bool good = !text.empty() && text.size() <= 9 && text[0] != '0';
     return good && text.find_first_not_of("0123456789") == std::string::npos ? strtol(text.c_str(), NULL, 10) : -1;
   }
-  // The steps of reading; class Reader of demlaws/curves/text.py has the same.
+  // The steps of reading; class Reader of demlaws/curves/table_grammar.py has the same.
   struct Lines {
     std::vector<Row> rows[2]; // of loading and unloading
     double last_force = 0.;

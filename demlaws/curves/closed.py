@@ -50,13 +50,13 @@ class ClosedForm:
             slope = math.nextafter(slope, 0.0)
         return BulkYield(area / length, slope)
 
-    def quick_shape(self) -> Any:
+    def unloading_shape(self) -> Any:
         """The Shape with which this curve serves as an unloading curve: one whose inverse costs no search."""
         if not isinstance(self.shape, TableShape):
             return self.shape
-        from demlaws.core.grid import quick_to_invert
+        from demlaws.core.grid import with_reverse
 
-        return quick_to_invert(self.shape)
+        return with_reverse(self.shape)
 
     def with_unloading(self, contact: Contact, unloading: Any) -> Any:
         """An `Unloading` in the form that this curve is joined with: unchanged."""

@@ -29,7 +29,7 @@ class Points(NamedTuple):
     force: np.ndarray
     source: str
 
-    def first_loading(self):
+    def loading_mask(self):
         """Which points belong to first loading: those up to the largest force that lie in no loop of unloading and reloading.
 
         A loop is a row of points below an earlier force, one of them by more than UNLOADED of it (or 0.1 % of the largest

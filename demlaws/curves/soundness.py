@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from demlaws.core.dispatch import energy, inverse, kernels_of, virgin
-from demlaws.core.loops import bind_params, first_loading, follow_loop, one_of
+from demlaws.core.dispatch import energy, first_loading, inverse, kernels_of
+from demlaws.core.loops import bind_params, follow_loop, force_loop, params_at
 from demlaws.core.numba_compat import loop
 from demlaws.errors import DemlawsError
 
@@ -36,15 +36,15 @@ _passed = Counter()  # types of a law, or of a law and its rule → contacts on 
 _FULLY = 30
 """Contacts on which a law is fully checked in a process; then only for values that are not finite, negative or falling:
 a fit binds it thousands of times."""
-_NEEDED = {"Shape": ("scale",), "Params": ("virgin", "inverse", "energy")}
+_NEEDED = {"Shape": ("scale",), "Params": ("first_loading", "inverse", "energy")}
 
 
 @loop
 def curve_loop(p, overlap):
-    """All that `virgin` says of one contact, a row each."""
+    """All that `first_loading` says of one contact, a row each."""
     values = np.empty((4, overlap.size))
     for i in range(overlap.size):
-        values[0, i], values[1, i], values[2, i], values[3, i] = virgin(p, overlap[i])
+        values[0, i], values[1, i], values[2, i], values[3, i] = first_loading(p, overlap[i])
     return values
 
 
@@ -53,7 +53,7 @@ def back_loop(p, overlap):
     """Overlap of the force at each overlap, and the work up to it."""
     back, work = np.empty(overlap.size), np.empty(overlap.size)
     for i in range(overlap.size):
-        force = virgin(p, overlap[i])[0]
+        force = first_loading(p, overlap[i])[0]
         back[i] = inverse(p, force) if force > 0.0 else 0.0
         work[i] = energy(p, overlap[i])
     return back, work
@@ -207,7 +207,7 @@ def curve_checks(params: Any, radius: float, solved: bool = False) -> Iterator[C
         if not off[k] <= EQUIVALENT:
             fault = (
                 f"at overlap {overlap[k]:.6g} m, where the force is {sample.force[k]:.6g} N, the third or fourth value of its "
-                f"`virgin`, the {name}, is {values[k]:.6g} m; Hertz's overlap at that force is {hertz[k]:.6g} m"
+                f"`first_loading`, the {name}, is {values[k]:.6g} m; Hertz's overlap at that force is {hertz[k]:.6g} m"
             )
         yield largest_of(f"{name} against the force, relative", off, overlap, EQUIVALENT, fault)
     yield from _return_checks(params, overlap, sample, solved)
@@ -263,7 +263,7 @@ def refuse_unsound(definition, shape, contact, options) -> None:
         content = definition.prepare, type(shape), type(params)
         for index in contact.representatives():
             radius = float(np.broadcast_to(contact.radius, contact.size or 1)[index])
-            one, fully = one_of(params, index), _passed[content] < _FULLY
+            one, fully = params_at(params, index), _passed[content] < _FULLY
             checks = curve_checks(one, radius)
             text = next((check.fault for check in (checks if fully else [next(checks)]) if check.fault), None)
             if text is not None:
@@ -283,7 +283,7 @@ def _refuse_array(name, params, contact):
         return
     for share in (1e-6, 1e-4, 1e-2):
         overlap = share * np.broadcast_to(np.asarray(contact.radius, float), contact.size).copy()
-        force, stiffness = first_loading(params, overlap)
+        force, stiffness = force_loop(params, overlap)
         bad = np.flatnonzero(~(np.isfinite(force) & np.isfinite(stiffness) & (force >= 0.0) & (stiffness >= 0.0)))
         if bad.size:
             k = int(bad[0])

@@ -1,6 +1,6 @@
 """Tables: a dimensionless curve on a bit-indexed semi-logarithmic grid, certified.
 
-`core.curve` describes the grid and reads it; `curves.saved` reads and writes the files of tables.
+`core.curve` describes the grid and reads it; `curves.table_file` reads and writes the files of tables.
 """
 
 import math
@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from demlaws.contact import Contact, as_contact
-from demlaws.core.grid import Nodes, quick_to_invert
+from demlaws.core.grid import Nodes, with_reverse
 from demlaws.core.loops import (
     bind_params,
-    one_of,
+    params_at,
 )
 from demlaws.core.table_types import BulkYield, TableShape
 from demlaws.core.unloading import Rule
@@ -93,9 +93,9 @@ class TableCurve:
         """`BulkYield`, in units of the table's length."""
         return self.shape.bulk
 
-    def quick_shape(self) -> Any:
+    def unloading_shape(self) -> Any:
         """The Shape with which this table serves as an unloading curve."""
-        return quick_to_invert(self.shape, self.nodes.kinks)
+        return with_reverse(self.shape, self.nodes.kinks)
 
     def check(self, contact: Contact) -> None:
         """Nothing to check: the law was checked in closed form."""
@@ -130,7 +130,7 @@ class TableCurve:
     def with_unloading(self, contact: Contact, unloading: Unloading) -> Unloading:
         """An unloading rule in the form that this table is joined with: with the numbers that a rule of the law reads."""
         if unloading.rule.curve == "law" and unloading.rule_parameters is None:
-            return unloading._replace(rule_parameters=self._beside(contact, unloading.rule))
+            return unloading._replace(rule_parameters=self._rule_parameters(contact, unloading.rule))
         return unloading
 
     def numbers_beside(self, rule: Rule, numbers: Any) -> Any:
@@ -138,12 +138,12 @@ class TableCurve:
         values = (float(numbers[key]) for key in rule.keys)
         return rule.shape(*values, self.shape.length_over_roughness, self.shape.length_over_radius)  # type: ignore[misc]
 
-    def _beside(self, contact, rule):
+    def _rule_parameters(self, contact, rule):
         shape = self.definition.shape(contact, **self.options)
         if rule.shape is None:
             return shape  # the law itself
         length = float(np.ravel(bind_params(self.shape, contact).length)[0])
-        params = one_of(bind_params(shape, contact), 0)
+        params = params_at(bind_params(shape, contact), 0)
         return self.numbers_beside(rule, self.definition.rule_numbers(params, length, sum(self.certificate)))
 
     @property

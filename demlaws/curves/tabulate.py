@@ -13,10 +13,10 @@ from demlaws.core.loops import (
     bind_params,
     clamped_roughness,
     clamped_roughnesses,
-    first_loading,
+    force_loop,
     inverse_loop,
     loading_part,
-    one_of,
+    params_at,
 )
 from demlaws.core.table_types import NO_YIELD
 from demlaws.curves.table import Certificate, TableCurve
@@ -75,7 +75,7 @@ class CurveSampler(NamedTuple):
         fractions = np.unique([0.2113, 0.5, 0.7887, *np.linspace(0.0, 1.0, 32 if self.solved else 12)[1:-1]])
         width = np.diff(u)
         points = (u[:-1, None] + width[:, None] * fractions).ravel() * self.length
-        force, stiffness = first_loading(table, points)
+        force, stiffness = force_loop(table, points)
         exact_force, exact_stiffness = self.exact(points)
         with np.errstate(divide="ignore", invalid="ignore"):
             errors = np.abs(force / exact_force - 1.0), np.abs(stiffness / exact_stiffness - 1.0)
@@ -128,9 +128,9 @@ def tabulate(contact: Contact, curve: Any, rtol: float, largest_overlap: float |
     else:
         largest = float(np.max(largest_overlap) / length) * (1.0 + 1e-9)
     params = loading_part(bind_params(curve.shape, one))
-    kinks = [k / length for k in curve.kinks(one_of(bind_params(curve.shape, contact), index))]
+    kinks = [k / length for k in curve.kinks(params_at(bind_params(curve.shape, contact), index))]
     coefficient = 4.0 * float(one.modulus) * math.sqrt(one.radius) / 3.0  # a law's own may be that of a blunter bulk
-    source = CurveSampler(functools.partial(first_loading, params), length, coefficient, kinks, definition.solved)
+    source = CurveSampler(functools.partial(force_loop, params), length, coefficient, kinks, definition.solved)
     shape, nodes, certificate = _smallest_table(
         source,
         one,
@@ -152,11 +152,9 @@ def rescaled(table: TableCurve, contact: Contact, unloading: Unloading) -> Table
     pair_shape = joined_shape(table.shape, contact, unloading)
     params = bind_params(pair_shape, one)
     length, coefficient = params.loading.length, params.hertz_coefficient
-    curve_params = one_of(bind_params(curve.shape, unloading.contact), index)
+    curve_params = params_at(bind_params(curve.shape, unloading.contact), index)
     kinks = [k / length for k in curve.kinks(curve_params)]
-    source = CurveSampler(
-        functools.partial(first_loading, params.unloading), length, coefficient, kinks, curve.definition.solved
-    )
+    source = CurveSampler(functools.partial(force_loop, params.unloading), length, coefficient, kinks, curve.definition.solved)
     end = 0.75 * coefficient * length**1.5 * table.nodes.force[-1]
 
     def span(bits):
@@ -190,7 +188,7 @@ def rescaled(table: TableCurve, contact: Contact, unloading: Unloading) -> Table
 
 
 def tabulate_given(curve: Any, definition: Definition, contact: Contact, rtol: float) -> TableCurve:
-    """The table of a curve of a user's function or points (`curves.given`, `curves.points`)."""
+    """The table of a curve of a user's function or points (`curves.user_curves`, `curves.points`)."""
     rtol = tolerance(rtol)
     rough = definition.length == "roughness"
     length = float(contact.sigma if rough else contact.radius)

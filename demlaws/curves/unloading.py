@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from demlaws.contact import SIZES, Contact
-from demlaws.core.loops import first_loading, inverse_loop, loading_part, one_of
+from demlaws.core.loops import force_loop, inverse_loop, loading_part, params_at
 from demlaws.core.table_types import TableParams
 from demlaws.core.unloading import GIVEN, RULES, JoinedParams, JoinedShape, Rule
 from demlaws.errors import Argument, DemlawsError, NotPassive
@@ -28,7 +28,7 @@ ELASTIC = Unloading(RULES["elastic"])
 def joined_shape(shape: Any, contact: Contact, unloading: Unloading) -> Any:
     """Shape of a curve of first loading together with what its unloading rule reads."""
     if unloading.curve is not None:
-        return JoinedShape(shape, unloading.curve.quick_shape(), *_ratios(contact, unloading.contact))
+        return JoinedShape(shape, unloading.curve.unloading_shape(), *_ratios(contact, unloading.contact))
     return shape if unloading.rule_parameters is None else JoinedShape(shape, unloading.rule_parameters, 1.0, 1.0, 1.0)
 
 
@@ -102,18 +102,18 @@ def largest_stiffness_ratio(law: Any, points: int = 2000) -> tuple[float, float]
     """
     contact, largest, where = law.contact, 0.0, 0.0
     for index in contact.representatives():
-        p = one_of(law.params, index)
+        p = params_at(law.params, index)
         radius = float(np.broadcast_to(contact.radius, contact.size or 1)[index])
         overlap = np.geomspace(1e-12 * radius, 0.1 * radius, points)
         part = loading_part(p)
         # where K may jump up, between two points; the law of a table was checked in closed form
         steps = [] if isinstance(part, TableParams) else law.curve.kinks(part)
         overlap = np.sort(np.append(overlap, [step * (1.0 + 1e-12) for step in steps if step < 0.1 * radius]))
-        force, stiffness = first_loading(p, overlap)
+        force, stiffness = force_loop(p, overlap)
         usable = np.isfinite(force) & (force > 0)
         if isinstance(p, JoinedParams):
             elastic = inverse_loop(p.unloading, force)
-            _, other = first_loading(p.unloading, elastic)
+            _, other = force_loop(p.unloading, elastic)
             usable &= elastic > 0.0  # at a seating load the curve is a step; beyond its end there is none
             if not np.any(usable):
                 raise DemlawsError("the unloading curve has no load in common with the law: is it for another contact?")

@@ -57,10 +57,10 @@ WALL = _scene("-0.01 0.06 -0.03 0.03 -0.03 0.03", _WALLS, "0.05 0 0.02", "${radi
 """A sphere against a wall at its left: a plane, or the same plane as a region; the first sphere lies far off."""
 
 
-def follow(law, text=TWO_PARTICLES, radius=None, every=4, newton="on", **options):
-    """See `plugins.engines.Engine.follow`; text=WALL: a sphere of the law's radius and a wall."""
+def run_path(law, text=TWO_PARTICLES, radius=None, every=4, newton="on", **options):
+    """See `plugins.engines.Engine.run_path`; text=WALL: a sphere of the law's radius and a wall."""
     radius = law.contact.radius if radius is None and text is WALL else radius
-    return ENGINE.follow(law, text, radius, every=every, newton=newton, **options)
+    return ENGINE.run_path(law, text, radius, every=every, newton=newton, **options)
 
 
 def check(report=print):
@@ -70,7 +70,7 @@ def check(report=print):
     ways = [f"plugin    {build()} by {name}={value}" for name, value in loaded().items()]
     report(*ways or ["models    built into LAMMPS: no plugin is loaded"])
     for law, rtol, limit, name in laws_to_check():
-        self_test(report, *follow(law, rtol=rtol), f"two spheres, {name}", limit)
+        self_test(report, *run_path(law, rtol=rtol), f"two spheres, {name}", limit)
     for wall in ("plane", "region"):  # the last of these laws: hertz unloading, a fine table
-        self_test(report, *follow(law, WALL, rtol=rtol, wall=wall), f"{wall} wall, {name}", limit)
+        self_test(report, *run_path(law, WALL, rtol=rtol, wall=wall), f"{wall} wall, {name}", limit)
     report("all good")

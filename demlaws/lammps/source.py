@@ -6,8 +6,8 @@ from typing import NamedTuple
 import demlaws
 from demlaws.plugins.engines import SHARED, inlined, write_sources
 
-OWN = Path(__file__).parent / "source"
-FOLDERS = (OWN, Path(__file__).parent / "src", SHARED)
+SOURCES = Path(__file__).parent / "source"
+FOLDERS = (SOURCES, Path(__file__).parent / "src", SHARED)
 """Where headers are looked for: those that include LAMMPS's own go before those that find LAMMPS by name."""
 COPIED = ("compute_demlaws_energy.h", "fix_demlaws.h", "gran_sub_mod_demlaws.h", "gran_sub_mod_demlaws.cpp")
 MODELS = "demlaws_models.h"
@@ -46,7 +46,7 @@ def source(folder):
     inputs of the plugin and its restart files.
     """
     head = f"// The models of demlaws {demlaws.__version__}, written by `demlaws lammps source`. Licence: GPL-2.0-or-later."
-    texts = {name: (OWN / name).read_text() for name in COPIED}
+    texts = {name: (SOURCES / name).read_text() for name in COPIED}
     texts[MODELS] = "\n".join([head, *inlined("granular_models.h", FOLDERS, COPIED)]) + "\n"
     files = write_sources(folder, texts, "granular_model.h")
     register = Path(folder) / REGISTER

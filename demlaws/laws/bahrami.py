@@ -113,7 +113,7 @@ def _solve(p, u):
 
 
 @kernel
-def _virgin(p, overlap):
+def _first_loading(p, overlap):
     s, slope = _solve(p, overlap / p.roughness)
     equivalent = s * p.roughness
     root = p.hertz_coefficient * math.sqrt(equivalent)
@@ -163,7 +163,7 @@ def _energy(p, overlap):
 
 
 bind(BahramiShape, scale=_scale)
-bind(BahramiParams, virgin=_virgin, inverse=_inverse, energy=_energy)
+bind(BahramiParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
 def _prepare(contact, constant=CONTINUOUS):

@@ -61,7 +61,7 @@ def _scale(shape, radius, modulus, roughness):
 
 
 @kernel
-def _virgin(p, overlap):
+def _first_loading(p, overlap):
     excess = overlap - p.yield_overlap
     ratio = 1.0 + p.growth * (0.0 if excess <= 0.0 else excess)  # R/R0
     root = p.hertz_coefficient * sqrt(overlap)
@@ -94,7 +94,7 @@ def _energy(p, overlap):
 
 
 bind(ConicalDamageShape, scale=_scale)
-bind(ConicalDamageParams, virgin=_virgin, inverse=_inverse, energy=_energy)
+bind(ConicalDamageParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
 def _blunting(angle):

@@ -5,7 +5,7 @@ With n = 1 the model is Walton & Braun's of constant k2.
 
 from typing import NamedTuple
 
-from demlaws.core.dispatch import bind, energy, parts, virgin
+from demlaws.core.dispatch import bind, curves_of, energy, first_loading
 from demlaws.core.fastmath import cbrt, hertz_coefficient, hertz_overlap, kernel, sqrt
 from demlaws.core.shear import of_first_loading
 from demlaws.core.unloading import Rule, own_rule
@@ -48,7 +48,7 @@ def _scale(shape, radius, modulus, roughness):
 
 
 @kernel
-def _virgin(p, overlap):
+def _first_loading(p, overlap):
     root = p.loading * sqrt(overlap)
     force = root * overlap
     equivalent = hertz_overlap(p, force)
@@ -67,7 +67,7 @@ def _energy(p, overlap):
 
 
 bind(EepaShape, scale=_scale)
-bind(EepaParams, virgin=_virgin, inverse=_inverse, energy=_energy)
+bind(EepaParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
 class Eepa(NamedTuple):
@@ -76,12 +76,12 @@ class Eepa(NamedTuple):
 
 @kernel
 def _step(rule, p, overlap, state):
-    params = parts(p)[1]
+    params = curves_of(p)[1]
     k2 = params.unloading
     positive = 0.0 if overlap <= 0.0 else overlap
     root = sqrt(positive)
     if overlap >= state[0]:
-        force, stiffness, _, _ = virgin(p, positive)
+        force, stiffness, _, _ = first_loading(p, positive)
         maximum, plastic = overlap, params.plastic_ratio * overlap
     else:
         maximum, plastic = state
@@ -107,20 +107,20 @@ def _recoverable_energy(k2, overlap, plastic):
 def _stored_and_dissipated(rule, p, overlap, state):
     if state[0] <= 0.0:
         return 0.0, 0.0
-    k2 = parts(p)[1].unloading
+    k2 = curves_of(p)[1].unloading
     stored = _recoverable_energy(k2, overlap, state[1]) if overlap > 0.0 else 0.0
     return stored, energy(p, state[0]) - _recoverable_energy(k2, state[0], state[1])
 
 
 @kernel
 def _unloaded(rule, p, force, state):
-    root = cbrt(sqrt(state[1]) * state[1] + force / parts(p)[1].unloading)
+    root = cbrt(sqrt(state[1]) * state[1] + force / curves_of(p)[1].unloading)
     return root * root
 
 
 @kernel
 def _unloading_stiffness(rule, p, overlap, force, stiffness, state):
-    return 1.5 * parts(p)[1].unloading * sqrt(overlap) if overlap >= state[0] and overlap > 0.0 else stiffness
+    return 1.5 * curves_of(p)[1].unloading * sqrt(overlap) if overlap >= state[0] and overlap > 0.0 else stiffness
 
 
 bind(

@@ -127,7 +127,7 @@ def _family_read(p, u):
 
 
 @kernel
-def _family_virgin(p, overlap):
+def _family_first_loading(p, overlap):
     s, slope = _family_read(p, overlap * p.inverse_length + p.offset)
     equivalent = s * p.length
     root = p.hertz_coefficient * sqrt(equivalent)
@@ -182,7 +182,7 @@ def _family_energy(p, overlap):
 
 bind(ImplicitShape, scale=_scale)
 bind(FamilyShape, scale=_family_scale)
-bind(FamilyParams, virgin=_family_virgin, inverse=_family_inverse, energy=_family_energy)
+bind(FamilyParams, first_loading=_family_first_loading, inverse=_family_inverse, energy=_family_energy)
 
 
 def seating_limit(contact, share):

@@ -33,7 +33,7 @@ def _scale(shape, radius, modulus, roughness):
 
 
 @kernel
-def _virgin(p, overlap):
+def _first_loading(p, overlap):
     relative = overlap * p.inverse_threshold
     slope = cbrt(relative)
     if relative < 1.0:
@@ -56,12 +56,12 @@ def _inverse(p, force):
 
 @kernel
 def _energy(p, overlap):
-    force, _, equivalent, _ = _virgin(p, overlap)
+    force, _, equivalent, _ = _first_loading(p, overlap)
     return transition_energy(p, _RATIO, overlap, force, equivalent)
 
 
 bind(GoddardShape, scale=_scale)
-bind(GoddardParams, virgin=_virgin, inverse=_inverse, energy=_energy)
+bind(GoddardParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
 def _prepare(contact, slope=None):

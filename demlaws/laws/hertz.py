@@ -26,13 +26,13 @@ def _scale(shape, radius, modulus, roughness):
 
 
 @kernel
-def _virgin(p, overlap):
+def _first_loading(p, overlap):
     stiffness = p.hertz_coefficient * sqrt(overlap)
     return stiffness * overlap, 1.5 * stiffness, overlap, overlap
 
 
 @kernel
-def _recover(p, force, equivalent):
+def _inverse_near(p, force, equivalent):
     return equivalent
 
 
@@ -42,7 +42,7 @@ def _energy(p, overlap):
 
 
 bind(HertzShape, scale=_scale)
-bind(HertzParams, virgin=_virgin, inverse=hertz_overlap, recover=_recover, energy=_energy)
+bind(HertzParams, first_loading=_first_loading, inverse=hertz_overlap, inverse_near=_inverse_near, energy=_energy)
 
 
 def _prepare(contact):

@@ -91,7 +91,7 @@ def _scale(shape, radius, modulus, roughness):
 
 
 @kernel
-def _virgin(p, overlap):
+def _first_loading(p, overlap):
     w = overlap / p.critical_overlap
     f, slope = _plastic(p, w if w > p.joint else p.joint)
     force = p.critical_force * f
@@ -138,7 +138,7 @@ def _energy(p, overlap):
 
 
 bind(JacksonGreenShape, scale=_scale)
-bind(JacksonGreenParams, virgin=_virgin, inverse=_inverse, energy=_energy)
+bind(JacksonGreenParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
 def _prepare(contact, yield_strength=None, poisson=0.3):

@@ -74,7 +74,7 @@ def _scale(shape, radius, modulus, roughness):
 
 
 @kernel
-def _virgin(p, overlap):
+def _first_loading(p, overlap):
     w = overlap * p.inverse_critical
     logarithm = log2(w if w > 1.0 else 1.0)
     factor = _FACTOR1 if w <= _SECOND else _FACTOR2
@@ -113,7 +113,7 @@ def _energy(p, overlap):
 
 
 bind(KogutEtsionShape, scale=_scale)
-bind(KogutEtsionParams, virgin=_virgin, inverse=_inverse, energy=_energy)
+bind(KogutEtsionParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
 def _prepare(contact, yield_strength=None, poisson=0.3):

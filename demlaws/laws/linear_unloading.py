@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.core.dispatch import bind, energy, parts, virgin
+from demlaws.core.dispatch import bind, curves_of, energy, first_loading
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, sqrt
 from demlaws.core.shear import of_first_loading
 from demlaws.core.unloading import Rule, own_rule
@@ -23,7 +23,7 @@ class LinearParams(NamedTuple):
 
 
 @kernel
-def _virgin(p, overlap):
+def _first_loading(p, overlap):
     straight = overlap if overlap <= p.limit else p.limit
     force = p.loading_stiffness * straight + p.largest_stiffness * (overlap - straight)
     equivalent = hertz_overlap(p, force)
@@ -45,7 +45,7 @@ def _energy(p, overlap):
     return p.loading_stiffness * straight * (0.5 * straight + more) + 0.5 * p.largest_stiffness * more * more
 
 
-bind(LinearParams, virgin=_virgin, inverse=_inverse, energy=_energy)
+bind(LinearParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
 class Linear(NamedTuple):
@@ -60,10 +60,10 @@ def _stiffness(params, maximum):
 
 @kernel
 def _step(rule, p, overlap, state):
-    params = parts(p)[1]
+    params = curves_of(p)[1]
     positive = 0.0 if overlap <= 0.0 else overlap
     if overlap >= state[0]:
-        force, stiffness, _, _ = virgin(p, positive)
+        force, stiffness, _, _ = first_loading(p, positive)
         maximum, plastic = overlap, overlap - force / _stiffness(params, overlap)
     else:
         maximum, plastic = state
@@ -80,7 +80,7 @@ def _step(rule, p, overlap, state):
 def _stored_and_dissipated(rule, p, overlap, state):
     if state[0] <= 0.0:
         return 0.0, 0.0
-    k2 = _stiffness(parts(p)[1], state[0])
+    k2 = _stiffness(curves_of(p)[1], state[0])
     elastic = max(overlap - state[1], 0.0) if overlap > 0.0 else 0.0
     whole = state[0] - state[1]
     return 0.5 * k2 * elastic * elastic, energy(p, state[0]) - 0.5 * k2 * whole * whole
@@ -88,12 +88,12 @@ def _stored_and_dissipated(rule, p, overlap, state):
 
 @kernel
 def _unloaded(rule, p, force, state):
-    return state[1] + force / _stiffness(parts(p)[1], state[0])
+    return state[1] + force / _stiffness(curves_of(p)[1], state[0])
 
 
 @kernel
 def _unloading_stiffness(rule, p, overlap, force, stiffness, state):
-    return _stiffness(parts(p)[1], overlap) if overlap >= state[0] and overlap > 0.0 else stiffness
+    return _stiffness(curves_of(p)[1], overlap) if overlap >= state[0] and overlap > 0.0 else stiffness
 
 
 bind(

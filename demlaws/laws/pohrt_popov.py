@@ -68,7 +68,7 @@ def _equivalent(p, overlap):
 
 
 @kernel
-def _virgin(p, overlap):
+def _first_loading(p, overlap):
     equivalent, slope = _equivalent(p, overlap)
     root = p.hertz_coefficient * sqrt(equivalent)
     return root * equivalent, 1.5 * root * slope, equivalent, equivalent
@@ -95,12 +95,12 @@ def transition_energy(p, ratio, overlap, force, equivalent):
 
 @kernel
 def _energy(p, overlap):
-    force, _, equivalent, _ = _virgin(p, overlap)
+    force, _, equivalent, _ = _first_loading(p, overlap)
     return transition_energy(p, p.ratio, overlap, force, equivalent)
 
 
 bind(PohrtPopovShape, scale=_scale)
-bind(PohrtPopovParams, virgin=_virgin, inverse=_inverse, energy=_energy)
+bind(PohrtPopovParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
 def _prepare(contact):

@@ -53,7 +53,7 @@ def _equivalent(u):
 
 
 @kernel
-def _virgin(p, overlap):
+def _first_loading(p, overlap):
     s, slope = _equivalent(overlap / p.roughness)
     equivalent = s * p.roughness
     root = p.hertz_coefficient * sqrt(equivalent)
@@ -91,7 +91,7 @@ def _energy(p, overlap):
 
 
 bind(RmsShape, scale=_scale)
-bind(RmsParams, virgin=_virgin, inverse=_inverse, energy=_energy)
+bind(RmsParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
 def _prepare(contact):

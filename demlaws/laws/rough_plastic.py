@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.contact import GRANITE, GRANITE_YIELD_PRESSURE, pressure_of
-from demlaws.core.dispatch import bind, energy, inverse, scale, virgin
+from demlaws.core.dispatch import bind, energy, first_loading, inverse, scale
 from demlaws.core.fastmath import bits, cbrt, from_bits, hertz_coefficient, hertz_overlap, kernel
 from demlaws.errors import Argument, DemlawsError
 from demlaws.laws.definition import (
@@ -77,23 +77,23 @@ def _scale(shape, radius, modulus, roughness):
     high = bits(1e3 * radius)
     while high - low > 1:
         middle = low + ((high - low) >> 1)  # the sum of two bit patterns may overflow
-        if virgin(loading, from_bits(middle))[1] < stiffness:
+        if first_loading(loading, from_bits(middle))[1] < stiffness:
             low = middle
         else:
             high = middle
     overlap = from_bits(low)
     if shape.load_pressure > 0.0:
         overlap = inverse(loading, _smooth_yield(bulk, modulus, shape.load_pressure))
-    force, _, equivalent, _ = virgin(loading, overlap)
+    force, _, equivalent, _ = first_loading(loading, overlap)
     ratio = cbrt(radius / bulk)
     coefficient = hertz_coefficient(bulk, modulus)
     return RoughPlasticParams(coefficient, loading, ratio, overlap, force, after, ratio * equivalent, 1.0 / after)
 
 
 @kernel
-def _virgin(p, overlap):
+def _first_loading(p, overlap):
     rough = overlap if overlap <= p.yield_overlap else p.yield_overlap
-    force, stiffness, equivalent, area = virgin(p.loading, rough)
+    force, stiffness, equivalent, area = first_loading(p.loading, rough)
     plastic_force = p.yield_force + p.yield_stiffness * (overlap - p.yield_overlap)
     plastic_equivalent = hertz_overlap(p, plastic_force)
     if overlap <= p.yield_overlap:
@@ -118,7 +118,7 @@ def _energy(p, overlap):
 
 
 bind(RoughPlasticShape, scale=_scale)
-bind(RoughPlasticParams, virgin=_virgin, inverse=_inverse, energy=_energy)
+bind(RoughPlasticParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
 def _loading_definition(loading):
@@ -176,12 +176,12 @@ def _bulk_radius(contact, bulk_radius=None, **_):
     return bulk_radius
 
 
-_OWN = ("yield_pressure", "yield_at", "post_yield_pressure", "bulk_radius")
+_BULK_OPTIONS = ("yield_pressure", "yield_at", "post_yield_pressure", "bulk_radius")
 
 
 def _of_loading(options):
     """Definition of the rough law, and its options among all that were given."""
-    rest = {name: value for name, value in options.items() if name not in (*_OWN, "loading")}
+    rest = {name: value for name, value in options.items() if name not in (*_BULK_OPTIONS, "loading")}
     return _loading_definition(options.get("loading", "pohrt-popov")), rest
 
 

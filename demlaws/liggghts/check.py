@@ -42,9 +42,9 @@ thermo_style    custom step v_overlap v_force v_stored v_lost
 WITH_ENERGIES = TWO_PARTICLES.replace("thermo_style    custom step v_overlap v_force\n", _ENERGIES)
 
 
-def follow(law, text=WITH_ENERGIES, **options):
-    """See `plugins.engines.Engine.follow`."""
-    return ENGINE.follow(law, text, **options)
+def run_path(law, text=WITH_ENERGIES, **options):
+    """See `plugins.engines.Engine.run_path`."""
+    return ENGINE.run_path(law, text, **options)
 
 
 def check(report=print):
@@ -56,5 +56,5 @@ def check(report=print):
         report(f"library   {engine_library()}, headers {headers()}")
         report(f"plugin    {build()}")
     for law, rtol, limit, name in laws_to_check():
-        self_test(report, *follow(law, rtol=rtol), name, limit)
+        self_test(report, *run_path(law, rtol=rtol), name, limit)
     report("all good")

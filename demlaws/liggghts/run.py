@@ -23,7 +23,7 @@ hard_particles  yes
 """
 """How our own inputs begin: spheres, SI units, moduli of stone."""
 
-ALONE = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self"}
+SERIAL_ONLY = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self"}
 """Of a process that is its only rank: without a daemon and a look for networks, which Open MPI starts with, half a second."""
 
 
@@ -80,7 +80,7 @@ class _Liggghts(Engine):
             versions()  # loaded into another LIGGGHTS, the plugin would crash it or worse
             loading = {"LD_PRELOAD": ":".join(p for p in (str(build(portable)), environment.get("LD_PRELOAD")) if p)}
         if ranks == 1 and not any(name.startswith(("OMPI_COMM_", "PMIX_", "PMI_")) for name in environment):  # no mpirun
-            environment = ALONE | environment
+            environment = SERIAL_ONLY | environment
         return executable(), environment, loading, None
 
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from demlaws.contact import Material, Surface, Unknown
+from demlaws.contact import Material, MissingValue, Surface
 from demlaws.errors import DemlawsError, most_similar, page
 from demlaws.responses.results import Tabular
 
@@ -98,7 +98,7 @@ def typical(name: str) -> dict[str, Value]:
 def _material(name: str) -> Material:
     """The material with its usual surface."""
     values = {quantity: value.value for quantity, value in typical(name).items()}
-    surface: Surface | Unknown = Unknown(
+    surface: Surface | MissingValue = MissingValue(
         f"the roughness of {name} is not known from public text: measure it ({page('materials')}) and give roughness1 and "
         "roughness2 (0 for smooth), or a Surface"
     )

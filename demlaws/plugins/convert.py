@@ -80,7 +80,7 @@ def convert_file(path, engine, table, *, out=None):
     `table` is a path from here; in the input it stands as seen from the folder of `out`, where the engine runs. If no line
     can be converted, no file is written, and `out` is None.
     """
-    from demlaws.curves.text import parse
+    from demlaws.curves.table_grammar import parse
 
     path, table = Path(path), Path(table)
     out = path.with_name(path.name + ".demlaws") if out is None else Path(out)

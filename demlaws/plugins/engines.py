@@ -363,7 +363,7 @@ class Engine:
             raise DemlawsError(f"{path} holds no timing of a run")
         return float(loop[-1]), float(pair[-1])
 
-    def follow(self, law, text, radius=None, *, rtol=1e-5, folder=None, ranks=1, **variables):
+    def run_path(self, law, text, radius=None, *, rtol=1e-5, folder=None, ranks=1, **variables):
         """One contact on the path of an input: the log, with columns overlap, force, stored, lost, and the law's path.
 
         law: one contact with ν = 0.25 of two spheres of `radius` (default: equal ones), or of one and a wall.

@@ -14,12 +14,12 @@ from demlaws.core.loops import (
     batch_loop,
     bind_params,
     energy_loop,
-    first_loading,
     follow_loop,
+    force_loop,
     inverse_loop,
     loading_part,
     map_leaves,
-    one_of,
+    params_at,
     unloaded_loop,
 )
 from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
@@ -71,7 +71,7 @@ class Response:
         if unloading.rule.curve == "law" and unloading.rule_parameters is None and is_user_defined(self.definition):
             from demlaws.curves.soundness import refuse_unsound_rule
 
-            refuse_unsound_rule(self.name, unloading.rule, one_of(self.params, 0), float(np.ravel(contact.radius)[0]))
+            refuse_unsound_rule(self.name, unloading.rule, params_at(self.params, 0), float(np.ravel(contact.radius)[0]))
 
     @property
     def unloading(self) -> str:
@@ -123,7 +123,7 @@ class Response:
     def _force_and_stiffness(self, overlap):
         values, shape = self._shaped(overlap, "overlap", "m")
         self._check_range(values)
-        force, stiffness = first_loading(self.params, values.ravel())
+        force, stiffness = force_loop(self.params, values.ravel())
         if not np.all(np.isfinite(force)):
             raise DemlawsError(self._out_of_range(float(values.max())))
         self._warn_of_limits(force)
@@ -307,7 +307,7 @@ class Response:
         radius = np.asarray(self._radius)
         end = np.minimum(LARGEST_OVERLAP * radius, self._curve_end())
         small = np.minimum(SMALL_OVERLAP * radius, end).ravel()
-        most = first_loading(self.params, small)[0] if self.state_size else small
+        most = force_loop(self.params, small)[0] if self.state_size else small
         return end, (float(np.min(end)), float(min(np.min(most), FINITE)))
 
     def _largest_unloading_force(self):

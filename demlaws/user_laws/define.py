@@ -155,13 +155,18 @@ def _types(name, functions, extra):
     scale = function_of_text("shape, R, E, s", [f"return Params(hertz_coefficient(R, E), R, E, s, {values})"], names)
 
     @kernel
-    def virgin(p, overlap):
+    def first_loading(p, overlap):
         load = force(p, overlap)
         equivalent = hertz_overlap(p, load)
         return load, stiffness(p, overlap), equivalent, equivalent
 
     bind(shape_type, scale=kernel(scale))
-    bind(params_type, virgin=virgin, inverse=overlap or _searched(force, stiffness), energy=energy or _integrated(force))
+    bind(
+        params_type,
+        first_loading=first_loading,
+        inverse=overlap or _searched(force, stiffness),
+        energy=energy or _integrated(force),
+    )
     return shape_type
 
 

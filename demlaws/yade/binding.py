@@ -375,7 +375,7 @@ class Binding:
         """(key, message) of each limit that contacts are beyond; without the contacts of the rows the messages are None."""
         places = np.flatnonzero((rows["tag"] > 0.0) & (rows["modulus"] > 0.0) & (rows["overlap"] > 0.0))
         rows = rows[places]
-        force = self.pairs.respond(rows)[0]["force"]
+        force = self.pairs.evaluate(rows)[0]["force"]
         for number in np.unique(rows["tag"]).astype(int) - 1:
             mine = np.flatnonzero((rows["tag"] == number + 1) & (force > 0.0))
             if len(mine):

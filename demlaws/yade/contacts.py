@@ -46,7 +46,7 @@ def state_of(pairs, contacts, rows, known):
     contacts = [contact for contact, keep in zip(contacts, active, strict=True) if keep]
     rows = rows[active]
     before = rows.copy()
-    answer, _ = pairs.respond(rows)
+    answer, _ = pairs.evaluate(rows)
     energies = pairs.energies(before)
     nothing = np.full(len(rows), np.nan)
     fields = {name: before["state"][:, n] for n, name in enumerate(pairs.state_names)}

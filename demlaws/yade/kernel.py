@@ -1,7 +1,7 @@
 """The contact step: compiled code that runs inside YADE at each contact, no Python, no YADE.
 
-`respond` is the law: one contact, its pair of surfaces, its overlap and history in; force, tangent and new history out.
-`act` is that law at work inside a native functor (see `native`): Mindlin's law with our force and stiffness (`mindlin`).
+`evaluate` is the law: one contact, its pair of surfaces, its overlap and history in; force, tangent and new history out.
+`go` is that law at work inside a native functor (see `native`): Mindlin's law with our force and stiffness (`mindlin`).
 """
 
 import math
@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numba import types
 
-from demlaws.core.dispatch import scale, step, stored_and_dissipated, virgin
+from demlaws.core.dispatch import first_loading, scale, step, stored_and_dissipated
 from demlaws.core.fastmath import hertz_coefficient
 from demlaws.core.loops import clamped_roughness
 from demlaws.core.numba_compat import callback, kernel, loop
@@ -19,8 +19,8 @@ from demlaws.laws.hertz import HertzParams, HertzShape
 from demlaws.units import LARGEST_ROUGHNESS, RANGES, SMALL_OVERLAP
 from demlaws.yade import layout, objects
 from demlaws.yade.layout import CONTEXT, SEEN, SHAPE
-from demlaws.yade.mindlin import Contact, body_of, native_go, with_states
-from demlaws.yade.notes import alarm, check_depth, note_changed, note_fault, note_shared, rare
+from demlaws.yade.mindlin import Pointers, body_of, native_go, with_states
+from demlaws.yade.notes import alarm, check_depth, cold, note_changed, note_fault, note_shared
 from demlaws.yade.records import add_float, add_integer, array, assign, exchange_if, foreign, pointee, vector, view
 from demlaws.yade.shear import apply_mindlin, compress, synchronise
 from demlaws.yade.tuples import keep_params, keep_state, params_of_row, shape_of, state_of
@@ -49,7 +49,7 @@ def response(shear, rule, p, overlap, state):
 
 
 @kernel
-def respond(kind, shear, rule, pair, radius, modulus, overlap, state):
+def evaluate(kind, shear, rule, pair, radius, modulus, overlap, state):
     """`response` of a contact whose surfaces are `pair`."""
     if modulus == 0.0:  # a marker: YADE's own law gives it no force
         return 0.0, 0.0, 0.0, state
@@ -117,7 +117,7 @@ def lever_of(context, body1, body2):
     return layout.NO_LEVER if has_no_radius(context, body1) or has_no_radius(context, body2) else layout.ROUND
 
 
-@rare
+@cold
 def surface_of(context, body):
     """Number of the surface whose label the body's material bears; 0 where no surface has that label."""
     material = view(body.material, objects.Material)
@@ -134,7 +134,7 @@ def surface_of(context, body):
 # --- R of a contact
 
 
-@rare
+@cold
 def serves(pair, radius, modulus):
     """Whether the pair's law may be used at this R and E*: a table of a law that does not collapse is for one contact."""
     return pair.radius == 0.0 or (
@@ -142,7 +142,7 @@ def serves(pair, radius, modulus):
     )
 
 
-@rare
+@cold
 def curvature_radius(context, geom, interaction, body1, body2, radius):
     """R from the curvature of two bodies, or `radius`, which is YADE's, where this is not known yet; faults are noted."""
     shapes = array(context.shapes, context.shape_count, SHAPE)
@@ -166,7 +166,7 @@ def curvature_radius(context, geom, interaction, body1, body2, radius):
     return result
 
 
-@rare
+@cold
 def chosen_radius(context, geom, interaction, body1, body2, first, second, radius):
     """R of a new contact by the user's choice; `radius`: as spheres and flats have it."""
     if context.radius_mode == layout.FUNCTION_RADIUS:
@@ -206,7 +206,7 @@ def edged_radius(radius, radius1, radius2, edge1, edge2, flat):
     return edge if flat or not other > 0.0 else edge * other / (edge + other)
 
 
-@rare
+@cold
 def renew_radius(kind, context, geom, interaction, row, pair):
     """Renew R and the row of a contact whose bodies' curvature changes as it moves."""
     body1, body2 = body_of(context, interaction.id1, 0), body_of(context, interaction.id2, 0)
@@ -217,7 +217,7 @@ def renew_radius(kind, context, geom, interaction, row, pair):
         take_radius(kind, context, interaction, row, pair, radius)
 
 
-@rare
+@cold
 def follow_radii(kind, context, geom, interaction, row, pair):
     """Renew R and the row of a contact whose bodies have grown or shrunk; E* remains."""
     row.reach = geom.refR1 + geom.refR2
@@ -233,7 +233,7 @@ def follow_radii(kind, context, geom, interaction, row, pair):
             take_radius(kind, context, interaction, row, pair, radius)
 
 
-@rare
+@cold
 def take_radius(kind, context, interaction, row, pair, radius):
     """Give a contact another R [m]; a fault where the law does not serve it."""
     if not serves(pair, radius, row.modulus):
@@ -271,7 +271,7 @@ def fill_row(kind, row, pair):
     return fill_params(kind, row, pair)
 
 
-@rare
+@cold
 def initialise_contact(context, pairs, row, geom, phys, interaction):
     """Write R, E*, K_t/K and the pair to the history of a new contact; returns the number of the pair."""
     modulus = 0.75 * phys.kno / math.sqrt(effective_radius(geom.refR1, geom.refR2))
@@ -326,7 +326,7 @@ def find_row(context, mark, phys, phys_address, row_dtype):
     return place if view(place, row_dtype).phys == phys_address else 0
 
 
-@rare
+@cold
 def make_block(context, number, size):
     """Make the block that has a row, unless another thread has made it; 0: there is no memory, or no such block."""
     if number >> layout.ROWS_BITS >= layout.BLOCKS:
@@ -362,7 +362,7 @@ def clear(row_address, size):
         words[n] = 0
 
 
-@rare
+@cold
 def make_row(kind, context, pairs, row_dtype, geom, phys, interaction, phys_address, interaction_address):
     """Address of a new contact's row, negative for a smooth pair; 0: there is no memory for it, or its row is lost."""
     if phys.prevU[1] != 0.0:
@@ -384,7 +384,7 @@ def make_row(kind, context, pairs, row_dtype, geom, phys, interaction, phys_addr
     return mark
 
 
-@rare
+@cold
 def end_contact(kind, rule, context, pair, row, state):
     """Bank the dissipation of a contact that ends, with the energy of shear that it stored."""
     dissipated = energies(kind, rule, pair, row.radius, row.modulus, 0.0, state)[1]
@@ -398,13 +398,13 @@ def end_contact(kind, rule, context, pair, row, state):
 
 
 @kernel
-def handles(context, geom, phys):
+def supports_class(context, geom, phys):
     """Whether objects are of classes that the law acts on."""
     known = phys.vtable == context.physics or phys.vtable == context.capillary
     return known and is_among(geom.vtable, context.geometry_classes, context.geometry_count)
 
 
-@rare
+@cold
 def without_row(context, contact, phys):
     """The step of a contact that has no row: no force, or NaN without a guard, which would stop the run."""
     phys.kno = 0.0 if context.alarm != 0 else math.nan
@@ -412,7 +412,7 @@ def without_row(context, contact, phys):
     return native_go(context, contact)
 
 
-@rare
+@cold
 def unknown_class(context, contact, interaction):
     """The step of a contact of other classes: the native law's, and a fault."""
     note_fault(context, layout.WRONG_CLASS, interaction, 0.0)
@@ -445,12 +445,12 @@ def fault_of(context, row, overlap, force):
 
 
 @kernel
-def act(kind, params_kind, shear, mode, rule, own, pair_dtype, row_dtype, context, contact):
+def go(kind, params_kind, shear, mode, rule, own, pair_dtype, row_dtype, context, contact):
     """The body of `go`: our force and stiffness as coefficients kno and kso of Mindlin's law, which then acts."""
     phys_address = pointee(contact.phys_pointer)
     geom, phys = view(contact.geom, objects.ScGeom), view(phys_address, objects.MindlinPhys)
     interaction = view(contact.interaction, objects.Interaction)
-    if not handles(context, geom, phys):
+    if not supports_class(context, geom, phys):
         return unknown_class(context, contact, interaction)
     overlap = -1.0 if geom.penetrationDepth == -math.inf else geom.penetrationDepth  # newer YADE: level sets apart
     mark = np.int64(phys.prevU[1])
@@ -503,17 +503,17 @@ def act(kind, params_kind, shear, mode, rule, own, pair_dtype, row_dtype, contex
 
 
 # what `entry` gives to a copy of the function below
-KIND = PARAMS_KIND = SHEAR = MODE = RULE = OWN = PAIR = ROW = BEHIND = None
+KIND = PARAMS_KIND = SHEAR = MODE = RULE = STEP = PAIR = ROW = BEHIND = None
 
 
 def _go(functor, geom_pointer, phys_pointer, interaction):
     context = view(pointee(pointee(functor) + BEHIND), CONTEXT)
-    contact = Contact(functor, geom_pointer, phys_pointer, interaction, pointee(geom_pointer), 0, 0)
-    return act(KIND, PARAMS_KIND, SHEAR, MODE, RULE, OWN, PAIR, ROW, context, contact)
+    contact = Pointers(functor, geom_pointer, phys_pointer, interaction, pointee(geom_pointer), 0, 0)
+    return go(KIND, PARAMS_KIND, SHEAR, MODE, RULE, STEP, PAIR, ROW, context, contact)
 
 
 def entry(pairs, own, behind):
-    """`act` for the kind of laws of `pairs` as native code (`.address`).
+    """`go` for the kind of laws of `pairs` as native code (`.address`).
 
     own: `mindlin.OwnStep` or `NativeStep`. The address of the context is `behind` bytes after the functor's table of virtual
     functions. The dtypes, with offsets in YADE's objects, are constants of the code.
@@ -525,7 +525,7 @@ def entry(pairs, own, behind):
         "SHEAR": pairs.shear,
         "MODE": pairs.mode,
         "RULE": pairs.rule,
-        "OWN": own,
+        "STEP": own,
         "PAIR": pairs.records.dtype,
         "ROW": pairs.row,
         "BEHIND": behind,
@@ -537,8 +537,8 @@ def entry(pairs, own, behind):
 
 
 @loop
-def respond_loop(kind, shear, rule, pairs, contacts, out):
-    """`respond` for an array of `CONTACT`, whose state is updated in place; out: an array of `RESPONSE`.
+def evaluate_loop(kind, shear, rule, pairs, contacts, out):
+    """`evaluate` for an array of `CONTACT`, whose state is updated in place; out: an array of `EVALUATED`.
 
     Returns the first contact whose force is not finite, or -1.
     """
@@ -547,7 +547,7 @@ def respond_loop(kind, shear, rule, pairs, contacts, out):
         c = contacts[i]
         old = state_of(rule, c)
         pair = pairs[np.int64(c.tag) - 1]
-        force, stiffness, sideways, new = respond(kind, shear, rule, pair, c.radius, c.modulus, c.overlap, old)
+        force, stiffness, sideways, new = evaluate(kind, shear, rule, pair, c.radius, c.modulus, c.overlap, old)
         if force - force != 0.0 or c.overlap - c.overlap != 0.0:
             bad = i if bad < 0 else bad
             force, stiffness, sideways, new = 0.0, 0.0, 0.0, old
@@ -578,5 +578,5 @@ def yielded_loop(kind, pairs, contacts, highest, out):
         c = contacts[i]
         pair = pairs[np.int64(c.tag) - 1]
         if pair.smooth == 0 and c.modulus > 0.0:
-            _, _, equivalent, area = virgin(params_of(kind, pair, c.radius, c.modulus), highest[i])
+            _, _, equivalent, area = first_loading(params_of(kind, pair, c.radius, c.modulus), highest[i])
             out[i] = area > equivalent * (1.0 + 1e-9)

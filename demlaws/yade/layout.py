@@ -106,7 +106,7 @@ _HISTORY: list = [(name, "f8") for name in ("overlap", "ratio", "tag", "radius",
 _HISTORY += [("state", "f8", (3,)), *[(name, "f8") for name in ("shear", "held", "lost", "viscous", "written")]]
 _HISTORY += [("left", "f8", (3,)), ("reach", "f8")]
 CONTACT = np.dtype(_HISTORY)
-RESPONSE = np.dtype([(name, "f8") for name in ("kno", "kso", "tangent", "force")])
+EVALUATED = np.dtype([(name, "f8") for name in ("kno", "kso", "tangent", "force")])
 ENERGY = np.dtype([(name, "f8") for name in ("stored", "dissipated")])
 
 PLANE, SPHERE, FIELD = 1, 2, 3

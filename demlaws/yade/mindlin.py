@@ -49,7 +49,7 @@ class NativeStep(NamedTuple):
     """They are not: the native `go` acts."""
 
 
-class Contact(NamedTuple):
+class Pointers(NamedTuple):
     """Addresses of what the native `go` is called with, of the contact's geometry, and of its bodies' states (0: not known)."""
 
     functor: int
@@ -81,7 +81,7 @@ def _with_states(step, context, contact):
         interaction = view(contact.interaction, objects.Interaction)
         first = body_of(context, interaction.id1, law.scene).state
         second = body_of(context, interaction.id2, law.scene).state
-        return Contact(
+        return Pointers(
             contact.functor, contact.geom_pointer, contact.phys_pointer, contact.interaction, contact.geom, first, second
         )
 
@@ -245,7 +245,7 @@ def _exponent_of_damping(phys):
 
 
 @kernel
-def handles(context, contact, geom, phys, row):
+def supports_options(context, contact, geom, phys, row):
     """Whether `own_step` does what the native law would do: the functor has no option, the contact is not new, no other contact
     has its physics, and the self-test has passed for its damping and its cell."""
     if not (context.own_step != 0 and geom.penetrationDepth > 0.0 and row.overlap > 0.0):
@@ -269,7 +269,7 @@ def slide(mode, row, share):
     """What else is reduced to a share where Coulomb's limit reduces the shear force."""
 
 
-def follow(mode, context, contact, row):
+def after_native_step(mode, context, contact, row):
     """What else the native law's own step changes."""
 
 
@@ -301,7 +301,7 @@ def _advance(step, mode, context, contact, row):
 
     def either(step, mode, context, contact, row):
         geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
-        if handles(context, contact, geom, phys, row):
+        if supports_options(context, contact, geom, phys, row):
             return own_step(mode, context, contact, geom, phys, row)
         keep = native_step(mode, context, contact, row)
         if geom.penetrationDepth > 0.0 and (phys.betan != 0.0 or phys.betas != 0.0 or exponent_of_damping(phys) != 0.0):
@@ -315,5 +315,5 @@ def _advance(step, mode, context, contact, row):
 def native_step(mode, context, contact, row):
     """The native `go`."""
     keep = native_go(context, contact)
-    follow(mode, context, contact, row)
+    after_native_step(mode, context, contact, row)
     return keep

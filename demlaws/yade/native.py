@@ -1,7 +1,7 @@
 """The native bridge: our law as the `go` of a native Law2_ScGeom_MindlinPhys_Mindlin. All that depends on YADE's binary.
 
 YADE is C++; Debian ships no headers, and YADE never calls the `go` of a Python subclass. So a functor object gets a private
-copy of its table of virtual functions, with `go` replaced by compiled code (`kernel.act`) that applies Mindlin's law with our
+copy of its table of virtual functions, with `go` replaced by compiled code (`kernel.go`) that applies Mindlin's law with our
 force and stiffness, by itself or by calling the native `go`. Every other functor keeps the original table, and the rest of
 YADE's memory is unchanged.
 
@@ -62,7 +62,7 @@ OPTIONS = ("includeAdhesion", "calcEnergy", "includeMoment", "neverErase")
 """Options of Mindlin's law with which `mindlin.own_step` is not used."""
 DAMPING_EXPONENTS = ("alpha", "beta")
 """Names that MindlinPhys had for the exponent of another viscous damping."""
-OWN = ("own_step", "own_damping", "own_period")
+OWN_STEP_FIELDS = ("own_step", "own_damping", "own_period")
 """Fields of the context by which contacts without damping, with damping and in periodic scenes do without the native `go`."""
 NOT_TRIED = "not tried"
 SINGLE_BASE = "_ZTVN10__cxxabiv120__si_class_type_infoE"
@@ -126,7 +126,7 @@ class Layout:
             self.step, self.step_refused = mindlin.OwnStep(), NOT_TRIED  # the self-test decides
             found = {name: found.get(name, {}) | further.get(name, {}) for name in {**found, **further}}
         self.addresses["normal_offset"] = found["ScGeom"]["normal"][-1]
-        self.allowed = dict.fromkeys(OWN, 0)  # by the self-test
+        self.allowed = dict.fromkeys(OWN_STEP_FIELDS, 0)  # by the self-test
         objects.define(**found)
 
     @staticmethod
@@ -435,7 +435,7 @@ class Attachment:
         for name, classes in (("geometry", found.geometries), ("round_shape", found.round_shapes)):
             context[f"{name}_classes"][: len(classes)] = classes
             context[f"{name}_count"] = len(classes)
-        for name in OWN:
+        for name in OWN_STEP_FIELDS:
             context[name] = found.allowed[name]
         context["surfaces"], context["label_hashes"] = len(pairs.labels), pairs.hashes.ctypes.data
         context["pair_numbers"], context["pairs"] = pairs.numbers.ctypes.data, pairs.records.ctypes.data

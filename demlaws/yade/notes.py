@@ -9,7 +9,7 @@ from demlaws.yade import layout
 from demlaws.yade.layout import SEEN
 from demlaws.yade.records import array
 
-rare = numba.njit(error_model="numpy", nogil=True)
+cold = numba.njit(error_model="numpy", nogil=True)
 """Compile a function that few contacts call, not inlined."""
 
 
@@ -20,7 +20,7 @@ def alarm(context):
         array(context.alarm, 1, np.int64)[0] = 0
 
 
-@rare
+@cold
 def note_fault(context, kind, interaction, value):
     """Note a fault for the guard, which stops the simulation before the next step with a message about the last one."""
     alarm(context)
@@ -31,7 +31,7 @@ def note_fault(context, kind, interaction, value):
     context.fault_value = value
 
 
-@rare
+@cold
 def note_shared(context, interaction):
     """Note a contact that has the physics of another one: both get the force."""
     context.shared_body1 = interaction.id1
@@ -40,7 +40,7 @@ def note_shared(context, interaction):
     alarm(context)
 
 
-@rare
+@cold
 def note_changed(context, interaction):
     """Note a contact of which something else has changed kno or kso, which the law writes."""
     context.changed_body1 = interaction.id1
@@ -49,7 +49,7 @@ def note_changed(context, interaction):
     alarm(context)
 
 
-@rare
+@cold
 def check_depth(context, row, overlap):
     """TOO_DEEP for an overlap beyond LARGEST_OVERLAP of R, else 0. The guard warns of the first one beyond SMALL_OVERLAP."""
     if row.modulus == 0.0:

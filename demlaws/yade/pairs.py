@@ -151,7 +151,7 @@ class LawSource:
 
     def contacts(self, surface, modulus):
         """R [m] and E* [Pa] with which the law is made: those of its only contact, or two that differ, for any."""
-        only = self.only_for()
+        only = self.serves_only()
         if only[0] > 0.0:
             return only
         # both at most the radius of the bulk that an option gives; whether the law fits the bodies is seen when they meet
@@ -162,7 +162,7 @@ class LawSource:
         modulus = modulus or (5.0 * surface.hardness if surface.hardness else TYPICAL_MODULUS)
         return np.array([radius, 2.0 * radius]), np.full(2, modulus)
 
-    def only_for(self):
+    def serves_only(self):
         """R [m] and E* [Pa] outside which this law may not be used; zeros: any."""
         for source, (of_radius, of_modulus) in ((self, (1.0, 1.0)), (self.curve, self.ratios[:2])):
             if source is None:
@@ -184,7 +184,7 @@ class Pairs:
 
     law: see `LawSource`, or a dict (label, label) → one of those, "" standing for unlisted materials. Of two surfaces
     σ² = Sq1² + Sq2² and so on as in `Surface.combined`. A pair of smooth surfaces is Hertz unless the law means more than
-    roughness (a yielding bulk). labels, hashes, numbers (pair of surfaces → record) and records are what `kernel.act`
+    roughness (a yielding bulk). labels, hashes, numbers (pair of surfaces → record) and records are what `kernel.go`
     reads; shapes and roughnesses are those of each record, None for Hertz. modulus: E* [Pa] with which pressures of the laws
     are compared, or None. smooth: materials without a surface are meant smooth; flats: "plane" or "yade", shear: one of
     `shear.MODES`, levels, shear_ratio, radius: see the functor.
@@ -285,16 +285,16 @@ class Pairs:
     def _make_records(self, surfaces):
         count = len(surfaces)
         self.numbers = np.zeros((count, count), np.int64)
-        self.shapes, self.roughnesses, self.only_for, self.combined = [], [], [], []
+        self.shapes, self.roughnesses, self.serves_only, self.combined = [], [], [], []
         for i in range(count):
             for j in range(i + 1):
                 self.numbers[i, j] = self.numbers[j, i] = len(self.shapes)
                 pair = surfaces[i].combined(surfaces[j])
                 labels = self.labels[j], self.labels[i]
                 self.combined.append((pair, self.by_pair.get(tuple(sorted(labels)), self.default)))
-                shape, only_for = self._pair(pair, labels)
+                shape, serves_only = self._pair(pair, labels)
                 self.shapes.append(shape)
-                self.only_for.append(only_for)
+                self.serves_only.append(serves_only)
                 self.roughnesses.append(pair.roughness or 0.0)  # of a smooth law it need not be given
         kinds = {numba.typeof(shape) for shape in self.shapes if shape is not None}
         if len(kinds) > 1:
@@ -316,13 +316,15 @@ class Pairs:
         self.saved = layout.part(self.row, layout.saved_fields(self.row))
         self._keep = []
         self.records = np.zeros(len(self.shapes), layout.pair_dtype(tuples.fields(self.kind, "shape")))
-        for record, shape, roughness, only_for in zip(self.records, self.shapes, self.roughnesses, self.only_for, strict=True):
+        for record, shape, roughness, serves_only in zip(
+            self.records, self.shapes, self.roughnesses, self.serves_only, strict=True
+        ):
             record["smooth"], record["roughness"] = shape is None, roughness
-            record["radius"], record["modulus"] = only_for
+            record["radius"], record["modulus"] = serves_only
             if shape is not None:
                 tuples.pack(shape, record, "shape", self._keep)
 
-    def of_a_law(self):
+    def pair_of_law(self):
         """Two labels whose pair the law is for, and its record: the last ones, which are listed if any is."""
         last = len(self.labels) - 1
         places = [(i, j, int(self.numbers[i, j])) for i in range(last, -1, -1) for j in range(i, -1, -1)]
@@ -358,7 +360,7 @@ class Pairs:
             if not complete and len(self.labels) > 1:
                 return None, (math.nan, math.nan)  # such a contact, should it occur, stops the simulation
             raise DemlawsError(text) from None
-        return shape, (0.0, 0.0) if shape is None else source.only_for()
+        return shape, (0.0, 0.0) if shape is None else source.serves_only()
 
     def number(self, first, second):
         """Record of two materials' labels."""
@@ -366,11 +368,11 @@ class Pairs:
 
     # --- contacts outside YADE's objects
 
-    def respond(self, contacts):
+    def evaluate(self, contacts):
         """What the law answers to an array of `layout.CONTACT`, whose state is updated in place: an array of
-        `layout.RESPONSE`, and the first contact whose force is not finite, or -1."""
-        out = np.zeros(len(contacts), layout.RESPONSE)
-        return out, kernel.respond_loop(self.kind, self.shear, self.rule, self.records, contacts, out)
+        `layout.EVALUATED`, and the first contact whose force is not finite, or -1."""
+        out = np.zeros(len(contacts), layout.EVALUATED)
+        return out, kernel.evaluate_loop(self.kind, self.shear, self.rule, self.records, contacts, out)
 
     def energies(self, contacts):
         """Stored and dissipated energy of an array of `layout.CONTACT`: an array of `layout.ENERGY`."""

@@ -137,7 +137,7 @@ def _answers(pairs):
     forces = []
     for depth in (1e-5, 1e-4, 1e-3, 9e-4, 4e-3):
         rows["overlap"] = depth * rows["radius"]
-        forces.append([float(f"{force:.9e}") for force in pairs.respond(rows)[0]["kno"] * rows["overlap"] ** 1.5])
+        forces.append([float(f"{force:.9e}") for force in pairs.evaluate(rows)[0]["kno"] * rows["overlap"] ** 1.5])
     return forces
 
 

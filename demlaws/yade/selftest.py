@@ -31,7 +31,7 @@ def _deepest(pairs, row, overlap):
     while overlap > 0.0:
         trial = row.copy()
         trial["overlap"] = overlap
-        if pairs.respond(trial)[1] < 0:
+        if pairs.evaluate(trial)[1] < 0:
             break
         overlap *= 0.5
     return overlap
@@ -62,12 +62,12 @@ def try_own_step(context, functor, overlap):
     found.step_refused = None
     cases = [("own_step", {}, False), *(("own_damping", damping, False) for damping in DAMPING)]
     cases += [("own_period", damping, True) for damping in ({}, *DAMPING)]
-    found.allowed = dict.fromkeys(native.OWN, 1)
+    found.allowed = dict.fromkeys(native.OWN_STEP_FIELDS, 1)
     for name, damping, periodic in cases:
-        for own in native.OWN:
+        for own in native.OWN_STEP_FIELDS:
             context[own] = 0
         natively = _sheared(functor, overlap, damping, periodic)
-        for own in native.OWN:
+        for own in native.OWN_STEP_FIELDS:
             context[own] = 1
         alone = _sheared(functor, overlap, damping, periodic)
         different = [
@@ -80,7 +80,7 @@ def try_own_step(context, functor, overlap):
             where = f"with {damping} " * bool(damping) + "in a periodic scene " * periodic
             what = f"{where}it leaves other values of {', '.join(different)} than the native go"
             found.step_refused = what if found.step_refused is None else f"{found.step_refused}; {what}"
-    for name in native.OWN:
+    for name in native.OWN_STEP_FIELDS:
         context[name] = found.allowed[name]
 
 
@@ -140,7 +140,7 @@ def _compare(binding):
     functor = yade.Law2_ScGeom_MindlinPhys_Mindlin(label="")
     binding.attachment.patch(functor)
     binding.attachment.watch_itself()
-    labels, number = pairs.of_a_law()
+    labels, number = pairs.pair_of_law()
     effective_radius, modulus = pairs.typical_contact(number)
     radius, young = 2.0 * effective_radius, 2.0 * modulus * (1.0 - POISSON**2)
     _two_spheres(functor, labels, radius, young)
@@ -155,7 +155,7 @@ def _compare(binding):
         touching = contact is not None and contact.isReal
         depth = contact.geom.penetrationDepth if touching else min(overlap, 0.0)
         row["overlap"] = depth
-        answer, _ = pairs.respond(row)
+        answer, _ = pairs.evaluate(row)
         expected = answer["kno"][0] * depth * np.sqrt(depth) if depth > 0 else 0.0
         force = O.forces.f(1)[2]
         forces.append(force)

@@ -18,7 +18,7 @@ from demlaws.yade import layout, objects
 from demlaws.yade.mindlin import (
     NativeStep,
     advance,
-    follow,
+    after_native_step,
     rotated,
     slide,
     trial_force,
@@ -225,8 +225,8 @@ def _slide(mode, row, share):
     return lambda mode, row, share: None
 
 
-@overload(follow, jit_options=INLINED)
-def _follow(mode, context, contact, row):
+@overload(after_native_step, jit_options=INLINED)
+def _after_native_step(mode, context, contact, row):
     if mode.instance_class is not Levels:
         return lambda mode, context, contact, row: None
 

@@ -3,14 +3,14 @@ components in a tangent frame. Compiled code, loaded for shear="slip" only."""
 
 from numba.extending import overload
 
-from demlaws.core.dispatch import parts, virgin
+from demlaws.core.dispatch import curves_of, first_loading
 from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import INLINED, kernel
 from demlaws.core.slip import stretched
 from demlaws.core.unloading import rule_of
 from demlaws.yade import objects
 from demlaws.yade.mindlin import advance, turned
-from demlaws.yade.notes import rare
+from demlaws.yade.notes import cold
 from demlaws.yade.records import assign, cross, dot, minus_scaled, pointee, scaled, unit_perpendicular, vector, view
 from demlaws.yade.shear import Slip, account, apply_mindlin, compress, is_changed
 
@@ -24,13 +24,13 @@ def legendre_of_curve(curve, reach, stiffness):
     low, high = 0.0, reach
     for _ in range(100):
         middle = 0.5 * (low + high)
-        if virgin(curve, middle)[1] < stiffness:
+        if first_loading(curve, middle)[1] < stiffness:
             low = middle
         else:
             high = middle
         if high - low <= 1e-15 * high:
             break
-    return high * stiffness - virgin(curve, high)[0]
+    return high * stiffness - first_loading(curve, high)[0]
 
 
 @kernel
@@ -62,7 +62,7 @@ def _spring_end(rule, p, ends, spring, reach, state, stiffness):
 
     cached = kernel(cached)
     if springs == "given":
-        return lambda rule, p, ends, spring, reach, state, stiffness: cached(parts(p)[1], ends, spring, reach, stiffness)
+        return lambda rule, p, ends, spring, reach, state, stiffness: cached(curves_of(p)[1], ends, spring, reach, stiffness)
     return lambda rule, p, ends, spring, reach, state, stiffness: cached(p, ends, spring, reach, stiffness)
 
 
@@ -148,7 +148,7 @@ def slipped(u, v, longest):
     return share * u, share * v
 
 
-@rare
+@cold
 def common_stretch(row, top, limit, force):
     """Stretch over force [m/N] with which all springs, slipped where they must, have this force [N], and their energy [J]."""
     stretch, energy = force / (top * row.ratio), 0.0

@@ -5,7 +5,7 @@ import math
 from numba.extending import overload
 
 from demlaws.core import dispatch
-from demlaws.core.dispatch import energy, gather, parts, virgin
+from demlaws.core.dispatch import curves_of, energy, first_loading, gather
 from demlaws.core.numba_compat import kernel, loop
 from demlaws.core.unloading import Given, rule_of
 
@@ -27,7 +27,7 @@ def _held(rule, p, force, elastic, overlap, state):
 @overload(_held)
 def _held_by(rule, p, force, elastic, overlap, state):
     if rule.instance_class is Given:
-        return lambda rule, p, force, elastic, overlap, state: energy(parts(p)[1], elastic) if elastic > 0.0 else 0.0
+        return lambda rule, p, force, elastic, overlap, state: energy(curves_of(p)[1], elastic) if elastic > 0.0 else 0.0
     if rule_of(rule.instance_class).curve == "law":
         return lambda rule, p, force, elastic, overlap, state: (
             dispatch.stored_and_dissipated(rule, p, overlap, state)[0] if elastic > 0.0 else 0.0
@@ -56,12 +56,12 @@ def finite_loop(params, contacts, largest, count, random):
         p = gather(params, i)
         top = math.log10(largest[i])
         overlap = 10.0 ** (top + (-323.3 - top) * random.random()) if n % 2 else 10.0 ** (top - 16.0 * random.random())
-        force, stiffness, equivalent, _ = virgin(p, overlap)
+        force, stiffness, equivalent, _ = first_loading(p, overlap)
         finite = force - force == 0.0 and stiffness - stiffness == 0.0 and equivalent - equivalent == 0.0
         if not (finite and force >= 0.0 and stiffness >= 0.0):
             bad += 1
         else:
-            further = virgin(p, overlap * (1.0 + 1e-12))[0]
+            further = first_loading(p, overlap * (1.0 + 1e-12))[0]
             if further < force * (1.0 - 4.5e-16):
                 falling += 1
     return bad, falling

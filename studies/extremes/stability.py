@@ -13,7 +13,7 @@ import numpy as np
 from demlaws.contact import Contact
 from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, scatter
-from demlaws.core.loops import loading_part, one_of
+from demlaws.core.loops import loading_part, params_at
 from demlaws.core.numba_compat import loop
 from demlaws.core.unloading import GIVEN
 from demlaws.driver import elastic_contact, impact_loop
@@ -280,7 +280,7 @@ def _first_kinks(law, case, radius):
     if case.evaluation == "table" or law.contact.size is None:
         return np.full(radius.size, np.inf)
     kinks = law.definition.kinks
-    found = (kinks(loading_part(one_of(law.params, i)), **law.options) for i in range(radius.size))
+    found = (kinks(loading_part(params_at(law.params, i)), **law.options) for i in range(radius.size))
     return np.array([min((k for k in own if k > 0.1 * r), default=np.inf) for own, r in zip(found, radius, strict=True)])
 
 

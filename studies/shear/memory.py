@@ -6,7 +6,7 @@ import numpy as np
 
 import demlaws as dl
 from demlaws.core.dispatch import gather, scatter, step
-from demlaws.core.levels import levels_force, touch
+from demlaws.core.levels import levels_force, set_stiffness
 from demlaws.core.numba_compat import loop
 from demlaws.core.shear import CHOICES, DEFAULT, shear_stiffness
 from demlaws.errors import quiet
@@ -61,7 +61,7 @@ def creep_loop(choice, rule, p, overlap, ratio, load, state, bound, stretch):
     for n in range(overlap.size):
         force, tangent, new = step(rule, p, overlap[n], gather(state, 0))
         scatter(state, 0, new)
-        touch(bound, stretch, ratio * shear_stiffness(choice, rule, p, overlap[n], force, tangent, new))
+        set_stiffness(bound, stretch, ratio * shear_stiffness(choice, rule, p, overlap[n], force, tangent, new))
         if n >= 99:
             moved = (load - levels_force(bound, stretch)[0]) / bound[-1]
             places[n] = places[n - 1] + moved

@@ -3,7 +3,7 @@
 import json
 import statistics
 
-from demlaws.advice.kept import FILE
+from demlaws.advice.measured_costs import FILE
 from demlaws.files import write_atomically
 from studies.softening import study
 from studies.softening.curves import fitted

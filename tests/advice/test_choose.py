@@ -13,7 +13,7 @@ import demlaws as dl
 from demlaws.advice import modulus
 from demlaws.advice.choose import kept_cost, reference_plan
 from demlaws.advice.errors import error_of
-from demlaws.advice.kept import kept
+from demlaws.advice.measured_costs import measured_costs
 from demlaws.advice.scene import samples
 from demlaws.cli import main
 from demlaws.contact import GRANITE
@@ -186,7 +186,7 @@ def test_costs_are_the_kept_ones():
     first, second = ([(c.plan, c.ns) for c in dl.choose(scene(cyclic=True))] for _ in range(2))
     assert first == second
     plan = first[0][0]
-    tables = kept()["cost"]["table"]
+    tables = measured_costs()["cost"]["table"]
     assert kept_cost(plan._replace(evaluation="table")) == tables[plan.unloading]
     assert kept_cost(plan._replace(name="mine", evaluation="closed form")) == tables[plan.unloading]
     assert kept_cost(plan._replace(unloading="mine", evaluation="table")) == max(tables.values())

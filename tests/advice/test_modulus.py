@@ -11,7 +11,7 @@ from packings import CELLS, lattice
 
 import demlaws as dl
 from demlaws.advice import modulus
-from demlaws.advice.kept import kept
+from demlaws.advice.measured_costs import measured_costs
 from demlaws.advice.scene import Scene, stable_step
 from demlaws.contact import GRANITE
 from demlaws.timestep import STEP_SAFETY, from_contacts, shear_ratio
@@ -199,4 +199,4 @@ def test_what_is_not_known_is_refused():
 
 
 def test_the_kept_curves_are_those_of_the_kept_rows():
-    assert fitted(study.load()) == kept()["curves"]
+    assert fitted(study.load()) == measured_costs()["curves"]

@@ -5,7 +5,7 @@ import pytest
 
 import demlaws as dl
 from demlaws.core.grid import Nodes, grid, shape_from_nodes
-from demlaws.core.loops import bind_params, energy_loop, first_loading
+from demlaws.core.loops import bind_params, energy_loop, force_loop
 
 
 def test_energy_of_a_curve_that_starts_from_a_force():
@@ -22,7 +22,7 @@ def test_energy_of_a_curve_that_starts_from_a_force():
     expected = stiffness * length**2.5 * power / (2.5 * slope)
     np.testing.assert_allclose(energy_loop(params, overlap), expected, rtol=1e-6)
     force = stiffness * (length * (seat + slope * overlap / length)) ** 1.5
-    np.testing.assert_allclose(first_loading(params, overlap)[0], force, rtol=1e-10)
+    np.testing.assert_allclose(force_loop(params, overlap)[0], force, rtol=1e-10)
 
 
 def test_kinks_of_many_contacts_are_the_first_ones():

@@ -7,24 +7,24 @@ import demlaws
 from demlaws import units
 from demlaws.core import grid, shear
 from demlaws.core.unloading import LARGEST_STATE
-from demlaws.curves import text
+from demlaws.curves import table_grammar
 from demlaws.errors import page
 
 PATH = Path(demlaws.__file__).parent / "cpp" / "demlaws_facts.h"
 KINDS = {
-    text._name: ("NAME", "a name"),
-    text.bits: ("BITS", f"a whole number from 1 to {grid.MOST_BITS}"),
-    text.rows_of_file: ("ROWS", f"a whole number from 2 to {text.MOST_ROWS}"),
-    text._positive: ("POSITIVE", "a positive number"),
-    text._not_negative: ("NOT_NEGATIVE", "a number from 0"),
-    text.power_or_straight: ("BELOW", "power or straight"),
-    text._rule: ("RULE", "an unloading rule that is known here"),
-    text.yes_or_no: ("YES_OR_NO", "yes or no"),
+    table_grammar._name: ("NAME", "a name"),
+    table_grammar.bits: ("BITS", f"a whole number from 1 to {grid.MOST_BITS}"),
+    table_grammar.rows_of_file: ("ROWS", f"a whole number from 2 to {table_grammar.MOST_ROWS}"),
+    table_grammar._positive: ("POSITIVE", "a positive number"),
+    table_grammar._not_negative: ("NOT_NEGATIVE", "a number from 0"),
+    table_grammar.power_or_straight: ("BELOW", "power or straight"),
+    table_grammar._rule: ("RULE", "an unloading rule that is known here"),
+    table_grammar.yes_or_no: ("YES_OR_NO", "yes or no"),
 }
 """Of the value of a key: name and meaning in C++; what Python alone reads has none."""
 TEXT = """\
 // demlaws_facts.h: unloading rules, keys of table files and limits. Written by `make facts` from the records in Python
-// (core/unloading.py, core/shear.py, curves/text.py, units.py and the laws): change them there.
+// (core/unloading.py, core/shear.py, curves/table_grammar.py, units.py and the laws): change them there.
 //
 // Licence: GPL-2.0-or-later, as the package demlaws.
 // clang-format off
@@ -87,7 +87,7 @@ def keys(records):
 
 def header():
     """The text of the file."""
-    rules = sorted((rule for rule in text.rules().values() if rule.number is not None), key=lambda rule: rule.number)
+    rules = sorted((rule for rule in table_grammar.rules().values() if rule.number is not None), key=lambda rule: rule.number)
     assert [rule.number for rule in rules] == list(range(len(rules)))
     states = max((rule.state for rule in rules), key=len)
     assert all(rule.state == states[: len(rule.state)] for rule in rules) and len(states) == LARGEST_STATE
@@ -107,13 +107,13 @@ def header():
         shear_names=words(["", *choices]),
         kinds=", ".join(name for name, _ in KINDS.values()),
         kind_names=words(meaning for _, meaning in KINDS.values()),
-        curve=keys(text.CURVE),
-        shared=keys(text.SHARED),
-        bulk=keys(text.YIELD),
+        curve=keys(table_grammar.CURVE),
+        shared=keys(table_grammar.SHARED),
+        bulk=keys(table_grammar.YIELD),
         modulus=units.RANGES["modulus"].low,
         shear=shear,
         grid=grid,
-        file=text,
+        file=table_grammar,
         units=units,
         page="".join(('"', page('" NAME "'), '"')),
     )

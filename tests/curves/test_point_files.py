@@ -30,22 +30,22 @@ def measured(bound, turning_points, steps=40, noise=0.0):
 def test_a_loop_of_unloading_is_no_first_loading(bound):
     """Before: the loop counted, and the law that made the points missed them by 0.94 µm; without the loop by 0.10."""
     loop = measured(bound, [40.0, 0.0, 100.0])
-    first = loop.first_loading()
+    first = loop.loading_mask()
     path_of_forces = loop.force[first]
     assert np.all(np.diff(path_of_forces) >= 0)
     assert path_of_forces.size == 66  # 0 to 40 N, and of the second branch what lies above 40 N
     several = measured(bound, [30.0, 10.0, 50.0, 20.0, 100.0, 60.0])
-    assert np.all(np.diff(several.force[several.first_loading()]) >= 0)
-    assert several.force[several.first_loading()][-1] == pytest.approx(100.0)
+    assert np.all(np.diff(several.force[several.loading_mask()]) >= 0)
+    assert several.force[several.loading_mask()][-1] == pytest.approx(100.0)
 
 
 @pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 def test_noise_is_no_unloading(bound):
     noisy = measured(bound, [100.0], 400, noise=0.02)
-    assert np.sum(np.diff(noisy.force) < 0) == 0 or noisy.first_loading().all()
+    assert np.sum(np.diff(noisy.force) < 0) == 0 or noisy.loading_mask().all()
     dips = noisy._replace(force=noisy.force * (1 + 0.01 * (-1.0) ** np.arange(noisy.force.size)))
     assert np.sum(np.diff(dips.force) < 0) > 100
-    assert dips.first_loading()[: int(np.argmax(dips.force)) + 1].mean() > 0.95
+    assert dips.loading_mask()[: int(np.argmax(dips.force)) + 1].mean() > 0.95
 
 
 DATA = Path(__file__).parents[1] / "data" / "points"

@@ -13,7 +13,7 @@ from examples import CONTACTS, GRANITE, SMOOTHER, SOFT, make, options_of, pairs,
 
 import demlaws as dl
 from demlaws.core.loops import leaves
-from demlaws.curves import text as table_file
+from demlaws.curves import table_grammar as table_file
 from demlaws.curves.closed import ClosedForm
 from demlaws.laws.registry import registry
 

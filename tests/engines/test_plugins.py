@@ -75,14 +75,14 @@ LAWS = [
 def test_force_and_energies_are_the_laws(engine, granite_pair, name, unloading, options):
     """In LAMMPS also what `compute pair/local` shows of the contact."""
     law = example(name, granite_pair, unloading, **options)
-    assert_same(*part(engine, "check").follow(law), limit=1e-5)
+    assert_same(*part(engine, "check").run_path(law), limit=1e-5)
 
 
 @pytest.mark.parametrize(("unloading", "ranks", "newton"), [("hertz", 1, "off"), ("hertz", 2, "off"), ("table", 2, "on")])
 @pytest.mark.parametrize("engine", ["lammps"])
 def test_ranks_and_pairs_of_two_ranks(engine, granite_pair, unloading, ranks, newton):
     law = example("pohrt-popov", granite_pair, unloading)
-    assert_same(*part(engine, "check").follow(law, rtol=1e-8, ranks=ranks, newton=newton, every=20), limit=1e-7)
+    assert_same(*part(engine, "check").run_path(law, rtol=1e-8, ranks=ranks, newton=newton, every=20), limit=1e-7)
 
 
 @both

@@ -19,7 +19,7 @@ import demlaws as dl
 import demlaws.lammps as lm
 from demlaws.errors import EngineStopped
 from demlaws.lammps.build import PLUGIN
-from demlaws.lammps.check import WALL, follow
+from demlaws.lammps.check import WALL, run_path
 from demlaws.lammps.run import HEAD, command, executable
 
 ROOT = Path(dl.__file__).parents[1]
@@ -125,9 +125,9 @@ def test_a_contact_type_that_the_plugin_does_not_know_is_refused(granite_pair, d
     """LAMMPS may get a fifth type; here the third, region walls, is made unknown."""
     doctored("granular_abi.h", "LAST_TYPE = 3 }", "LAST_TYPE = 1 }")
     law = dl.law("hertz", granite_pair)
-    assert follow(law, WALL, wall="plane", every=100)[0]["force"].max() > 0
+    assert run_path(law, WALL, wall="plane", every=100)[0]["force"].max() > 0
     with pytest.raises(EngineStopped, match="contacts of type 2"):
-        follow(law, WALL, wall="region", every=100)
+        run_path(law, WALL, wall="region", every=100)
 
 
 # --- pairs of particles, computed by the plugin itself

@@ -9,7 +9,7 @@ from inputs_for_lammps import HEAD, SHEAR, TABLE, continued, refused, simulate, 
 from spheres import ROUGH, SHEARED, save_law, sheared_along
 
 import demlaws as dl
-from demlaws.lammps.check import WALL, follow
+from demlaws.lammps.check import WALL, run_path
 
 pytestmark = pytest.mark.releases
 
@@ -91,7 +91,7 @@ def test_large_overlaps_at_walls(tmp_path, wall):
     """LAMMPS takes the distance of a centre behind a wall as one before it, so that R is the most a wall can see."""
     law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=modulus(60.6e5)))
     soft = WALL.replace("right set -0.2 0 0\nrun             1200", "right set -20 0 0\nrun 1000")
-    log, _ = follow(law, soft, folder=tmp_path, radius=4e-3, wall=wall, every=1)
+    log, _ = run_path(law, soft, folder=tmp_path, radius=4e-3, wall=wall, every=1)
     said = said_in("lammps", tmp_path)
     assert re.search(r"particle 2 and the wall: overlap 0\.00040\d* m is 0\.1 of the effective radius R = 0\.004 m", said)
     runs = [int(found) for found in re.findall(r"in this run (\d+) contact steps were deeper", said)]

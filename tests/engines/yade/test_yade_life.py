@@ -110,14 +110,14 @@ def test_a_self_test_that_fails_is_the_same_error(omega, monkeypatch, share):
     """The force that YADE applies is compared with the law's."""
     from demlaws.yade.pairs import Pairs
 
-    right = Pairs.respond
+    right = Pairs.evaluate
 
-    def respond(pairs, rows):
+    def evaluate(pairs, rows):
         answer, bad = right(pairs, rows)
         answer["kno"] *= share
         return answer, bad
 
-    monkeypatch.setattr(Pairs, "respond", respond)
+    monkeypatch.setattr(Pairs, "evaluate", evaluate)
     if share == 1.0:
         functor()
         return

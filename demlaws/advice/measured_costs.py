@@ -4,11 +4,11 @@ import functools
 import json
 from pathlib import Path
 
-FILE = Path(__file__).with_name("kept.json")
+FILE = Path(__file__).with_name("measured_costs.json")
 """Written by `python -m studies.trade --keep`: costs in ns per contact, errors of softened packings as curves."""
 
 
 @functools.cache
-def kept():
+def measured_costs():
     """The content of `FILE`."""
     return json.loads(FILE.read_text(encoding="utf-8"))

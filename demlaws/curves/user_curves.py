@@ -14,8 +14,8 @@ from demlaws.core.loops import bind_params
 from demlaws.curves.function import Called, GivenCurve
 from demlaws.curves.point_files import Points, columns_of
 from demlaws.curves.points import MeasuredCurve, past_plastic_overlap
-from demlaws.curves.saved import definition_of_table
 from demlaws.curves.table import TableCurve
+from demlaws.curves.table_file import definition_of_table
 from demlaws.curves.tabulate import tabulate_given, tolerance
 from demlaws.errors import DemlawsError, NotPassive, warn
 from demlaws.laws.registry import registry

@@ -11,10 +11,10 @@ import numpy as np
 from demlaws.contact import Contact, contact_at
 from demlaws.core.grid import shape_from_nodes
 from demlaws.core.table_types import NO_YIELD, BulkYield
-from demlaws.curves import text
+from demlaws.curves import table_grammar
 from demlaws.curves.points import Knots
 from demlaws.curves.table import Certificate, TableCurve
-from demlaws.curves.text import UNLOADING
+from demlaws.curves.table_grammar import UNLOADING
 from demlaws.curves.unloading import Unloading
 from demlaws.errors import DemlawsError, warn
 from demlaws.files import as_path
@@ -40,13 +40,13 @@ def compose(contact: Contact, curve: TableCurve, unloading: Unloading, collapses
         "source": curve.definition.source,
         "unloading": rule.name,
         "options": json.dumps(curve.options, default=lambda value: value.record()),
-        **text.describe_contact(contact),
+        **table_grammar.describe_contact(contact),
         "collapses": "yes" if collapses else "no",
         "scales": "overlap/length, force/(E* sqrt(R) length^1.5), stiffness/(E* sqrt(R length)), R and E* effective",
         "length": repr(float(np.ravel(length)[0])),
         "length_over_roughness": repr(shape.length_over_roughness),
         "length_over_radius": repr(shape.length_over_radius),
-        **text.describe_rows(curve.rows, curve.certificate),
+        **table_grammar.describe_rows(curve.rows, curve.certificate),
         "rtol": repr(curve.rtol),
         **({} if curve.knots is None else {"points": curve.knots.text()}),
         **_limits(curve, contact),
@@ -67,12 +67,12 @@ def compose(contact: Contact, curve: TableCurve, unloading: Unloading, collapses
             "description": _about(along.definition),
             "source": along.definition.source,
             "options": json.dumps(along.options, default=lambda value: value.record()),
-            **text.describe_contact(along.made_for),
-            **text.describe_rows(along.rows, along.certificate),
+            **table_grammar.describe_contact(along.made_for),
+            **table_grammar.describe_rows(along.rows, along.certificate),
             **({} if along.knots is None else {"points": along.knots.text()}),
         }
         header |= {UNLOADING + key: value for key, value in about.items()}
-    return text.compose(header, curve.rows, None if along is None else along.rows)
+    return table_grammar.compose(header, curve.rows, None if along is None else along.rows)
 
 
 def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
@@ -82,9 +82,9 @@ def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
         data = path.read_bytes()
     except OSError as error:
         raise DemlawsError(f"cannot read table {path}: {error.strerror or error}") from error
-    file = text.parse(data, path)
+    file = table_grammar.parse(data, path)
     values = file.values
-    rule = text.rule_named(values["unloading"])
+    rule = table_grammar.rule_named(values["unloading"])
     collapses = values["collapses"] == "yes"
 
     def curve(prefix, rows, collapses, bulk=NO_YIELD, floor=None):
