@@ -8,6 +8,7 @@ import numpy as np
 
 from demlaws.errors import DemlawsError, quiet
 from demlaws.files import write_atomically
+from demlaws.laws import HERTZ
 from demlaws.laws.definition import Drawing
 from demlaws.laws.registry import registry
 
@@ -125,8 +126,9 @@ def plot(result, ax=None, *, overlap=None, unload_at=None, **style):
 
 
 def draw_line(ax, x, y, *, name, **more):
-    """A law's curve in its colour and line style."""
-    ax.plot(x, y, color=colour(name), linestyle=line(name), label=more.pop("label", name), **more)
+    """A law's curve in its colour and line style; dashes of Hertz lie over solid lines that coincide with it."""
+    order = 3.0 if name == HERTZ else 2.0
+    ax.plot(x, y, color=colour(name), linestyle=line(name), label=more.pop("label", name), zorder=order, **more)
 
 
 def path_figure(path, law, title=""):
