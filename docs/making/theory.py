@@ -19,8 +19,8 @@ from making.symbols import SYMBOLS, meaning
 from making.words import GROUPS, WORDS
 
 ROOT = Path(__file__).resolve().parents[2]
-GRANITE = dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22, hardness=6.266e9)
-SHOWN = "R = 4.35 mm, E\\* = 32.32 GPa, σ = 2.40 µm, Df = 2.22, H_m = 6.266 GPa (granite test SS(18–18))"
+GRANITE = dl.Contact.between(dl.materials.granite, dl.materials.granite, radius1=8.7e-3, radius2=8.7e-3)
+SHOWN = "Two granite spheres of 8.7 mm: R = 4.35 mm, E\\* = 32.32 GPa, σ = 2.40 µm, Df = 2.22, H_m = 6.266 GPa"
 LOADS = np.geomspace(1e-2, 1e3, 241)
 NOTES = "docs/theory/notes/{}.md"
 """What is to be said of one law only, written by hand; part of its page."""
@@ -148,9 +148,9 @@ def rules_of(name, law):
 def worked_example(name, law):
     """A listing for this law, and its output."""
     reach = quietly(law.overlap, 10.0)
-    fields = "radius=4.35e-3, modulus=32.32e9, roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9"
     printed = "{law.overlap(10.0) * 1e6:.4g} µm, {law.stiffness(law.overlap(10.0)) / 1e3:.4g} N/mm"
-    code = f'contact = dl.Contact(\n    {fields}\n)\nlaw = dl.law({call(name, law)})\nprint(f"{printed}")'
+    pair = "granite = dl.materials.granite\ncontact = dl.Contact.between(granite, granite, radius1=8.7e-3, radius2=8.7e-3)"
+    code = f'{pair}\nlaw = dl.law({call(name, law)})\nprint(f"{printed}")'
     stiffness = quietly(law.stiffness, reach)
     return f"```python\n{code}\n```\n\n```text\n{reach * 1e6:.4g} µm, {stiffness / 1e3:.4g} N/mm\n```\n"
 
