@@ -8,7 +8,6 @@ import sys
 import tempfile
 from pathlib import Path
 
-
 TITLE = "plastic overlap (µm)\n "
 """Of the bar; the blank line keeps its largest number below it."""
 

@@ -205,7 +205,8 @@ def call(name, law):
     shown = [f'"{name}"', "contact"]
     for option, value in law.options.items():
         plain = isinstance(value, (int, float, str))
-        shown.append(f"{option}={value!r}" if plain else f"{option}=...")
+        text = f"{value:g}".replace("e+0", "e") if isinstance(value, float) else repr(value)
+        shown.append(f"{option}={text}" if plain else f"{option}=...")
     return ", ".join(shown)
 
 
