@@ -331,7 +331,13 @@ O.dt = 1e-6
 WAYS = {
     "run": "O.run(100, True)",
     "step": "O.step(); O.step()",
-    "wait": "O.run(); O.wait()",
+    "wait": """
+from demlaws.yade import scene
+def later():
+    O.bodies[1].state.pos = (0, 0, 0.014 if scene._waiting else 0.0199)
+later()
+O.engines = [PyRunner(command="later()", iterPeriod=1), *O.engines]
+O.run(); O.wait()""",
     "nothing waits": "O.run()\nwhile O.running: time.sleep(0.01)\nassert O.iter < 10",
 }
 
