@@ -1,7 +1,6 @@
 """The command `demlaws granite`: tables, claims, CSV files and figures."""
 
 import math
-from collections import Counter
 
 from demlaws import granite, plots
 from demlaws.errors import quiet
@@ -9,6 +8,7 @@ from demlaws.files import save_csv, wrapped
 from demlaws.granite import claims
 from demlaws.granite import figures as pictures
 from demlaws.granite.cone_figure import cone_figure
+from demlaws.granite.verdicts import counts
 from demlaws.laws import POHRT_POPOV, ROUGH_PLASTIC
 from demlaws.laws.registry import find
 from demlaws.responses.results import PATH_COLUMNS
@@ -107,16 +107,11 @@ def claim_lines(verdicts):
         if claim.other_gives:
             yield wrapped(f"with {_other}: {claim.other_gives}", "      ", "      ")
             yield wrapped(f"      → {claim.other_verdict}", rest="        ")
-    yield wrapped(f"  {_counts(c.verdict for c in verdicts)}")
-    yield wrapped(f"  with {_other}: {_counts(c.other_verdict or c.verdict for c in verdicts)}")
+    yield wrapped(f"  {counts(c.verdict for c in verdicts)}")
+    yield wrapped(f"  with {_other}: {counts(c.other_verdict or c.verdict for c in verdicts)}")
 
 
 _other = f"E* = {granite.MODULI['figures'] / 1e9:.1f} GPa"
-
-
-def _counts(verdicts):
-    """How many there are of each verdict, as text."""
-    return "; ".join(f"{n} {verdict}" for verdict, n in Counter(verdicts).items())
 
 
 def write_csv(out, tests, runs, notes, verdicts):

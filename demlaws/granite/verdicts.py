@@ -5,6 +5,7 @@ chosen parameter makes true is built in, and says nothing for or against the law
 text and figures: "around" is within 10 %, similar lines of a double logarithmic figure are within a tenth of a decade.
 """
 
+from collections import Counter
 from typing import NamedTuple
 
 from demlaws.granite import bind, find_test, run_test
@@ -50,6 +51,12 @@ class Bench:
         if (name, test) not in self._runs:
             self._runs[name, test] = run_test(name, self.test(test))[0]
         return self._runs[name, test]
+
+
+def counts(verdicts):
+    """How many there are of each verdict, as text."""
+    found = Counter(verdicts)
+    return "; ".join(f"{found[verdict]} {verdict}" for verdict in (REPRODUCED, NOT_REPRODUCED, BUILT_IN, UNDECIDED))
 
 
 def verdict_of(holds):

@@ -13,7 +13,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections import Counter
 from pathlib import Path
 
 DOCS = Path(__file__).resolve().parents[1]
@@ -43,13 +42,13 @@ def claims(folder, out, printed):
     text = (out / "claims.csv").read_text(encoding="utf-8")
     (folder / "claims.csv").write_text(text)
     rows = list(csv.DictReader(text.splitlines()))
+    from demlaws.granite.verdicts import counts
     from making.theory import prose, table
 
     for picture in ("cones", "crossover-ss-18-18"):
         (folder / f"{picture}.png").write_bytes((out / f"{picture}.png").read_bytes())
     given, verdict = list(rows[0])[-2:]
-    counts = [Counter(row["verdict"] for row in rows), Counter(row[verdict] or row["verdict"] for row in rows)]
-    first, second = ("; ".join(f"{n} {verdict}" for verdict, n in count.items()) for count in counts)
+    first, second = counts(row["verdict"] for row in rows), counts(row[verdict] or row["verdict"] for row in rows)
     failed = [row for row in rows if "not reproduced" in (row["verdict"], row[verdict])]
     body = [
         (
