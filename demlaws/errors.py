@@ -16,12 +16,7 @@ REPOSITORY = ""
 
 
 def page(name: str) -> str:
-    """Where a page of the documentation is: its address, or, without one, its file in the repository.
-
-    >>> from demlaws.errors import page
-    >>> page("shear")
-    'docs/shear.md'
-    """
+    """Where a page of the documentation is, as "shear": its address, or, without one, its file in the repository."""
     return f"{ADDRESS}/{name}.html" if ADDRESS else f"docs/{name}.md"
 
 
