@@ -101,7 +101,8 @@ _LEFT = {"liggghts": re.compile(r"\bmodel\s+(hertz|hooke)\b"), "lammps": re.comp
 """Stock models, in commands that are not read here."""
 _NO_COMMANDS = {"variable", "print", "label", "shell", "log", "echo"}
 _NOT_SPHERES = {"liggghts": ("superquadric", "convexhull", "coarsegraining"), "lammps": ()}
-_UNITS = {"liggghts": ("si", "cgs", "micro", "nano"), "lammps": ("si",)}
+_UNITS = {"liggghts": {"si": 1.0, "cgs": 0.1, "micro": 1e3, "nano": 1e6}, "lammps": {"si": 1.0}}
+"""Units in which a table can be used → their unit of a modulus [Pa]."""
 _QUOTED = r'"""(.*?)"""|"(.*?)"|\'(.*?)\''
 _TOKEN = re.compile(rf"{_QUOTED}|\S+", re.S)
 _VARIABLE = re.compile(r"\$(?:\{(\w+)\}|(\w))")
@@ -147,6 +148,8 @@ class _Conversion:
         self.coefficients = False  # whether there is a pair_coeff line of granular
         self.change = {"liggghts": _liggghts, "lammps": _lammps}[engine]
         self.values = {}  # of variables: text
+        self.numbers = {}  # of variables of style equal: text of a number
+        self.pascals = 1.0  # unit of a modulus [Pa]
         self.notes, self.commands, self.line = [], set(), 0
         self.granular = None  # the pair style; None: not in the input so far
         self.hybrid = False
@@ -191,7 +194,9 @@ class _Conversion:
                 self.leave(f"{word}: demlaws/table serves spheres without coarse graining")
         if first == "variable":
             self._define(code)
-        elif first == "units" and other not in _UNITS[self.engine]:
+        elif first == "units" and other in _UNITS[self.engine]:
+            self.pascals = _UNITS[self.engine][other]
+        elif first == "units":
             self.note(f"units {other}: tables are in SI; write the input in units {' or '.join(_UNITS[self.engine])}", False)
         elif first in ("include", "jump") and other not in ("SELF", *self.files):
             self._other_file(first, other)
@@ -264,6 +269,12 @@ class _Conversion:
             self.values[name] = values[0] if values else ""
         elif style != "index":
             self.values.pop(name, None)
+            self.numbers[name] = values[0] if style == "equal" and values else ""
+
+    def number(self, word):
+        """A number, or that of a variable of style equal; ValueError for anything else."""
+        variable = _VARIABLE.fullmatch(word)
+        return float(self.numbers.get(variable[1] or variable[2], "") if variable else word)
 
     def _quoted(self, code):
         """A command whose quoted parts are commands: `if`, `run … every`."""
@@ -317,12 +328,13 @@ SOFTENED = 1.5
 def _ask_about_modulus(job, young, poisson=("0.25",)):
     """Note where Young's modulus of the input is not that of the table: roughness matters less in softened grains."""
     try:
-        modulus = 0.5 * float(young[0]) / (1.0 - float(poisson[0]) ** 2)
-    except (IndexError, ValueError):
+        value = job.pascals * job.number(young[0])
+        modulus = 0.5 * value / (1.0 - job.number(poisson[0]) ** 2)
+    except (IndexError, ValueError, ZeroDivisionError):
         return
     if job.modulus and modulus > 0.0 and not 1.0 / SOFTENED <= modulus / job.modulus <= SOFTENED:
         job.note_once(
-            f"Young's modulus {young[0]} Pa has E* = {modulus:.3g} Pa, the table is for {job.modulus:.3g} Pa: at another "
+            f"Young's modulus {value:g} Pa has E* = {modulus:.3g} Pa, the table is for {job.modulus:.3g} Pa: at another "
             "modulus roughness changes a contact by another share; give the modulus of the grains, or a table for softened "
             "grains (`demlaws soften`)"
         )

@@ -177,14 +177,29 @@ def test_what_is_asked_about(tmp_path):
     line = LAMMPS.splitlines()[1].split(" #")[0].replace("1e9", "5e6")
     path.write_text(f"units si\npair_style granular\n{line} damping tsuji\n")
     text = " ".join(note.text for note in convert_file(path, "lammps", HERTZ)[1].notes)
-    assert "Young's modulus 5e6 Pa" in text and "damping tsuji stays" in text
+    assert "Young's modulus 5e+06 Pa" in text and "damping tsuji stays" in text
     young = 2 * dl.Table.load(HERTZ).contact.modulus * (1 - 0.25**2)
     path.write_text(f"units si\npair_style granular\n{line.replace('5e6', repr(young))} damping demlaws/tangent\n")
     assert len(convert_file(path, "lammps", HERTZ)[1].notes) == 2
     path.write_text(f"fix m1 all property/global youngsModulus peratomtype 5e6 {young!r}\n{LIGGGHTS}")
-    assert "Young's modulus 5e6 Pa" in convert_file(path, "liggghts", HERTZ)[1].notes[0].text
+    assert "Young's modulus 5e+06 Pa" in convert_file(path, "liggghts", HERTZ)[1].notes[0].text
     with pytest.raises(DemlawsError, match="not a demlaws table"):
         convert_file(path, "liggghts", path)
+
+
+def test_a_modulus_in_other_units_or_by_a_variable_is_asked_about(tmp_path):
+    """units cgs were read as Pa; the value of an equal-style variable, as most inputs have it, was not seen."""
+    path, young = tmp_path / "in.case", 2 * dl.Table.load(HERTZ).contact.modulus * (1 - 0.25**2)
+
+    def asked(units, value, begin=""):
+        path.write_text(f"{begin}units {units}\nfix m1 all property/global youngsModulus peratomtype {value}\n{LIGGGHTS}")
+        notes = convert_file(path, "liggghts", HERTZ)[1].notes
+        return [note.text.partition(" has ")[0] for note in notes if "Young's modulus" in note.text]
+
+    assert asked("cgs", repr(10 * young)) == asked("micro", repr(1e-3 * young)) == asked("si", repr(young)) == []
+    assert asked("cgs", repr(young)) == [f"Young's modulus {0.1 * young:g} Pa"]
+    assert asked("si", "${E}", "variable E equal 5e6\n") == ["Young's modulus 5e+06 Pa"]
+    assert asked("si", "${E}", f"variable E equal {young!r}\n") == asked("si", "${E}", "variable E equal 2*v_a\n") == []
 
 
 def test_other_pair_styles_are_left_alone():
