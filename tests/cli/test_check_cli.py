@@ -26,14 +26,14 @@ def engines(monkeypatch):
 
 
 def test_check(engines, capsys):
-    assert check._check(SimpleNamespace(report=False)) == 1
+    assert main(["check"]) == 1
     lines = capsys.readouterr().out.splitlines()
     assert "yade        all good" in lines and "liggghts    failed" in lines and "lammps      not found" in lines
     assert "    demlaws: error: |force - law| = 1 N" in lines and "    hertz 2e-16" not in lines
 
 
 def test_report(engines, capsys):
-    assert check._check(SimpleNamespace(report=True)) == 1
+    assert main(["check", "--report"]) == 1
     printed = capsys.readouterr().out
     assert "    hertz 2e-16" in printed and all(name in printed for name in ("demlaws", "numba", "system"))
 
