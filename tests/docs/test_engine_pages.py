@@ -1,4 +1,4 @@
-"""The reference page of YADE's functor names every argument with its default, and `engines` likewise; YADE is not needed."""
+"""Pages of engines have one order of sections; that of YADE's functor names every argument with its default."""
 
 import ast
 import re
@@ -8,6 +8,16 @@ import pytest
 
 PROJECT = Path(__file__).resolve().parents[2]
 PAGE = (PROJECT / "docs" / "reference" / "yade.md").read_text()
+
+
+ENGINES = ("yade_scripts/README", *(f"docs/{name}" for name in ("liggghts", "lammps")))
+REFERENCES = [f"docs/reference/{name}" for name in ("yade", "liggghts", "lammps")]
+
+
+@pytest.mark.parametrize("page", [*ENGINES, *REFERENCES])
+def test_sections(page):
+    text = re.sub(r"^```.*?^```", "", (PROJECT / f"{page}.md").read_text(), flags=re.MULTILINE | re.DOTALL)
+    assert re.findall(r"^## (.*)", text, re.MULTILINE) == ["Syntax", "Example", "Arguments", "Output", "Restrictions"]
 
 
 def signature(file, name):
