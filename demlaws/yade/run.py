@@ -118,11 +118,7 @@ def run(script, arguments=(), threads=1, *, gui=False, batch=None, stay=False, y
     failed: 1). Signals that would end or interrupt this process go to YADE."""
     line = command(script, arguments, threads, gui=gui, batch=batch, stay=stay, options=yade_options)
     if batch is None or options:
-        done = _run(line, env=environment(), **options)
-        if done.returncode < 0:
-            print(f"demlaws: YADE was ended by {_signal_name(-done.returncode)}", file=sys.stderr)
-            done.returncode = 128 - done.returncode  # as a shell has it
-        return done
+        return _told(_run(line, env=environment(), **options))
     failed = 0
     unbuffered = environment() | {"PYTHONUNBUFFERED": "1"}
     with (
@@ -134,7 +130,15 @@ def run(script, arguments=(), threads=1, *, gui=False, batch=None, stay=False, y
             failed += FAILED.match(text) is not None
     if failed:
         print(f"demlaws: {failed} of the jobs failed: their lines above name the log files", file=sys.stderr)
-    return subprocess.CompletedProcess(line, process.returncode or int(failed > 0))
+    return _told(subprocess.CompletedProcess(line, process.returncode or int(failed > 0)))
+
+
+def _told(done):
+    """A process that has ended, whose signal, if one has ended it, is printed; its status is then that of a shell."""
+    if done.returncode < 0:
+        print(f"demlaws: YADE was ended by {_signal_name(-done.returncode)}", file=sys.stderr)
+        done.returncode = 128 - done.returncode
+    return done
 
 
 def _run(line, *, capture_output=False, timeout=None, **options):

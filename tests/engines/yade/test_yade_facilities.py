@@ -7,6 +7,7 @@ import select
 import signal
 import subprocess
 import sys
+import time
 import types
 import warnings
 from pathlib import Path
@@ -381,25 +382,33 @@ def test_a_signal_is_named(tmp_path, capfd):
     assert "signal SIGSEGV" in capfd.readouterr().err
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
-def test_signals_go_to_yade(tmp_path, number):
-    """The command ended, and YADE went on without it."""
-    script = tmp_path / "long.py"
-    script.write_text("import os, time\nprint('PID', os.getpid(), flush=True)\ntime.sleep(600)\n")
-    line = [sys.executable, "-m", "demlaws", "yade", "run", "-x", str(script)]
+@pytest.mark.parametrize("number, batch", [("SIGTERM", False), ("SIGHUP", False), ("SIGINT", False), ("SIGTERM", True)])
+def test_signals_go_to_yade(tmp_path, number, batch):
+    """The command ended, and YADE went on without it; of a batch its jobs, too."""
+    script, note = tmp_path / "long.py", tmp_path / "pid"
+    script.write_text(f"import os, time\nopen({str(note)!r}, 'w').write(f'{{os.getpid()}}.')\ntime.sleep(600)\n")
+    (tmp_path / "table").write_text("x\n1\n")
+    line = [sys.executable, "-m", "demlaws", "yade", "run", *(["--batch", "table"] if batch else ["-x"]), str(script)]
     environment = os.environ | {"PYTHONPATH": str(Path(dl.__file__).parents[1])}
     options = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "stdin": subprocess.DEVNULL, "text": True}
     # a session of its own: no terminal sends its signals to both
     with subprocess.Popen(line, env=environment, cwd=tmp_path, start_new_session=True, **options) as process:
-        pid = next(int(text.split()[1]) for text in process.stdout if text.startswith("PID"))
-        process.send_signal(number)
+        while not (note.exists() and note.read_text().endswith(".")):
+            assert process.poll() is None
+            time.sleep(0.05)
+        process.send_signal(signal.Signals[number])
         output = process.stdout.read()
         status = process.wait(timeout=120)
-    assert not Path(f"/proc/{pid}").exists()
-    if number == signal.SIGINT:
+    for _ in range(100):  # a job of a batch ends by itself
+        left = Path(f"/proc/{note.read_text().strip('.')}")
+        if not left.exists():
+            break
+        time.sleep(0.1)
+    assert not left.exists()
+    if number == "SIGINT":
         assert status == 1 and "KeyboardInterrupt" in output
     else:
-        assert status == 128 + number and f"signal {number.name}" in output
+        assert status == 128 + signal.Signals[number] and f"signal {number}" in output
 
 
 @pytest.mark.slow
