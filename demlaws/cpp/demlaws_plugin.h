@@ -17,7 +17,7 @@ public:
   virtual ~Ranks() {}
   // Before the first message: a rank without the plugin stops with an error and waits for the others for ever, and they
   // for it. Ends the run then.
-  void meet() const {
+  void wait_for_all() const {
     if (count == 1) return;
     start();
     for (int n = 0; !arrived(); n++) {
@@ -57,7 +57,7 @@ private:
 inline const Table &load_table(const Ranks &ranks, const std::string &path) {
   static std::map<std::pair<std::string, uint32_t>, std::unique_ptr<Table>> tables;
   std::string data, problem;
-  ranks.meet();
+  ranks.wait_for_all();
   if (ranks.me == 0) {
     try {
       data = Table::contents(path);

@@ -127,19 +127,19 @@ void GranSubModDampingDemlaws::coeffs_to_local() {
 
 GranSubModTangentialDemlaws::GranSubModTangentialDemlaws(GranularModel *model, LAMMPS *lmp)
     : GranSubModTangential(model, lmp) {
-  num_coeffs = Models::Passive::COEFFICIENTS;
-  double checked[Models::Passive::COEFFICIENTS]; // by LAMMPS, too, but in other words
+  num_coeffs = Models::ShearModel::COEFFICIENTS;
+  double checked[Models::ShearModel::COEFFICIENTS]; // by LAMMPS, too, but in other words
   for (int n = 1; n < input->narg; n++)
     if (!strcmp(input->arg[n - 1], "tangential") && !strcmp(input->arg[n], "demlaws"))
-      Models::Passive::read(error, input->arg, n + 1, input->narg, checked);
+      Models::ShearModel::read(error, input->arg, n + 1, input->narg, checked);
 }
 
 void GranSubModTangentialDemlaws::coeffs_to_local() {
-  Models::Passive *const made = new Models::Passive(gm, name);
+  Models::ShearModel *const made = new Models::ShearModel(gm, name);
   std::copy(coeffs, coeffs + num_coeffs, made->coeffs);
   gm->sub_models[TANGENTIAL] = gm->tangential_model = made;
   made->coeffs_to_local();
-  made->settle();
+  made->set_history_size();
   made->compare(reads_restart(input), gm->contact_type != PAIR);
   delete this;
 }

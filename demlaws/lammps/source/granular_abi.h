@@ -20,7 +20,7 @@ struct Instance {
 struct Abi {
   typedef GranularModel Model;
   typedef GranSubMod SubMod;
-  template <class RULED> using Final = RULED; // LAMMPS computes pairs of particles itself
+  template <class RULED> using DirectPairs = RULED; // LAMMPS computes pairs of particles itself
 
   // A sub-model in the place of the one that LAMMPS made by the name.
   struct NormalMod : public GranSubModNormal {

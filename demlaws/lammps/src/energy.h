@@ -52,21 +52,21 @@ public:
   }
   void end() { wall_ = NULL; }
   // A contact of a wall: where nothing has announced its forces, those of all walls begin with the first one.
-  void meet() {
+  void begin_wall() {
     if (wall_) return;
     const auto known = walls_.find(this);
     if (known == walls_.end() || known->second.step != now()) begin(this);
     wall_ = this;
   }
   // A contact of this wall: what it stores, what its plastic flow took that no step has booked yet.
-  void enter(double stored, double pending) {
+  void add_wall(double stored, double pending) {
     if (!wall_) return;
     walls_[wall_].stored += stored;
     walls_[wall_].pending += pending;
   }
   // Plastic flow took `energy` from the contact of the particles whose velocities are at vi and vj; NULL: a wall.
   // (The models of walls are not told the number of their particle.)
-  void take(const double *vi, const double *vj, double energy) {
+  void add_dissipated(const double *vi, const double *vj, double energy) {
     if (!taken_) return;
     const long i = particle("v", vi), j = vj ? particle("v", vj) : -1;
     if (i < 0 || i >= local_) raise(error(), false, "compute demlaws/energy: a contact of no particle of this rank");

@@ -101,7 +101,7 @@ template <class Model> __attribute__((always_inline)) inline void sum(Model *m, 
 
 template <bool LATE> struct Abi {
   struct Model;
-  template <class RULED> struct Final; // of normal models: hooks.h
+  template <class RULED> struct DirectPairs; // of normal models: hooks.h
 
   struct SubMod {
     virtual ~SubMod() {
@@ -222,7 +222,7 @@ template <bool LATE> struct Abi {
   };
 
   // A sub-model, from the words that an input has for it.
-  static void furnish(const Stock &stock, Model *m, int type, std::vector<std::string> words) {
+  static void add_stock_model(const Stock &stock, Model *m, int type, std::vector<std::string> words) {
     std::vector<char *> arg;
     for (std::string &word : words) arg.push_back(&word[0]);
     stock.add(m, &arg[0], 0, (int)arg.size(), type);
@@ -257,9 +257,9 @@ template <bool LATE> struct Abi {
                 !m->nondefault_history_transfer;
     for (int k = 0; k < 6; k++) good = good && !m->sub_models[k];
     if (!good) return false; // the buffer may be anything: leave it
-    furnish(stock, m, NORMAL, {"hertz/material", "3.0", "0.25", "0.125"});
-    furnish(stock, m, TANGENTIAL, {"linear_nohistory", "0.0", "0.375"});
-    furnish(stock, m, DAMPING, {"viscoelastic"});
+    add_stock_model(stock, m, NORMAL, {"hertz/material", "3.0", "0.25", "0.125"});
+    add_stock_model(stock, m, TANGENTIAL, {"linear_nohistory", "0.0", "0.375"});
+    add_stock_model(stock, m, DAMPING, {"viscoelastic"});
     NormalMod *const normal = m->normal_model;
     good = normal && m->sub_models[NORMAL] == normal && normal->gm == m && normal->num_coeffs == 3 &&
            normal->name == "hertz/material" && normal->coeffs[2] == 0.125 && !normal->size_history &&
@@ -290,8 +290,8 @@ template <bool LATE> struct Abi {
     bool gone = false;
     memset(&buffer[0], 0xAA, buffer.size() * sizeof buffer[0]);
     stock.make(m, lmp);
-    furnish(stock, m, TANGENTIAL, {"linear_nohistory", "0.0", "0.0"});
-    furnish(stock, m, DAMPING, {"viscoelastic"});
+    add_stock_model(stock, m, TANGENTIAL, {"linear_nohistory", "0.0", "0.0"});
+    add_stock_model(stock, m, DAMPING, {"viscoelastic"});
     Probe *const probe = new Probe(m, &gone);
     m->sub_models[NORMAL] = probe;
     m->normal_model = probe;
@@ -315,9 +315,9 @@ template <bool LATE> struct Abi {
     memset(&buffer[0], 0xAA, buffer.size() * sizeof buffer[0]);
     Model *const m = (Model *)&buffer[0];
     stock.make(m, lmp);
-    furnish(stock, m, NORMAL, {"hertz/material", "3.0", "0.25", "0.125"});
-    furnish(stock, m, TANGENTIAL, {"mindlin", "NULL", "0.5", "0.25"});
-    furnish(stock, m, DAMPING, {"viscoelastic"});
+    add_stock_model(stock, m, NORMAL, {"hertz/material", "3.0", "0.25", "0.125"});
+    add_stock_model(stock, m, TANGENTIAL, {"mindlin", "NULL", "0.5", "0.25"});
+    add_stock_model(stock, m, DAMPING, {"viscoelastic"});
     stock.init(m);
     bool good = m->size_history == 3 && m->tangential_model == m->sub_models[TANGENTIAL];
     const int CASES = 24, VALUES = 47;

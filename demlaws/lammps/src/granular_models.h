@@ -224,7 +224,7 @@ template <class ABI> struct Granular {
       if (__builtin_expect(m->contact_type > LAST_TYPE, 0)) refuse_contact();
       if (__builtin_expect(now.outside | law_.watch.sees(m->delta, m->Reff), 0)) examine(now);
       if (__builtin_expect(!law_.pair.serves(m->Reff, coeffs[TOLERANCE]), 0)) refuse_radius();
-      if (__builtin_expect(m->history[history_index + demlaws::MOST_STATE] != mark_, 0)) claim();
+      if (__builtin_expect(m->history[history_index + demlaws::MOST_STATE] != mark_, 0)) check_mark();
       stiffness_ = now.stiffness;
       shear_stiffness_ =
           demlaws::shear_stiffness<RULE>(shear_, law_.pair, m->Reff, m->delta, now, m->history + history_index);
@@ -258,13 +258,13 @@ template <class ABI> struct Granular {
       }
       if (!ledger_.busy) return;
       const bool wall = m->contact_type != PAIR;
-      if (wall) ledger_.meet();
+      if (wall) ledger_.begin_wall();
       if (m->history_update && !std::equal(before, before + demlaws::MOST_STATE, state)) {
         double earlier = 0.;
         demlaws::stored_and_dissipated(pair, m->Reff, m->delta, before, none, earlier);
-        ledger_.take(m->vi, wall ? NULL : m->vj, dissipated - earlier);
+        ledger_.add_dissipated(m->vi, wall ? NULL : m->vj, dissipated - earlier);
       }
-      if (wall) ledger_.enter(stored, pending);
+      if (wall) ledger_.add_wall(stored, pending);
     }
 
     const demlaws::Table &table_;
@@ -314,7 +314,7 @@ template <class ABI> struct Granular {
       law_.watch.examine(law_.pair, gm->Reff, gm->delta, now, switched(EXTRAPOLATION_ON), !gm->history_update, report);
     }
     // A contact that begins, or that another law has marked, of which an elastic one without springs keeps nothing.
-    __attribute__((noinline, cold)) void claim() const {
+    __attribute__((noinline, cold)) void check_mark() const {
       double *const state = gm->history + history_index, &mark = state[demlaws::MOST_STATE];
       const bool kept =
           unloads_otherwise() || slips() || std::count(state, state + demlaws::MOST_STATE, 0.) < demlaws::MOST_STATE;
@@ -335,9 +335,9 @@ template <class ABI> struct Granular {
   };
 
   // The rule of unloading is known when compiled.
-  template <demlaws::Unloading RULE> class Ruled : public Table {
+  template <demlaws::Unloading RULE> class RuleTable : public Table {
   public:
-    Ruled(Model *m, const demlaws::Table &table) : Table(m, table) {}
+    RuleTable(Model *m, const demlaws::Table &table) : Table(m, table) {}
     __attribute__((flatten)) double calculate_forces() {
       return __builtin_expect(this->ledger_.busy | this->gm->calculate_svector, 0) ? watched() : force();
     }
@@ -383,13 +383,13 @@ template <class ABI> struct Granular {
     const Table *normal_;
   };
 
-  class Passive : public TangentialMod {
+  class ShearModel : public TangentialMod {
   public:
     enum { DAMPING_RATIO, FRICTION, COEFFICIENTS };
     using TangentialMod::coeffs;
     using TangentialMod::gm;
     using TangentialMod::history_index;
-    Passive(Model *m, const std::string &named)
+    ShearModel(Model *m, const std::string &named)
         : TangentialMod(m, COEFFICIENTS), ledger_(Ledger::of(this->of.lmp)), normal_(NULL), springs_(0), levels_(0) {
       this->name = named;
       this->nondefault_history_transfer = 1;
@@ -413,7 +413,7 @@ template <class ABI> struct Granular {
       into[FRICTION] = number(error, "the friction of tangential demlaws", arg[at + 1]);
     }
     // Before GranularModel::init() deals the history: the normal model is known.
-    void settle() {
+    void set_history_size() {
       normal_ = dynamic_cast<Table *>(gm->normal_model);
       if (!normal_) raise(*this->of.error, true, "tangential demlaws goes with the normal model demlaws/table only");
       springs_ = normal_->slips() ? (int)normal_->coeffs[Table::SPRINGS] : 0;
@@ -498,10 +498,10 @@ template <class ABI> struct Granular {
       }
       const bool wall = gm->contact_type != PAIR, keep = gm->history_update != 0;
       const double work = (keep ? step.work : 0.) + (ledger_.first ? step.before : 0.);
-      if (work != 0.) ledger_.take(gm->vi, wall ? NULL : gm->vj, work);
+      if (work != 0.) ledger_.add_dissipated(gm->vi, wall ? NULL : gm->vj, work);
       if (!wall) return;
       const double stored = keep ? step.energy : step.before;
-      ledger_.enter(stored, -stored);
+      ledger_.add_wall(stored, -stored);
     }
     Ledger &ledger_;
     const Table *normal_;
@@ -512,7 +512,7 @@ template <class ABI> struct Granular {
 
   template <int RULE> static Table *make_table(Model *m, const demlaws::Table &table) {
     if (RULE != table.unloading()) return make_table < RULE + 1 == demlaws::RULES ? RULE : RULE + 1 > (m, table);
-    return new typename ABI::template Final<Ruled<(demlaws::Unloading)RULE>>(m, table);
+    return new typename ABI::template DirectPairs<RuleTable<(demlaws::Unloading)RULE>>(m, table);
   }
   // The normal model with this file; outputs: room for those of compute pair/local. What was there before is not
   // deleted.
@@ -532,9 +532,9 @@ template <class ABI> struct Granular {
 
   // A normal model whose file only its numbers will name, those of a restart file or of two types: the table then comes
   // in its place.
-  class Expected : public NormalMod {
+  class DeferredTable : public NormalMod {
   public:
-    Expected(Model *m, bool outputs) : NormalMod(m, Table::NUMBERS, 0), outputs_(outputs) {
+    DeferredTable(Model *m, bool outputs) : NormalMod(m, Table::NUMBERS, 0), outputs_(outputs) {
       this->name = "demlaws/table";
     }
     void coeffs_to_local() {

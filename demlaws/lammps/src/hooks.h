@@ -13,8 +13,8 @@ __attribute__((noinline)) void compute_elsewhere(void *m) { Stock::get().compute
 bool reads_restart = false; // while the pair_coeff lines of a restart file are read
 
 // GranularModel::calculate_forces for a pair of particles, where Table::choose_path() found that it can be done here.
-template <bool LATE> template <class RULED> struct Abi<LATE>::Final : public RULED {
-  template <class... ARGUMENTS> explicit Final(ARGUMENTS &&...given) : RULED(given...) {}
+template <bool LATE> template <class RULED> struct Abi<LATE>::DirectPairs : public RULED {
+  template <class... ARGUMENTS> explicit DirectPairs(ARGUMENTS &&...given) : RULED(given...) {}
   __attribute__((flatten)) void compute_pair() {
     Model *const m = this->gm;
     if (__builtin_expect(this->ledger_.busy | m->calculate_svector, 0)) return compute_elsewhere(m);
@@ -34,7 +34,7 @@ template <class ABI> struct Hooks {
   typedef Granular<ABI> Models;
   typedef typename Models::Model Model;
   typedef typename Models::Table Table;
-  typedef typename Models::Passive Passive;
+  typedef typename Models::ShearModel ShearModel;
 
   // In the place of GranularModel::check_contact and calculate_forces, for each pair of neighbours at each step.
   static inline bool in_pairs(const Model *m) {
@@ -67,9 +67,9 @@ template <class ABI> struct Hooks {
     m->sub_models[type] = NULL;
     if (name.find(' ') != std::string::npos) // demlaws/table FILE
       raise(*m->of.error, true, demlaws::former_version());
-    if (type == NORMAL) m->sub_models[type] = m->normal_model = new typename Models::Expected(m, outputs);
+    if (type == NORMAL) m->sub_models[type] = m->normal_model = new typename Models::DeferredTable(m, outputs);
     else if (type == DAMPING) m->sub_models[type] = m->damping_model = new typename Models::Tangent(m, name);
-    else m->sub_models[type] = m->tangential_model = new Passive(m, name);
+    else m->sub_models[type] = m->tangential_model = new ShearModel(m, name);
   }
 
   // GranularModel::add_sub_model for names of demlaws.
@@ -91,17 +91,17 @@ template <class ABI> struct Hooks {
     }
     construct(m, name, type, outputs);
     if (type != TANGENTIAL) return at;
-    Passive::read(error, arg, at, count, m->sub_models[type]->coeffs);
+    ShearModel::read(error, arg, at, count, m->sub_models[type]->coeffs);
     m->sub_models[type]->coeffs_to_local();
-    return at + Passive::COEFFICIENTS;
+    return at + ShearModel::COEFFICIENTS;
   }
 
   // Before GranularModel::init.
   static void before_init(void *model, bool wall) {
-    Passive *const passive = dynamic_cast<Passive *>(((Model *)model)->tangential_model);
-    if (!passive) return;
-    passive->settle();
-    passive->compare(reads_restart, wall);
+    ShearModel *const shear_model = dynamic_cast<ShearModel *>(((Model *)model)->tangential_model);
+    if (!shear_model) return;
+    shear_model->set_history_size();
+    shear_model->compare(reads_restart, wall);
   }
 
   // After GranularModel::init: whether a model has a table, and one whose unloading is not elastic; the sizes of the

@@ -46,14 +46,14 @@ struct Ledger {
   // The part of a contact's stored energy of shear that `taken` contains.
   double booked(double stored) const { return lacks ? 0. : stored; }
   void forget_walls() { wall_stored = wall_pending = 0.; }
-  void enter(bigint now, double stored, double pending) {
+  void add_wall(bigint now, double stored, double pending) {
     if (now != step) forget_walls();
     step = now;
     wall_stored += stored;
     wall_pending += pending;
   }
   // Of a pair contact whose second particle is j.
-  void take(double energy, int j, int nlocal) {
+  void add_dissipated(double energy, int j, int nlocal) {
     taken += j < nlocal ? energy : 0.5 * energy;
   } // the other rank has the rest
 };

@@ -122,20 +122,23 @@ public:
   }
 
 private:
-  typedef TangentialModel<TANGENTIAL_DEMLAWS> Passive;
+  typedef TangentialModel<TANGENTIAL_DEMLAWS> ShearModel;
   template <class OTHER> void join(OTHER &) {}
-  void join(Passive &passive) {
-    passive.connect(normal);
+  void join(ShearModel &shear_model) {
+    shear_model.connect(normal);
     normal.connect_shear();
   }
   template <bool, class OTHER> static void shear(OTHER &other, SurfacesIntersectData &d, ForceData &i, ForceData &j) {
     other.surfacesIntersect(d, i, j);
   }
-  template <bool IS_WALL> static void shear(Passive &passive, SurfacesIntersectData &d, ForceData &i, ForceData &j) {
-    passive.template touch<IS_WALL>(d, i, j);
+  template <bool IS_WALL>
+  static void shear(ShearModel &shear_model, SurfacesIntersectData &d, ForceData &i, ForceData &j) {
+    shear_model.template touch<IS_WALL>(d, i, j);
   }
   template <class OTHER> static double shear_energy(const OTHER &, const SurfacesCloseData &) { return 0.; }
-  static double shear_energy(const Passive &passive, const SurfacesCloseData &data) { return passive.stored(data); }
+  static double shear_energy(const ShearModel &shear_model, const SurfacesCloseData &data) {
+    return shear_model.stored(data);
+  }
 };
 
 } // namespace demlaws

@@ -75,7 +75,7 @@ public:
         error->all(FLERR, "model demlaws/table: no table; add 'table FILE' to the line (`demlaws table` writes one)");
       instance_->pair = own_;
     }
-    settle();
+    resolve_settings();
     reserved_ = now_.files.empty() ? demlaws::MOST_STATE : state_size_;
     marked_ = reserved_ > 0 || shear_keeps_;
     for (int i = 0; i < reserved_; i++) {
@@ -88,7 +88,7 @@ public:
 
   void connectToProperties(PropertyRegistry &registry) {
     const char *const me = "model demlaws/table";
-    settle();
+    resolve_settings();
     if (now_.files.empty())
       error->all(FLERR,
                  wall_ ? "model demlaws/table: fix wall/gran has no table, nor has the pair style: add 'table FILE' "
@@ -168,7 +168,7 @@ public:
     if (__builtin_expect(!type.pair.serves(radius, now_.radius_tolerance), 0)) refuse_radius(data, radius, type.pair);
     double *const state = state_size_ ? &data.contact_history[offset_] : NULL;
     const bool update = data.computeflag && data.shearupdate;
-    if (__builtin_expect(marked_ && data.contact_history[mark_at_] != type.mark, 0)) claim(data, type, update);
+    if (__builtin_expect(marked_ && data.contact_history[mark_at_] != type.mark, 0)) check_mark(data, type, update);
     double before[MOST_STATE];
     if (WALL && update)
       for (int k = 0; k < state_size_; k++) before[k] = state[k];
@@ -185,7 +185,7 @@ public:
     data.gamman = damping;
     data.gammat = damping * type.tangential_damping;
     if (WALL) {
-      if (data.computeflag) book(type.pair, radius, data.deltan, state, update ? before : NULL);
+      if (data.computeflag) add_wall_energy(type.pair, radius, data.deltan, state, update ? before : NULL);
       const double share = normal * data.area_ratio;
       for (int k = 0; k < 3; k++) on_i.delta_F[k] += share * data.en[k];
     } else
@@ -205,7 +205,7 @@ public:
     if (!data.is_wall) {
       double stored, dissipated;
       energies(data, 0., stored, dissipated);
-      instance_->ledger.take(dissipated, data.j, atom->nlocal);
+      instance_->ledger.add_dissipated(dissipated, data.j, atom->nlocal);
     }
     for (int i = 0; i < state_size_; i++) state[i] = 0.;
   }
@@ -257,8 +257,8 @@ private:
     return state_size_ && data.contact_history ? &data.contact_history[offset_] : NULL;
   }
   // A wall contact after its step: what it holds, and what its plastic flow took since `before`.
-  inline void book(const demlaws::Pair &pair, double radius, double overlap, const double *state,
-                   const double *before) {
+  inline void add_wall_energy(const demlaws::Pair &pair, double radius, double overlap, const double *state,
+                              const double *before) {
     demlaws::Ledger &ledger = instance_->ledger;
     const bool flows = before && !std::equal(before, before + state_size_, state);
     if (!ledger.readers && !flows) return;
@@ -270,12 +270,12 @@ private:
     }
     if (!ledger.readers) return;
     demlaws::energies_at(pair, radius, overlap, state, state_size_, stored, dissipated);
-    ledger.enter(update->ntimestep, stored, dissipated - booked);
+    ledger.add_wall(update->ntimestep, stored, dissipated - booked);
   }
 
   // Tables and settings as they hold now: a wall takes those that its line does not give from the pair style, whether
   // it precedes or follows that.
-  void settle() {
+  void resolve_settings() {
     const demlaws::PairSettings &from = instance_->pair;
     now_ = own_;
     if (wall_) {
@@ -368,8 +368,8 @@ private:
     void refuse(const std::string &text) { model.refuse(data, text); }
   };
   // A contact that begins, or that another law has marked, of which an elastic one without springs keeps nothing.
-  __attribute__((noinline, cold)) void claim(const SurfacesIntersectData &data, const demlaws::TypePair &type,
-                                             bool update) const {
+  __attribute__((noinline, cold)) void check_mark(const SurfacesIntersectData &data, const demlaws::TypePair &type,
+                                                  bool update) const {
     double &mark = data.contact_history[mark_at_];
     const double *const state = state_of(data);
     const bool kept = type.pair.rule != demlaws::ELASTIC || type.springs ||

@@ -93,20 +93,20 @@ public:
     double *const numbers = keep ? kept : copy;
     const demlaws::Motion motion = motion_of<WALL>(data, keep ? update->dt : 0., numbers + size() - 3);
     const bool counts = keep && instance_->ledger.readers;
-    if (__builtin_expect(counts && instance_->ledger.begins, 0)) take(energy(kept, data), data);
+    if (__builtin_expect(counts && instance_->ledger.begins, 0)) add_work(energy(kept, data), data);
     demlaws::ShearStep step;
     if (slips_) {
       const double ratio = normal_->shear_ratio(data);
       step = demlaws::SpringRow(numbers, (int)springs_)
                  .step(data.kt / ratio, ratio, limit, normal_->compression(data), motion);
-      if (counts) take(step.work, data);
+      if (counts) add_work(step.work, data);
     } else if (counts) {
       step = demlaws::shear_step((int)levels_, data.kt, limit, motion, numbers);
-      take(step.work, data);
+      add_work(step.work, data);
     } else step = demlaws::shear_step((int)levels_, data.kt, limit, motion, numbers); // less: no work
     if (WALL && data.computeflag && instance_->ledger.readers) {
       const double stored = energy(numbers, data);
-      instance_->ledger.enter(update->ntimestep, stored, -instance_->ledger.booked(stored));
+      instance_->ledger.add_wall(update->ntimestep, stored, -instance_->ledger.booked(stored));
     }
 
     const double damping = step.slides ? 0. : data.gammat, share = WALL ? data.area_ratio : 1.;
@@ -198,9 +198,9 @@ private:
     if (!slips_) return demlaws::Levels<0>(numbers, (int)levels_).energy();
     return demlaws::SpringRow(numbers, (int)springs_).energy(normal_->shear_ratio(data));
   }
-  void take(double work, const SurfacesCloseData &data) {
+  void add_work(double work, const SurfacesCloseData &data) {
     if (data.is_wall) instance_->ledger.taken += work;
-    else instance_->ledger.take(work, data.j, atom->nlocal);
+    else instance_->ledger.add_dissipated(work, data.j, atom->nlocal);
   }
   int size() const { return slips_ ? demlaws::SpringRow::size((int)springs_) : demlaws::levels_size((int)levels_); }
 
