@@ -22,7 +22,7 @@ from demlaws.yade.layout import CONTEXT, SEEN, SHAPE
 from demlaws.yade.mindlin import Pointers, body_of, native_go, with_states
 from demlaws.yade.notes import alarm, check_depth, cold, note_changed, note_fault, note_shared
 from demlaws.yade.records import add_float, add_integer, array, assign, exchange_if, foreign, pointee, vector, view
-from demlaws.yade.shear import apply_mindlin, compress, synchronise
+from demlaws.yade.shear import Slip, apply_mindlin, compress, synchronise
 from demlaws.yade.tuples import keep_params, keep_state, params_of_row, shape_of, state_of
 
 LOWEST_MODULUS = RANGES["modulus"].low
@@ -518,6 +518,8 @@ def entry(pairs, own, behind):
     own: `mindlin.OwnStep` or `NativeStep`. The address of the context is `behind` bytes after the functor's table of virtual
     functions. The dtypes, with offsets in YADE's objects, are constants of the code.
     """
+    if isinstance(pairs.mode, Slip):
+        import demlaws.yade.slip  # noqa: F401  its code of `compress` and `apply_mindlin`
     constants = {
         "OBJECTS": objects.identity(),
         "KIND": pairs.kind,
