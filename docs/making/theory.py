@@ -60,8 +60,14 @@ def prose(text):
     return "\n\n".join(out)
 
 
-def draw_law(law, folder):
-    """Force against overlap to 50 N with unloading, linear, and the stiffness over the loads, logarithmic; Hertz in grey."""
+def differs(law, force):
+    """Whether a law is told from Hertz's in a picture to this force."""
+    smooth = quietly(example("hertz", law.contact).overlap, force)
+    return abs(quietly(law.overlap, force) / smooth - 1.0) > 0.02
+
+
+def draw_law(law, top, folder):
+    """Force against overlap to `top` [N] with unloading, linear; stiffness over the loads, logarithmic; Hertz in grey."""
     from demlaws import plots
 
     fig, (left, right) = plots.figure(columns=2, width=4.6, height=3.6)
@@ -71,7 +77,7 @@ def draw_law(law, folder):
             {"color": shade} if shade != "0.6" else {"color": shade, "ls": ":", "lw": 2.5, "zorder": 3}
         )  # seen on equal curves
         if shade != "0.6" or law.name != "hertz":
-            path = quietly(dl.driver.force_controlled, curve, [50.0, 0.0])
+            path = quietly(dl.driver.force_controlled, curve, [top, 0.0])
             peak = int(np.argmax(path.force))
             path[: peak + 1].plot(left, label=curve.name, **style)
             if shade != "0.6":
@@ -159,16 +165,17 @@ def law_page(name, definition, folder):
     """The page of one law, its picture written beside it."""
     module = inspect.getmodule(definition.prepare)
     law = quietly(example, name, GRANITE)
-    shown = law  # elastic unloading would not be seen
-    with contextlib.suppress(dl.DemlawsError):
-        shown = quietly(example, name, GRANITE, "hertz") if law.unloading == "elastic" else law
-    picture = draw_law(shown, folder)
+    shown, usual = law, definition.default_rule(**law.options)
+    with contextlib.suppress(dl.DemlawsError):  # elastic unloading would not be seen
+        shown = quietly(example, name, GRANITE, "hertz" if usual == "elastic" else usual)
+    top = 50.0 if name == "hertz" or differs(shown, 50.0) else 1000.0
+    picture = draw_law(shown, top, folder)
     physics, use = WORDS.get(name, (f"{definition.description}.", "see the source"))
     text = [
         f"# {name}\n",
         f"{physics}\n\n**Use it for** {use}.\n",
         f"![Force and stiffness of {name}]({picture})\n",
-        f"*Left: loading to 50 N and unloading. Right: tangent stiffness of first loading. {SHOWN}.*\n",
+        f"*Left: loading to {top:g} N and unloading. Right: tangent stiffness of first loading. {SHOWN}.*\n",
         "## Equation\n",
         equation(definition.equation),
     ]
