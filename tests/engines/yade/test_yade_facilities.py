@@ -186,6 +186,12 @@ def test_density_scaling_has_its_step(omega):
     omega.dt = 1e-6
     advance(2000)
     assert omega.dt == pytest.approx(2e-4, rel=0.01)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", dy.TimeStepWarning)
+        omega.interactions.clear()
+        smaller = stepper_of(densityScaling=True, targetDt=0.9 * bound())
+        omega.engines = [*dy.engines(functor("hertz", "elastic", None, smooth=True))[:3], smaller, engines[-1]]
+        advance(3)
 
 
 # --- what is counted, refused, reported
