@@ -28,6 +28,7 @@ FOLLOWED = {
 STORED = {
     "pictures/angular.png": "studies.shapes --figure {out}",
     "pictures/creep.png": "studies.shear --creep {out}",
+    "pictures/grading.png": "studies.grading --report --figure {out}",
     "pictures/neck.png": "studies.shear --neck {out}",
     "pictures/shear.png": "studies.shear --figure {out}",
     "pictures/regime.png": "studies.jamari --figure {out}",
@@ -40,6 +41,8 @@ STORED = {
     "tables/attenuation.csv": "studies.assembly --attenuation --report",
     "tables/ballast-beds.csv": "studies.ballast --beds --report",
     "tables/glass-beads.csv": "studies.experiment --report --figure {scratch}/experiment.png",
+    "tables/grading-heap.csv": "studies.grading heap --report",
+    "tables/grading-oedometer.csv": "studies.grading oedometer --report",
     "tables/shear-springs.csv": "studies.shear --springs 12 16 30 32",
     "tables/small-strain-probes.csv": "studies.assembly --probe --report",
     "tables/small-strain-settings.csv": "studies.assembly --sensitivity --report",
