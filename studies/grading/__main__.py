@@ -49,7 +49,7 @@ def parser():
     parser.add_argument("--models", nargs="+", choices=MODELS, default=list(MODELS))
     parser.add_argument("--quick", action="store_true", help="small scenes with the models after and stock, half a minute")
     parser.add_argument("--report", action="store_true", help="tables only, from the runs in the file")
-    parser.add_argument("--figure", type=output, help="picture of both scenes, from the files of the study")
+    parser.add_argument("--figure", type=output, help="picture of the heaps, from the file of the study")
     parser.set_defaults(func=run)
     return parser
 
@@ -66,7 +66,7 @@ def simulated(scene, former, store, **settings):
     return row
 
 
-def run(arguments):
+def run(arguments, _):
     """Run what is missing, then print the table."""
     heap = arguments.scene == "heap"
     path = arguments.results or (runs.HEAPS if heap else runs.OEDOMETERS)
@@ -88,7 +88,7 @@ def run(arguments):
     writer.writerow(report.HEAP_TITLES if heap else report.OEDOMETER_TITLES)
     writer.writerows((report.heap_table if heap else report.oedometer_table)(read(path)))
     if arguments.figure is not None:
-        print(plots.save(report.draw(read(runs.HEAPS), read(runs.OEDOMETERS)), arguments.figure))
+        print(plots.save(report.draw(read(runs.HEAPS)), arguments.figure))
 
 
 def main(arguments=None):

@@ -17,26 +17,26 @@ LOOKS = {
 MAIN = 0.25
 """Step over the Rayleigh time of the main runs."""
 HEAP_TITLES = (
-    *("ratio", "step over Rayleigh time", "model", "seeds", "fines"),
+    *("ratio", "step over Rayleigh time", "model", "runs"),
     *("hang in the bed (%)", "change to after", "hang in the heap (%)", "slope (degrees)", "change to after"),
-    *("large grains left", "cost of a step, after over this"),
+    *("large grains left", "cost of a step: after over this"),
 )
 OEDOMETER_TITLES = (
     *("model", "seeds", "height (mm)", "settlement in cycle 1 (um)", "change to after"),
-    *("settlement in cycles 2 to 20 (um)", "change to after", "cost of a step, after over this"),
+    *("settlement in cycles 2 to 20 (um)", "change to after", "cost of a step: after over this"),
 )
 
 
 def groups(rows, *names):
-    """{values of these columns: {model: {seed: row}}}."""
+    """{values of these columns: {model: {(ratio, seed): row}}}."""
     found = {}
     for row in rows:
-        found.setdefault(tuple(row[n] for n in names), {}).setdefault(row["model"], {})[int(row["seed"])] = row
+        found.setdefault(tuple(row[n] for n in names), {}).setdefault(row["model"], {})[row["ratio"], row["seed"]] = row
     return dict(sorted(found.items()))
 
 
 def difference(models, model, value, of="after"):
-    """Mean of value(row) of `of` less that of `model` over the seeds of both, text with its 95 % interval."""
+    """Mean of value(row) of `of` less that of `model` over the pairs of both, text with its 95 % interval."""
     seeds = sorted(models.get(of, {}).keys() & models.get(model, {}).keys())
     if model == of or not seeds:
         return ""
@@ -45,7 +45,7 @@ def difference(models, model, value, of="after"):
 
 
 def cost(models, model, of="after"):
-    """CPU time of a step of `of` over that of `model`: geometric mean over the seeds of both."""
+    """CPU time of a step of `of` over that of `model`: geometric mean over the pairs of both."""
     seeds = sorted(models.get(of, {}).keys() & models.get(model, {}).keys())
     if model == of or not seeds:
         return ""
@@ -58,23 +58,20 @@ def hang(row, stage="bed"):
 
 
 def heap_table(rows):
-    """Rows of HEAP_TITLES."""
-    lines = []
-    for (ratio, share), models in groups(rows, "ratio", "share").items():
-        for model in MODELS:
-            found = list(models.get(model, {}).values())
-            if not found:
-                continue
-            lines.append(
-                [
-                    *(f"{ratio:g}", f"{share:g}", model, len(found), f"{found[0]['fines']:g}"),
-                    *(f"{np.mean([hang(row) for row in found]):.2f}", difference(models, model, hang)),
-                    f"{np.mean([hang(row, 'heap') for row in found]):.2f}",
-                    *(f"{np.mean([row['angle'] for row in found]):.1f}", difference(models, model, itemgetter("angle"))),
-                    *(f"{np.mean([row['large_heap'] for row in found]):.1f}", cost(models, model)),
-                ]
-            )
-    return lines
+    """Rows of HEAP_TITLES; last those of all ratios together, in which each bed and ratio is a pair."""
+    cases = {**groups(rows, "ratio", "share"), **{("all", share): models for (share,), models in groups(rows, "share").items()}}
+    return [
+        [
+            *(ratio if ratio == "all" else f"{ratio:g}", f"{share:g}", model, len(found)),
+            *(f"{np.mean([hang(row) for row in found]):.2f}", difference(models, model, hang)),
+            f"{np.mean([hang(row, 'heap') for row in found]):.2f}",
+            *(f"{np.mean([row['angle'] for row in found]):.1f}", difference(models, model, itemgetter("angle"))),
+            *(f"{np.mean([row['large_heap'] for row in found]):.1f}", cost(models, model)),
+        ]
+        for (ratio, share), models in cases.items()
+        for model in MODELS
+        if (found := list(models.get(model, {}).values()))
+    ]
 
 
 def oedometer_table(rows):
@@ -92,29 +89,24 @@ def oedometer_table(rows):
     return lines
 
 
-def draw(heaps, oedometers):
-    """Fines that hang in the bed over the ratio of sizes, and settlement of the oedometer, of each seed and their mean."""
+def draw(rows):
+    """Fines that hang in the bed and slope of the heap over the ratio of sizes: each seed, and the mean."""
     from demlaws.plots import figure
 
-    fig, (left, right) = figure(columns=2, width=5.0, height=3.8)
-    main = [row for row in heaps if row["share"] == MAIN]
+    fig, axes = figure(columns=2, width=5.0, height=3.8)
+    main = [row for row in rows if row["share"] == MAIN]
     ratios = sorted({row["ratio"] for row in main})
-    for place, (model, (colour, label)) in enumerate(LOOKS.items()):
-        aside = 0.17 * (place - 1.5)
-        means = []
-        for column, ratio in enumerate(ratios):
-            shares = [hang(r) for r in main if r["model"] == model and r["ratio"] == ratio]
-            left.plot(np.full(len(shares), column + aside), shares, "o", ms=3, color=colour)
-            means.append((column + aside, np.mean(shares)) if shares else (np.nan, np.nan))
-        places, heights = np.array(means).T
-        left.bar(places, heights, width=0.16, color=colour, alpha=0.45, label=label)
-        settled = np.array([[r["first_um"], r["later_um"]] for r in oedometers if r["model"] == model])
-        for column, values in enumerate(settled.T):
-            right.plot(np.full(len(values), column + aside), values, "o", ms=3, color=colour)
-        right.bar(np.arange(2) + aside, settled.mean(axis=0), width=0.16, color=colour, alpha=0.45)
-    left.set_xticks(range(len(ratios)), [f"1:{ratio:g}" for ratio in ratios])
-    left.set(xlabel="ratio of diameters", ylabel="fines that hang (%)", title="fines poured on a bed of large grains")
-    left.legend(fontsize=8, loc="upper left")
-    right.set_xticks(range(2), ["first cycle", "cycles 2 to 20"])
-    right.set(ylabel="settlement (µm)", title="oedometer, 10 % of fines, 5 to 50 kPa")
+    for ax, value in zip(axes, (hang, itemgetter("angle")), strict=True):
+        for place, (model, (colour, label)) in enumerate(LOOKS.items()):
+            for column, ratio in enumerate(ratios):
+                values = [value(row) for row in main if row["model"] == model and row["ratio"] == ratio]
+                if values:
+                    x = column + 0.17 * (place - 1.5)
+                    ax.bar(x, np.mean(values), width=0.16, color=colour, alpha=0.45, label=label if ratio == 20 else None)
+                    ax.plot(np.full(len(values), x), values, "o", ms=3, color=colour)
+        ax.set_xticks(range(len(ratios)), [f"1:{ratio:g}" for ratio in ratios])
+        ax.set(xlabel="ratio of diameters")
+    axes[0].set(ylabel="fines that hang (%)", title="fines poured on a bed of large grains")
+    axes[0].legend(fontsize=8, loc="upper left")
+    axes[1].set(ylabel="slope (degrees)", title="after one wall is removed")
     return fig

@@ -58,9 +58,10 @@ def test_changes_are_paired_by_seed():
     """After less before: 1 and 3 degrees in two beds, mean 2, Student's t 12.7 with one degree of freedom."""
     rows = [heap_row("before", s, 3, a) for s, a in ((1, 20.0), (2, 22.0))]
     rows += [heap_row("after", s, 0, a) for s, a in ((1, 21.0), (2, 25.0))]
-    before, after = report.heap_table(rows)
-    assert before[2:10] == ["before", 2, "100", "3.00", "-3 (-3 to -3)", "6.00", "21.0", "2 (-10.7 to 14.7)"]
-    assert after[2:10] == ["after", 2, "100", "0.00", "", "0.00", "23.0", ""] and before[-1] == "1.00"
+    before, after, *both = report.heap_table(rows)
+    assert before[2:9] == ["before", 2, "3.00", "-3 (-3 to -3)", "6.00", "21.0", "2 (-10.7 to 14.7)"]
+    assert after[2:9] == ["after", 2, "0.00", "", "0.00", "23.0", ""] and before[-1] == "1.00"
+    assert [row[1:] for row in both] == [before[1:], after[1:]] and both[0][0] == "all"
 
 
 @pytest.mark.lammps
@@ -78,9 +79,20 @@ def test_a_quick_run_continues_where_it_stopped(scene, tmp_path, capsys):
     capsys.readouterr()
     assert main(line) == 0 and read(tmp_path / "rows.csv") == rows
     printed = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
-    assert [row["model"] for row in printed] == ["after", "stock"]
+    assert [row["model"] for row in printed[:2]] == ["after", "stock"]
 
 
 def test_bad_options_name_the_remedy(tmp_path, capsys):
     assert main(["--quick"]) != 0 and "--results" in capsys.readouterr().err
     assert main(["--former", str(tmp_path), "--report"]) != 0 and "no checkout" in capsys.readouterr().err
+
+
+def test_kept_rows_compare_the_models_on_the_same_beds():
+    """Each seed has all three models, so that changes are paired; the former lever lets more fines hang at 1:20."""
+    rows = [row for row in read(runs.HEAPS) if row["share"] == report.MAIN]
+    seeds = {(row["ratio"], row["seed"]) for row in rows}
+    for model in ("before", "after", "stock"):
+        assert {(row["ratio"], row["seed"]) for row in rows if row["model"] == model} == seeds
+    found = {m: sum(r["hang_bed"] for r in rows if r["model"] == m and r["ratio"] == 20) for m in ("before", "after", "stock")}
+    assert found["after"] < found["before"] and found["after"] < found["stock"]
+    assert {row["model"] for row in read(runs.OEDOMETERS)} == set(scenes.MODELS)
