@@ -8,7 +8,7 @@ import pytest
 
 from studies.assembly.study import read
 from studies.grading import report, runs, scenes
-from studies.grading.__main__ import main
+from studies.grading.__main__ import RATIOS, main
 
 
 def frame(*grains):
@@ -88,11 +88,11 @@ def test_bad_options_name_the_remedy(tmp_path, capsys):
 
 
 def test_kept_rows_compare_the_models_on_the_same_beds():
-    """Each seed has all three models, so that changes are paired; the former lever lets more fines hang at 1:20."""
+    """Each bed has both levers, and most have the stock model; the former lever lets more fines hang at 1:20."""
     rows = [row for row in read(runs.HEAPS) if row["share"] == report.MAIN]
-    seeds = {(row["ratio"], row["seed"]) for row in rows}
-    for model in ("before", "after", "stock"):
-        assert {(row["ratio"], row["seed"]) for row in rows if row["model"] == model} == seeds
-    found = {m: sum(r["hang_bed"] for r in rows if r["model"] == m and r["ratio"] == 20) for m in ("before", "after", "stock")}
-    assert found["after"] < found["before"] and found["after"] < found["stock"]
+    beds = {m: {(r["ratio"], r["seed"]): r["hang_bed"] for r in rows if r["model"] == m} for m in scenes.MODELS}
+    assert beds["before"].keys() == beds["after"].keys() >= beds["stock"].keys()
+    assert {ratio for ratio, _ in beds["stock"]} == set(RATIOS)
+    smallest = [bed for bed in beds["after"] if bed[0] == 20]
+    assert sum(beds["after"][bed] for bed in smallest) < sum(beds["before"][bed] for bed in smallest)
     assert {row["model"] for row in read(runs.OEDOMETERS)} == set(scenes.MODELS)
