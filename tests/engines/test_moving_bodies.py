@@ -54,8 +54,8 @@ def lammps_terms(friction, words="", restitution=1.0):
     return f"demlaws/table law.tbl {YOUNG!r} {restitution} {POISSON} {words} {shear}"
 
 
-def scene(engine, contacts, bodies, walls="", large=2 * OTHER, small=2 * RADIUS, step=TIMESTEP):
-    head = part(engine, "run").HEAD
+def scene(engine, contacts, bodies, walls="", large=2 * OTHER, small=2 * RADIUS, step=TIMESTEP, ranks=1):
+    head = f"{part(engine, 'run').HEAD}processors {ranks} 1 1\n"
     head = "\n".join(line for line in head.splitlines() if not line.startswith(("boundary", "newton"))) + "\n"
     lines = "\n".join(f"create_atoms {kind} single {x!r} {y!r} {z!r} units box" for kind, (x, y, z) in bodies)
     return SCENE.format(head=head, contacts=contacts, bodies=lines, walls=walls, large=large, small=small, step=step)
@@ -104,11 +104,11 @@ def lines_of(engine, kind, motion, each):
     return "\n".join(text)
 
 
-def prescribed(engine, kind, motion, folder, each, words="", more=""):
+def prescribed(engine, kind, motion, folder, each, words="", more="", ranks=1):
     """Forces [N] and torques [N m] on both bodies, arrays (steps, 2, 3); a wall's are left at zero."""
     bodies = [(k + 1, place) for k, place in enumerate(motion.start.tolist()) if k or kind == "sphere"]
     walls = wall_of(engine, kind, folder, words)
-    text = scene(engine, contacts_of(engine, FRICTION, words, more), bodies, walls)
+    text = scene(engine, contacts_of(engine, FRICTION, words, more), bodies, walls, ranks=ranks)
     names = "ab" if kind == "sphere" else "b"
     text += "fix move all nve/noforce\ncompute q all property/atom tqx tqy tqz\n"
     for name in names:
@@ -117,7 +117,7 @@ def prescribed(engine, kind, motion, folder, each, words="", more=""):
     text += (
         f"thermo_style custom step {' '.join(columns)}\nthermo_modify format float %.17e lost ignore norm no\nthermo 1\nrun 0\n"
     )
-    simulate(engine, folder, text + lines_of(engine, kind, motion, each) + "\n")
+    simulate(engine, folder, text + lines_of(engine, kind, motion, each) + "\n", ranks)
     rows = {}
     for line in (folder / f"log.{engine}").read_text().splitlines():
         words = line.split()
@@ -178,6 +178,18 @@ def test_a_turn_of_a_pair_about_its_normal_takes_the_forces_along(engine, tmp_pa
             expected = reference.rotation(turned * normal) @ start
             error = np.linalg.norm(forces[leg * each - 1, 1] - expected)
             assert error < 1e-4 * np.linalg.norm(start - along * normal)
+
+
+@pytest.mark.parametrize("words", ["", "shear slip"])
+@both
+def test_a_pair_that_moves_to_another_rank_keeps_its_shear(engine, tmp_path, words):
+    """The border of the ranks is the plane x = 0, through which the second sphere goes while it rolls and turns."""
+    save_law(tmp_path, RADIUS * OTHER / (RADIUS + OTHER))
+    motion = reference.motion(FIRST["sphere"], RADIUS, OVERLAP, 60, TIMESTEP)
+    one, two = (prescribed(engine, "sphere", motion, tmp_path, 60, words, ranks=ranks) for ranks in (1, 2))
+    assert np.ptp(np.sign((motion.start[1] + np.cumsum(TIMESTEP * motion.velocity[:, 1], axis=0))[:, 0])) == 2.0
+    for here, there in zip(one, two, strict=True):
+        assert np.abs(here - there).max() <= 1e-11 * np.abs(here).max()
 
 
 QUARTERS = (0.5 * np.pi, 0.5 * np.pi, np.pi)
