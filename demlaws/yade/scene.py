@@ -454,9 +454,9 @@ def _silent(former, kind, error, traceback):
 
 def call_and_wait(native, omega, *arguments, **keywords):
     """Call a method of O that waits for the run, and raise the message of a stop."""
-    _waiting.append(native)
+    _waiting.append(functools.partial(native, omega, *arguments, **keywords))
     try:
-        native(omega, *arguments, **keywords)
+        _call_last()
     except RuntimeError:
         if not _stops:
             raise
@@ -464,6 +464,12 @@ def call_and_wait(native, omega, *arguments, **keywords):
         _waiting.pop()
     if _stops:
         raise EngineStopped(_stops.pop())
+
+
+def _call_last():
+    """Call what waits last. It has no local variables: YADE's PyRunners copy those of the calling function to the script's
+    globals."""
+    _waiting[-1]()
 
 
 def begin():

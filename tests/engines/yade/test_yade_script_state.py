@@ -2,7 +2,19 @@
 
 import numpy as np
 import pytest
-from yade_scenes import GRANITE, MODULUS, advance, engine_list, functor, interaction_loop, material, set_engines, sphere, yade
+from yade_scenes import (
+    GRANITE,
+    MODULUS,
+    advance,
+    engine_list,
+    functor,
+    interaction_loop,
+    material,
+    set_engines,
+    sphere,
+    under_yade,
+    yade,
+)
 
 import demlaws as dl
 
@@ -145,3 +157,23 @@ def test_a_function_of_the_contact_is_called_again_where_radii_grow(omega):
     yade.utils.growParticles(1.001, True, False)
     advance(3)
     assert law.contacts().radius == pytest.approx([0.005005], rel=1e-12)
+
+
+def test_a_run_leaves_the_globals_of_a_script_alone(tmp_path):
+    """YADE copies the local variables of the function that calls it to the script's globals when a PyRunner acts."""
+    under_yade(
+        """
+from yade_scenes import *
+native, omega, keywords = "script", 2.0, [3]
+one = functor("hertz", "elastic", None, smooth=True)
+set_engines(one, 1e-7)
+yade.O.engines = [*yade.O.engines, yade.PyRunner(iterPeriod=1, command="ran = True")]
+yade.O.bodies.append([sphere((0, 0, n), 0.3, material=material()) for n in range(2)])
+before = set(globals())
+yade.O.run(3, True)
+yade.O.step()
+assert (native, omega, keywords) == ("script", 2.0, [3]) and set(globals()) - before <= {"before", "ran"}
+print("ALONE")
+""",
+        tmp_path,
+    ).stdout.index("ALONE")
