@@ -1,5 +1,6 @@
 """Compiled code is loaded from disk unless what it depends on has changed, whatever other processes write at the same time."""
 
+import ast
 import errno
 import importlib.util
 import os
@@ -15,7 +16,7 @@ from examples import GRANITE
 from processes import PACKAGE, counted, finish, python, start
 
 import demlaws as dl
-from demlaws.core import cache, numba_compat
+from demlaws.core import cache, content, numba_compat
 from demlaws.core.loops import FINITE, UNBOUNDED, batch_loop
 from demlaws.plugins.engines import cache_folder
 
@@ -221,3 +222,23 @@ def test_a_user_without_a_home(monkeypatch):
     assert cache._common_folder.__wrapped__() is None
     with pytest.raises(dl.DemlawsError):
         cache_folder()
+
+
+def test_kernels_that_other_folders_compile_are_in_every_digest():
+    """The digest of a loop is that of its own folder and of `content._SHARED`."""
+    kernels, imports = {}, []
+    for path in PACKAGE.rglob("*.py"):
+        folder = path.relative_to(PACKAGE).parent.as_posix()
+        tree = ast.parse(path.read_text())
+        for node in tree.body:
+            if isinstance(node, ast.FunctionDef) and any("kernel" in ast.unparse(one) for one in node.decorator_list):
+                kernels[".".join(["demlaws", *path.relative_to(PACKAGE).with_suffix("").parts]), node.name] = folder
+        imports += [
+            (node.module, name.name, folder)
+            for node in ast.walk(tree)
+            if isinstance(node, ast.ImportFrom)
+            for name in node.names
+        ]
+    homes = [(kernels[module, name], folder) for module, name, folder in imports if (module, name) in kernels]
+    assert len(homes) > 50
+    assert all(home in content._SHARED or home == folder for home, folder in homes)
