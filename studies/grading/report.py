@@ -90,7 +90,7 @@ def oedometer_table(rows):
 
 
 def draw(rows):
-    """Fines that hang in the bed and slope of the heap over the ratio of sizes: each seed, and the mean."""
+    """Fines that hang in the bed and slope of the heap over the ratio of sizes: each seed, and the mean of several."""
     from demlaws.plots import figure
 
     fig, axes = figure(columns=2, width=5.0, height=3.8)
@@ -100,7 +100,7 @@ def draw(rows):
         for place, (model, (colour, label)) in enumerate(LOOKS.items()):
             for column, ratio in enumerate(ratios):
                 values = [value(row) for row in main if row["model"] == model and row["ratio"] == ratio]
-                if values:
+                if len(values) > 1:
                     x = column + 0.17 * (place - 1.5)
                     ax.bar(x, np.mean(values), width=0.16, color=colour, alpha=0.45, label=label if ratio == 20 else None)
                     ax.plot(np.full(len(values), x), values, "o", ms=3, color=colour)
