@@ -51,6 +51,8 @@ _COLUMNS = {
     "displacement": (("displacement", "disp", "overlap", "depth", "penetration", "extension"), UNITS["m"]),
     "force": (("force", "load"), UNITS["N"]),
 }
+_NOT_VALUES = ("increment", "error", "uncertainty", "deviation")
+"""Words of titles whose column has the unit of a displacement or a force and is none."""
 _OTHER_UNITS = {"s", "ms", "min", "h", "%", "1", "V", "mV"}
 _ENDS = " \t_./,:;-\"'"
 """What stands between the words of a title."""
@@ -96,7 +98,8 @@ def _unit(title, column, where):
 def _find(titles, column):
     """Places of the titles that name the column; a title without further words ("force (N)") stands for all."""
     words = _COLUMNS[column][0]
-    matches = [i for i, title in enumerate(titles) if any(word in title.lower() for word in words)]
+    values = [i for i, title in enumerate(titles) if not any(word in title.lower() for word in _NOT_VALUES)]
+    matches = [i for i in values if any(word in titles[i].lower() for word in words)]
     alone = [i for i in matches if _name_and_unit(titles[i])[0] in words]
     return alone or matches
 

@@ -93,6 +93,16 @@ def test_titles_of_exports(title, tmp_path):
         np.testing.assert_allclose(points.force, unit * np.array([1.0, 2.5, 4.0]), rtol=1e-12)
 
 
+def test_increments_and_errors_are_no_displacement(tmp_path):
+    """They have its unit."""
+    rows = "1;9;0.1;1\n2;8;0.1;2.5\n3;7;0.1;4\n"
+    (tmp_path / "a.txt").write_text(f"Displacement (mm);Displacement increment (mm);Disp. error (mm);Force (N)\n{rows}")
+    np.testing.assert_allclose(read_points(tmp_path / "a.txt").displacement, [1e-3, 2e-3, 3e-3], rtol=1e-12)
+    (tmp_path / "b.txt").write_text("Displacement increment (mm);Force (N)\n1;1\n2;2\n3;3\n")
+    with pytest.raises(DemlawsError, match="displacement"):
+        read_points(tmp_path / "b.txt")
+
+
 def test_an_error_names_the_line_of_the_first_number(tmp_path):
     """Before: line 1, a sentence that precedes the numbers by any number of lines."""
     (tmp_path / "a.csv").write_text("Report, page 1\nby nobody\n\nWeg (mm);Kraft (N)\n1;2\n2;3\n3;4\n")
