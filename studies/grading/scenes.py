@@ -25,7 +25,7 @@ SIDE = 4 * LARGE
 TABLE = "demlaws/table hertz.tbl {young:g} {e} {nu} tangential demlaws 1.0 {mu} damping demlaws/tangent"
 STOCK = "hertz/material {young:g} {e} {nu} tangential mindlin NULL 1.0 {mu} damping coeff_restitution"
 MODELS = {"before": TABLE, "after": TABLE, "stock": STOCK, "stock synchronized": STOCK}
-"""demlaws with the lever of the full step (a former commit) and of the half step; mindlin of LAMMPS, also with its remedy."""
+"""demlaws with the lever of the full step (commit 0ba9c2d4) and of the half step; mindlin of LAMMPS, also with its remedy."""
 REMEDY = " synchronized_verlet"
 """Of pairs; LAMMPS's walls refuse the word, and the normal of a plane does not turn."""
 GROUND = """\
