@@ -96,13 +96,15 @@ def draw(rows):
     fig, axes = figure(columns=2, width=5.0, height=3.8)
     main = [row for row in rows if row["share"] == MAIN]
     ratios = sorted({row["ratio"] for row in main})
+    drawn = [model for model in LOOKS if sum(row["model"] == model for row in main) > 1]
     for ax, value in zip(axes, (hang, itemgetter("angle")), strict=True):
-        for place, (model, (colour, label)) in enumerate(LOOKS.items()):
+        for place, model in enumerate(drawn):
+            colour, label = LOOKS[model]
             for column, ratio in enumerate(ratios):
                 values = [value(row) for row in main if row["model"] == model and row["ratio"] == ratio]
                 if len(values) > 1:
-                    x = column + 0.17 * (place - 1.5)
-                    ax.bar(x, np.mean(values), width=0.16, color=colour, alpha=0.45, label=label if ratio == 20 else None)
+                    x = column + 0.22 * (place - 0.5 * (len(drawn) - 1))
+                    ax.bar(x, np.mean(values), width=0.2, color=colour, alpha=0.45, label=label if ratio == 20 else None)
                     ax.plot(np.full(len(values), x), values, "o", ms=3, color=colour)
         ax.set_xticks(range(len(ratios)), [f"1:{ratio:g}" for ratio in ratios])
         ax.set(xlabel="ratio of diameters")
