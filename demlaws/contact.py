@@ -33,7 +33,7 @@ def _check(owner: Any, *names: str, scalar: bool = True) -> None:
         if bad.size:
             where = f" (entry {bad[0]})" if array.ndim else ""
             text = judge(**{name: float(array.flat[bad[0]])})[0].text
-            raise DemlawsError(text.replace(":", f"{where}:", 1))
+            raise DemlawsError(Argument(name), text.removeprefix(name).replace(":", f"{where}:", 1))
         object.__setattr__(owner, name, float(array) if array.ndim == 0 else array)
 
 

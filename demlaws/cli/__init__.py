@@ -46,7 +46,9 @@ def _option_of(argument, parsed):
     name, value = argument
     if hasattr(parsed, "scene"):
         return f"{name} = ... below [surface] or [material] of the scene" if value is ... else str(argument)
-    if hasattr(parsed, name):
+    # what other options may have given
+    computed = value is None and name in ("radius", "modulus", "roughness") and getattr(parsed, name, None) is None
+    if hasattr(parsed, name) and not computed:
         combined = f"combined_{name}" if value is ... and hasattr(parsed, f"combined_{name}") else ""
         text = f"--{name}" + (f" (or --{combined})" if combined else "")
         return text.replace("_", "-") + ("" if value in (None, ...) else f" {value}")

@@ -24,7 +24,10 @@ MISTAKES = [
         "curve --law pohrt-popov --radius 8mm --roughness 1um --young 60GPa --poisson 0.2 --forces 1",
         ["give --fractal-dimension\n"],
     ),
-    ("curve --law hertz --radius 8mm --young=-60GPa --poisson 0.2 --forces 1", ["-6e+10 Pa", "positive"]),
+    ("curve --law hertz --radius 8mm --young=-60GPa --poisson 0.2 --forces 1", ["--young = -6e+10 Pa", "positive"]),
+    ("curve --law hertz --effective-radius=-8mm --modulus 30GPa --forces 1", ["error: radius = -0.008 m", "positive"]),
+    ("curve --law hertz --radius 8mm --modulus 30GPa --fractal-dimension 5 --forces 1", ["--fractal-dimension = 5:"]),
+    ("regime --radius 8mm --modulus 30GPa --roughness 1um --hardness 6Pa", ["--hardness = 6 Pa", "units"]),
     ("fit below.csv --test SS(18-18)", ["compression is positive", "sign"]),
     ("choose notes.txt", ["notes.txt", "scene", "--template"]),
 ]
