@@ -18,7 +18,8 @@ labels = []
 for place, row in enumerate(reversed(ROWS)):
     ratio = float(row[RATIO])
     ax.barh(place, ratio, color="tab:blue" if row["shear"] == "3 levels" else "0.7")
-    ax.annotate(row[RATIO], (ratio, place), (4, 0), textcoords="offset points", va="center", fontsize=8)
+    ground = {"facecolor": "w", "edgecolor": "none", "pad": 0.5}  # over the dotted line
+    ax.annotate(row[RATIO], (ratio, place), (4, 0), textcoords="offset points", va="center", fontsize=8, bbox=ground)
     law = row["law"].removeprefix("pohrt-popov, ").replace("elastic", "elastic unloading")
     labels.append(f"{row['engine']}: {law}, {'default shear' if row['shear'] == '3 levels' else 'partial slip'}")
 ax.axvline(1.0, color="k", lw=0.8, ls=":")
