@@ -176,16 +176,22 @@ def turned_tangent(context, geom, tangent, normal):
 
 
 @kernel
+def open_springs(phys, row):
+    """A contact without stiffness has no shear force; the energy of its springs is lost."""
+    assign(phys.shearElastic, (0.0, 0.0, 0.0))
+    for k in range(len(row.end)):
+        row.spring[0, k] = row.spring[1, k] = 0.0
+    account(row, 0.0, 0.0, row.held)
+
+
+@kernel
 def apply_to_springs(step, mode, context, contact, row, stiffness):
     """Set the shear force to that of the springs, apply Mindlin's law and account for the energy; stiffness: K_t [N/m]."""
     geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
     count, energy = len(row.end), row.held
     old_first, old_second = vector(row.tangent[0]), vector(row.tangent[1])
     if not stiffness > 0.0:
-        assign(phys.shearElastic, (0.0, 0.0, 0.0))
-        for k in range(count):
-            row.spring[0, k] = row.spring[1, k] = 0.0
-        account(row, 0.0, 0.0, energy)
+        open_springs(phys, row)
         keep = advance(step, mode, context, contact, row)
         assign(row.tangent[0], (0.0, 0.0, 0.0))
         return keep
