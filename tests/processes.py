@@ -1,6 +1,7 @@
 """Programs in processes of their own: Python, how many functions numba compiled there, ranks in folders of their own."""
 
 import os
+import signal
 import subprocess
 import sys
 import textwrap
@@ -62,3 +63,9 @@ def parted(line, program, folder, rank=1):
     script.chmod(0o755)
     place = line.index(str(program))
     return [*line[:place], str(script), *line[place:]]
+
+
+def usual_signals():
+    """`preexec_fn` of a process that signals are to end: under nohup, and in the background, it would ignore them."""
+    for number in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):
+        signal.signal(number, signal.SIG_DFL)

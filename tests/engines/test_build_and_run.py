@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from examples import shared
 from inputs import GRANITE, HOME, ROUGH, part
+from processes import usual_signals
 from spheres import ENGINES, both, save_law, spheres
 
 import demlaws as dl
@@ -463,7 +464,8 @@ def test_a_signal_ends_the_ranks(engine, tmp_path, number):
     (tmp_path / "in.case").write_text(text)
     line = [sys.executable, "-m", "demlaws", engine, "run", "in.case", "-np", "2"]
     environment = {**os.environ, "PYTHONPATH": HOME}
-    with subprocess.Popen(line, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, text=True) as process:
+    options = {"stdout": subprocess.PIPE, "text": True, "preexec_fn": usual_signals}
+    with subprocess.Popen(line, cwd=tmp_path, env=environment, **options) as process:
         for row in process.stdout:
             if row.split()[:1] == ["1000"]:
                 break

@@ -13,6 +13,7 @@ import warnings
 from pathlib import Path
 
 import pytest
+from processes import usual_signals
 from yade_scenes import (
     OVERLAP,
     acting,
@@ -398,6 +399,7 @@ def test_signals_go_to_yade(tmp_path, number, batch):
     environment = os.environ | {"PYTHONPATH": str(Path(dl.__file__).parents[1])}
     options = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "stdin": subprocess.DEVNULL, "text": True}
     # a session of its own: no terminal sends its signals to both
+    options["preexec_fn"] = usual_signals
     with subprocess.Popen(line, env=environment, cwd=tmp_path, start_new_session=True, **options) as process:
         while not (note.exists() and note.read_text().endswith(".")):
             assert process.poll() is None
@@ -425,6 +427,7 @@ def test_ctrl_c_interrupts_yade_which_goes_on(tmp_path):
     environment = os.environ | {"PYTHONPATH": str(Path(dl.__file__).parents[1]), "TERM": "dumb"}
     pid, terminal = pty.fork()
     if pid == 0:
+        usual_signals()
         os.execve(sys.executable, [sys.executable, "-m", "demlaws", "yade", "run", str(script)], environment)
 
     def read_until(word):
