@@ -29,7 +29,7 @@ def test_lammps_own_tests_keep_their_results_with_a_table(test):
 @pytest.mark.slow
 def test_every_row_that_lammps_computes_holds(monkeypatch):
     monkeypatch.setattr(engines, "ENGINES", {"LAMMPS": engines.ENGINES["LAMMPS"]})
-    rows = [row for _, row in engines.rows(packing=False)]
+    rows = [row for _, row in engines.rows()]
     assert len(rows) >= 34 and {row.where for row in rows} == {"LAMMPS"}
     wrong = [row for row in rows if not row.low <= row.found <= row.high]
     assert wrong == []
