@@ -19,7 +19,7 @@
 namespace demlaws {
 
 // How the surfaces of a contact move in one step of an engine that has positions at the full step, velocities and spins
-// at the half step (velocity Verlet, leapfrog): docs/theory/shear.md, "The displacement of a step".
+// at the half step (velocity Verlet, leapfrog): docs/shear.md, "The displacement of a step".
 //
 // The lever n of a velocity v - (r1 w1 + r2 w2) x n belongs to the half step, as w does: with n of now the velocity
 // lacks (r1 w1 + r2 w2) x (n - n_previous)/2. What a contact keeps in its tangent plane turns with the normal, and
@@ -94,6 +94,8 @@ private:
 
 // Numbers of a contact: scalars, the components of vectors along `Motion`'s two unit vectors, the first unit vector.
 inline int numbers_of_shear(int scalars, int vectors) { return scalars + 2 * vectors + 3; }
+// Where the unit vector is among all `count` numbers.
+inline double *unit_vector(double *numbers, int count) { return numbers + count - 3; }
 // Whether a number has the other sign seen from the other body: components along the first unit vector. The second one,
 // n x first, changes its sign with n.
 inline bool changes_sign(int number, int scalars, int vectors) {

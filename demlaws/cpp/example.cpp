@@ -49,8 +49,8 @@ demlaws::Force step_contact(const Materials &materials, double radius, double ma
   double slip[3], change[3];
   for (int k = 0; k < 3; k++) slip[k] = velocity[k] - opening * normal[k];
   demlaws::Motion::change_of_kept(normal, contact.normal, true, change);
-  double *const unit_vector = contact.levels + demlaws::levels_size(materials.levels) - 3;
-  const demlaws::Motion motion(normal, slip, change, lever, spin, step, unit_vector);
+  const demlaws::Motion motion(normal, slip, change, lever, spin, step,
+                               demlaws::unit_vector(contact.levels, demlaws::levels_size(materials.levels)));
   const double stiffness =
       materials.shear_ratio *
       demlaws::shear_stiffness(demlaws::ELASTIC_SHEAR, pair, radius, overlap, now, &contact.state.maximum_overlap);

@@ -458,7 +458,7 @@ template <class ABI> struct Granular {
         numbers = copy;
       }
       const double stiffness = normal_->shear_stiffness(), ratio = ratio_, limit = this->mu * normal_->Fncrit;
-      const demlaws::Motion motion = motion_of(keep ? m->dt : 0., numbers + size_ - 3);
+      const demlaws::Motion motion = motion_of(keep ? m->dt : 0., demlaws::unit_vector(numbers, size_));
       const demlaws::ShearStep step =
           springs_ ? demlaws::SpringRow(numbers, springs_).step(stiffness, ratio, limit, normal_->compression(), motion)
                    : demlaws::shear_step(levels_, ratio * stiffness, limit, motion, numbers);

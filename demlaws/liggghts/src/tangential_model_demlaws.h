@@ -91,7 +91,7 @@ public:
     double copy[demlaws::SpringRow::MOST_SIZE], *const kept = data.contact_history + offset_;
     if (!keep) std::copy(kept, kept + size(), copy);
     double *const numbers = keep ? kept : copy;
-    const demlaws::Motion motion = motion_of<WALL>(data, keep ? update->dt : 0., numbers + size() - 3);
+    const demlaws::Motion motion = motion_of<WALL>(data, keep ? update->dt : 0., demlaws::unit_vector(numbers, size()));
     const bool counts = keep && instance_->ledger.readers;
     if (__builtin_expect(counts && instance_->ledger.begins, 0)) add_work(energy(kept, data), data);
     demlaws::ShearStep step;
