@@ -157,7 +157,7 @@ class LawSource:
         # both at most the radius of the bulk that an option gives; whether the law fits the bodies is seen when they meet
         tip = Contact(1e-12, TYPICAL_MODULUS)
         bulk = self.definition.bulk_radius(tip, **self.options)
-        typical = TYPICAL_RADIUS if bulk is tip.radius else min(TYPICAL_RADIUS, 0.5 * bulk)
+        typical = min(TYPICAL_RADIUS, 0.5 * bulk) if bulk > tip.radius else TYPICAL_RADIUS
         radius = max(typical, 100.0 * (surface.roughness or 0.0))
         modulus = modulus or (5.0 * surface.hardness if surface.hardness else TYPICAL_MODULUS)
         return np.array([radius, 2.0 * radius]), np.full(2, modulus)
