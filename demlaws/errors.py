@@ -1,9 +1,11 @@
-"""Errors and warnings of demlaws."""
+"""Errors and warnings of demlaws, and signals that end a process."""
 
 import contextlib
 import dataclasses
 import functools
+import signal
 import sys
+import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, NamedTuple, TypeVar
@@ -180,3 +182,19 @@ def warn(text: str | tuple, category: type[Warning] = ValidityWarning) -> None:
     while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "demlaws":
         frame, depth = frame.f_back, depth + 1
     warnings.warn(category(*text) if isinstance(text, tuple) else category(text), stacklevel=depth)
+
+
+@contextlib.contextmanager
+def handling_signals(handler: Callable[[int, Any], None], *numbers: int) -> Iterator[None]:
+    """Signals that would end or interrupt this process call the handler.
+
+    One that is ignored, or has a handler of somebody else, stays as it is, and outside the main thread all do.
+    """
+    usual = signal.SIG_DFL, signal.default_int_handler
+    mine = numbers if threading.current_thread() is threading.main_thread() else ()
+    before = {number: signal.signal(number, handler) for number in mine if signal.getsignal(number) in usual}
+    try:
+        yield
+    finally:
+        for number, one in before.items():
+            signal.signal(number, one)

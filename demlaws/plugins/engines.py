@@ -15,11 +15,10 @@ import signal
 import subprocess
 import sys
 import tempfile
-import threading
 from pathlib import Path
 
 import demlaws
-from demlaws.errors import DemlawsError, EngineStopped
+from demlaws.errors import DemlawsError, EngineStopped, handling_signals
 
 SHARED = Path(__file__).parents[1] / "cpp"
 """Headers that all plugins include."""
@@ -389,7 +388,7 @@ def _run(command, folder, environment, echo=False, timeout=None):
     """(exit status, lines of output) of a command in `folder`; echo: shown as they come. What stops us stops it, too."""
     lines = []
     with (
-        _stopped_by_signals(),
+        handling_signals(_stop, signal.SIGTERM, signal.SIGHUP),
         subprocess.Popen(
             command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
         ) as process,
@@ -412,20 +411,9 @@ def _run(command, folder, environment, echo=False, timeout=None):
     return process.returncode, lines
 
 
-@contextlib.contextmanager
-def _stopped_by_signals():
-    """SIGTERM and SIGHUP, which would end Python at once and leave the engine at work, raise SystemExit."""
-
-    def stop(number, frame):
-        raise SystemExit(128 + number)
-
-    numbers = [signal.SIGTERM, signal.SIGHUP] if threading.current_thread() is threading.main_thread() else []
-    before = {number: signal.signal(number, stop) for number in numbers if signal.getsignal(number) is signal.SIG_DFL}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+def _stop(number, frame):
+    """Of a signal that would end Python at once and leave the engine at work."""
+    raise SystemExit(128 + number)
 
 
 def _stamp(path):

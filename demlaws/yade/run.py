@@ -8,10 +8,9 @@ import shutil
 import signal
 import subprocess
 import sys
-import threading
 from pathlib import Path
 
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, handling_signals
 
 INSTALL = "sudo apt install yade, or set YADE to its start script"
 SCENES = tuple(name + packed for name in (".xml", ".yade", ".bin") for packed in ("", ".gz", ".bz2"))
@@ -154,7 +153,6 @@ def _run(line, *, capture_output=False, timeout=None, **options):
     return subprocess.CompletedProcess(line, process.returncode, out, error)
 
 
-@contextlib.contextmanager
 def _signals_to(process, send):
     """Signals that would end or interrupt this process are sent to another one, unless a terminal has sent them to both."""
 
@@ -163,14 +161,7 @@ def _signals_to(process, send):
             with contextlib.suppress(ProcessLookupError):
                 send(process, number)
 
-    numbers = (signal.SIGTERM, signal.SIGHUP, signal.SIGINT) if threading.current_thread() is threading.main_thread() else ()
-    defaults = signal.SIG_DFL, signal.default_int_handler
-    before = {number: signal.signal(number, pass_on) for number in numbers if signal.getsignal(number) in defaults}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+    return handling_signals(pass_on, signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
 
 
 def _in_foreground():
