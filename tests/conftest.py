@@ -1,11 +1,9 @@
 """Shared settings, and how tests are shared out. Helpers are plain modules beside this file: examples, references,
 processes."""
 
+import contextlib
 import gc
 import os
-import shutil
-import tempfile
-from pathlib import Path
 
 # One thread of YADE in the test process, set before any module loads OpenMP, which reads it then: two add forces in changing
 # order, and trajectories of a packing part from rounding. What two threads do is tested in processes of its own.
@@ -26,13 +24,14 @@ settings.load_profile("demlaws")
 gc.set_threshold(100_000, 20, 20)
 
 
-MPI_FOLDER = Path(tempfile.gettempdir()) / f"mpi-{os.getpid()}"
+SESSION = contextlib.ExitStack()
 
 
 def pytest_configure():
-    """Each process of the tests has a folder for the files of MPI: where two share one, as by default, Open MPI 4 (LIGGGHTS)
-    removes it when a run of the one ends, while a run of the other begins."""
-    os.environ.update({"OMPI_MCA_orte_tmpdir_base": str(MPI_FOLDER)})
+    """Each process of the tests has a folder for the files of MPI: tests that start an engine's command themselves need it."""
+    from demlaws.plugins.engines import own_session
+
+    os.environ.update(SESSION.enter_context(own_session({})))
 
 
 @pytest.fixture(autouse=True)
@@ -96,7 +95,7 @@ def pytest_runtest_logreport(report):
 
 def pytest_sessionfinish(session, exitstatus):
     """In CI a test that needs an engine and did not run is a failure: there the engines can be installed."""
-    shutil.rmtree(MPI_FOLDER, ignore_errors=True)
+    SESSION.close()
     if os.environ.get("CI") and _skipped_engines and exitstatus == 0:
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
 

@@ -248,12 +248,37 @@ def _compile(command, library, packages, force):
         os.replace(temporary, library)
 
 
+SHARED_MEMORY = Path("/dev/shm")
+FOLDERS_OF_OPEN_MPI = tuple(
+    f"OMPI_MCA_{name}" for name in ("orte_tmpdir_base", "btl_vader_backing_directory", "btl_sm_backing_directory")
+)
+"""Of sessions and shared memory, by the names of versions 4 and 5."""
+
+
 @contextlib.contextmanager
 def own_session(environment):
-    """An environment with a folder of its own for files of MPI: Open MPI 4 removes that of a user's processes when one of them
-    ends, while another one begins in it."""
-    with tempfile.TemporaryDirectory(prefix="mpi-", ignore_cleanup_errors=True) as folder:
-        yield {"OMPI_MCA_orte_tmpdir_base": folder} | dict(environment)
+    """An environment with a folder of its own for files of MPI.
+
+    Open MPI 4 removes that of a user's processes when one of them ends, while another one begins in it; its ranks that are
+    killed leave their shared memory. MPICH's is removed here, too.
+    """
+    memory = SHARED_MEMORY if os.access(SHARED_MEMORY, os.W_OK) else None
+    with tempfile.TemporaryDirectory(prefix="mpi-", dir=memory, ignore_cleanup_errors=True) as folder:
+        _remove_shared_memory()
+        try:
+            yield {name: folder for name in FOLDERS_OF_OPEN_MPI} | dict(environment)
+        finally:
+            _remove_shared_memory()
+
+
+def _remove_shared_memory():
+    """Remove what ranks of MPICH that were killed left: 1 MB each, and no later process of the same number can start ("Out of
+    memory")."""
+    for file in SHARED_MEMORY.glob("mpich_shm_*_*"):
+        with contextlib.suppress(OSError, ValueError):  # of another program, or removed by another run
+            number = int(file.name.split("_")[2], 16)
+            if file.stat().st_uid == os.geteuid() and not Path(f"/proc/{number}").exists():
+                file.unlink()
 
 
 class Engine:

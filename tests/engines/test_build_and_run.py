@@ -307,6 +307,26 @@ def test_each_run_has_a_folder_of_its_own_for_files_of_mpi(engine, tmp_path, mon
     assert folder() == tmp_path and (tmp_path / "file").exists()
 
 
+@pytest.mark.skipif(not os.path.isdir("/dev/shm"), reason="no folder of shared memory")
+@both
+def test_shared_memory_of_a_killed_rank_is_removed(engine, tmp_path, monkeypatch):
+    """A rank of MPICH that is killed leaves its file, and a later process of the same number stops in MPI_Init."""
+    binary, module = tmp_path / "engine", part(engine, "run")
+    binary.write_text("#!/bin/sh\nfile=/dev/shm/mpich_shm_$(printf %x $$)_0\ntouch $file\necho FILE $file\nkill -KILL $$\n")
+    binary.chmod(0o755)
+    (tmp_path / "in.case").write_text("")
+    monkeypatch.setattr(module.ENGINE, "start", lambda *_: (binary, dict(os.environ), {}, None))
+    alive = Path(f"/dev/shm/mpich_shm_{os.getpid():x}_97")
+    alive.touch()
+    try:
+        with pytest.raises(EngineStopped) as caught:
+            module.run(tmp_path / "in.case")
+        assert not Path(re.search(r"FILE ([\w/]+)", str(caught.value)).group(1)).exists()
+        assert alive.exists()  # of a process that runs
+    finally:
+        alive.unlink()
+
+
 VERSIONS = {
     "liggghts": "Version LIGGGHTS-PUBLIC 3.8.0, compiled today",
     "lammps": "Massively Parallel Simulator - 22 Jul 2025\nInstalled packages:\nGRANULAR\nList of individual styles",
