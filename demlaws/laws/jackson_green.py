@@ -4,9 +4,8 @@ Hertz below 1.9 ω_c is printed; there the printed law for larger ω is 7 % abov
 the force would jump. Here the plastic law begins where the two cross, at 4.14 ω_c for ν = 0, 2.01 for 0.3, 1.26 for 0.5
 [our choice]: the force differs from the printed one only between that and 1.9 ω_c, by these percentages at most.
 
-Each coefficient was compared with public code of others: a set of MATLAB functions of statistical models (JG: 1.295, 0.736;
-0.14, 23; exp(-0.25 ω^(5/12)); 2.84, 0.82, -0.7 of a/R = √(δ/R) (ω/1.9)^(B/2); exp(-0.04 ω^(5/9)); Hertz to 1.9), and
-tmd-lab/microslip-rough-contact (GHAEDNIA_ET_AL_FLATTENING.m: C, ω_c, 1.9, B and the contact radius).
+Each coefficient agrees with public code of others: a set of MATLAB functions of statistical models; C, ω_c, 1.9, B and the
+contact radius also with tmd-lab/microslip-rough-contact (GHAEDNIA_ET_AL_FLATTENING.m).
 """
 
 import math

@@ -6,10 +6,8 @@ place of 1 and 6; between 1 and 1.483 and between 6 and 6.649 that is up to 2.9 
 0.93 (ω/ω_c)^1.136 and 0.94 (ω/ω_c)^1.146, do not meet either: here A/A_c is the larger of ω/ω_c and the second, within
 2.9 % of print between 1 and 6, as printed beyond.
 
-Each coefficient was compared with public code of others: TaoYang1999/SCHC-framework (asperity_f_cal.m, asperity_a_cal.m: 1.37
-= 4/3 × 1.03 and 1.87 = 4/3 × 1.40 with the powers 0.15, 0.575, 1.425 and 0.474, 0.737, 1.263 of π K H/(2E), R and ω; areas
-0.93 ω^1.136 and 0.94 ω^1.146; bounds 1, 6, 110), and a set of MATLAB functions of statistical models (KE: K = 0.454 + 0.41 ν,
-H = 2.8 Y, 1.03 ω^1.425, 1.4 ω^1.263).
+Each coefficient, with K = 0.454 + 0.41 ν and H = 2.8 Y, agrees with two public codes of others (TaoYang1999/SCHC-framework,
+and a set of MATLAB functions of statistical models).
 """
 
 import math

@@ -1,7 +1,6 @@
 """Luding 2008 without adhesion: straight branches whose unloading stiffens up to a limit overlap, elastic beyond.
 
-Compared with MercuryDPM (LinearPlasticViscoelasticInteraction.cc): δ* = k̂2/(k̂2 - k1) φ_f 2 a1 a2/(a1 + a2), k2 = k1 + (k̂2 - k1)
-δmax/δ* up to δ*, zero force at (k2 - k1)/k2 δmax, k̂2 beyond δ*.
+The formulae agree with those of MercuryDPM (LinearPlasticViscoelasticInteraction.cc).
 """
 
 from typing import NamedTuple

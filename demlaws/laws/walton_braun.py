@@ -1,7 +1,7 @@
 """Walton & Braun 1986: linear loading, stiffer linear unloading ("partially latching spring").
 
-Compared with Altair's description of EDEM's Hysteretic Spring model, which is Walton & Braun's with constant k2: K1 δ where
-that is below K2 (δ - δ0), else K2 (δ - δ0), else 0; e = √(K1/K2). Of k2 = k1 + S Pmax no second public statement was found.
+With constant k2 it is EDEM's Hysteretic Spring model as Altair describes it, e = √(K1/K2). Of k2 = k1 + S Pmax no second
+public statement was found.
 """
 
 from typing import NamedTuple

@@ -1,11 +1,14 @@
 """Words, numbers, tables and pictures of each page: python docs/making/density.py [PAGE ...]; default: all of docs and README.
 
+`--site build/site` counts the built pages instead, generated ones included: words of the text, and of listings.
+
 Numbers are those of the text and of tables, not of listings. A page that is read has few. `--repeated` lists figures
 with a unit that three pages or more have, other than inputs: a measured figure is stated once in README and once in docs.
 """
 
 import re
 import sys
+from html.parser import HTMLParser
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -50,8 +53,47 @@ def pages():
     return sorted(path for path in found if "made" not in path.parts)
 
 
+class Article(HTMLParser):
+    """The main content of a built page: pieces of its text and of its listings; a name in a listing is a word of its own."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.text, self.listings = [], [], []
+
+    def handle_starttag(self, tag, attrs):
+        if tag in ("article", "pre", "script", "style", "math"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if self.open and tag == self.open[-1]:
+            self.open.pop()
+
+    def handle_data(self, data):
+        if self.open == ["article"]:
+            self.text.append(data)
+        elif self.open == ["article", "pre"]:
+            self.listings.append(data)
+
+
+def site(folder):
+    """[(words of the text, words of listings, page)] of a built site, without its indexes."""
+    rows = []
+    for path in Path(folder).rglob("*.html"):
+        if path.stem not in ("genindex", "py-modindex", "search"):
+            page = Article()
+            page.feed(path.read_text())
+            words = [len(" ".join(pieces).split()) for pieces in (page.text, page.listings)]
+            rows.append((*words, path.relative_to(folder).as_posix()))
+    return sorted(rows, key=lambda row: -row[0] - row[1])
+
+
 def main():
     """Print a line per page, most numbers first."""
+    if "--site" in sys.argv:
+        rows = site(sys.argv[sys.argv.index("--site") + 1])
+        rows.append((sum(row[0] for row in rows), sum(row[1] for row in rows), f"{len(rows)} pages"))
+        print("\n".join(f"{page:38} {text:6} + {listings:5} = {text + listings:6}" for text, listings, page in rows))
+        return
     names = [name for name in sys.argv[1:] if name != "--repeated"]
     chosen = [Path(name).resolve() for name in names] or pages()
     if "--repeated" in sys.argv:

@@ -56,7 +56,7 @@ def process(app, what, name, obj, options, lines):
         from sphinx.ext.napoleon import Config, NumpyDocstring
 
         rest = [re.sub(r"(?<!`)`([^`]+)`(?!`)", r"``\1``", line) for line in rest]
-        config = Config(napoleon_use_param=False, napoleon_use_rtype=False)
+        config = Config(napoleon_use_param=False, napoleon_use_rtype=False, napoleon_use_ivar=True)
         rest = str(NumpyDocstring(rest, config, app, "function", name, obj, options)).splitlines()
     lines[:] = restructured(lines[:start]) + rest
 

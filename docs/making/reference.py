@@ -14,32 +14,60 @@ def _parsers(parser):
 
 COMMON = ("--help", "--json", "--law-file", "--force")
 """Options of most commands, described once."""
+FEWEST = 3
+"""Fewer arguments that two commands share are shown with both."""
 HEAD = """# Commands
 
 `demlaws COMMAND --help` prints the same. Of every command: `--json` prints the result as JSON, `--law-file FILE.py` registers
 [user-defined laws](../own-laws.md), `--force` overwrites files that the command did not write. Values take units (`60.6GPa`).
+Options that several commands share are described with the first of them.
 """
 
 
-def brief(parser):
-    """The help of a parser without its usage line and the common options."""
+def shared(parser, described):
+    """{earlier command: arguments that it has with the same text and default}; the others are added to `described`."""
+    found = {}
+    for action in parser._actions:
+        if not isinstance(action, argparse._SubParsersAction):
+            key = (*(action.option_strings or [action.dest]), action.help, str(action.default))
+            found.setdefault(described.setdefault(key, parser.prog), []).append(action)
+    found.pop(parser.prog, None)
+    return found if sum(map(len, found.values())) >= FEWEST else {}
+
+
+def brief(parser, described):
+    """The help of a parser without its usage line, the common options and those of earlier commands, which are named."""
     for action in parser._actions:
         if any(name in COMMON for name in action.option_strings):
             action.help = argparse.SUPPRESS
-    return parser.format_help().partition("\n\n")[2].rstrip()
+    parser._actions = [action for action in parser._actions if action.help != argparse.SUPPRESS]
+    references = []
+    for prog, actions in shared(parser, described).items():
+        names = ", ".join(f"`{max(action.option_strings or [action.metavar or action.dest], key=len)}`" for action in actions)
+        references.append(f"{names}: as for [{prog}](#{prog.replace(' ', '-')}).\n")
+        for action in actions:
+            action.help = argparse.SUPPRESS
+    for group in parser._action_groups:
+        if all(action.help == argparse.SUPPRESS for action in group._group_actions):
+            group.description = None
+    text = parser.format_help().partition("\n\n")[2].rstrip()
+    return "\n".join([f"```text\n{text}\n```\n", *references])
 
 
 def command_page():
-    """The help of every command, as its parser gives it."""
+    """The help of every command, as its parser gives it; of two engines with the same help that of the first."""
     from demlaws.cli import COMMANDS, build_parser
 
     os.environ["COLUMNS"] = "92"
-    text = [HEAD]
+    text, described, seen = [HEAD], {}, {}
     for name, (_, line) in COMMANDS.items():
         choices = next(a for a in build_parser((name,))._actions if isinstance(a, argparse._SubParsersAction)).choices
         text.append(f"## demlaws {name}\n\n{line[:1].upper()}{line[1:]}.\n")
         for number, parser in enumerate(_parsers(choices[name])):
+            plain = " ".join(parser.format_help().replace(name, "ENGINE").replace(name.upper(), "ENGINE").split())
+            first = seen.setdefault(plain, parser.prog)
             if number:
                 text.append(f"### {parser.prog}\n")
-            text.append(f"```text\n{brief(parser)}\n```\n")
+            same = f"As [{first}](#{first.replace(' ', '-')}), for {name.upper()}.\n"
+            text.append(brief(parser, described) if first == parser.prog else same)
     return "\n".join(text)

@@ -20,7 +20,7 @@ from making.words import GROUPS, WORDS
 
 ROOT = Path(__file__).resolve().parents[2]
 GRANITE = dl.Contact.between(dl.materials.granite, dl.materials.granite, radius1=8.7e-3, radius2=8.7e-3)
-SHOWN = "Two granite spheres of 8.7 mm: R = 4.35 mm, E\\* = 32.32 GPa, σ = 2.40 µm, Df = 2.22, H_m = 6.266 GPa"
+SHOWN = "[two granite spheres](../../theory/contact.md#two-granite-spheres)"
 LOADS = np.geomspace(1e-2, 1e3, 241)
 NOTES = "docs/theory/notes/{}.md"
 """What is to be said of one law only, written by hand; part of its page."""
@@ -108,8 +108,6 @@ def cautions(definition, law):
     sentences = []
     if definition.advice.smooth:
         sentences.append("It neglects roughness: a rough contact is far softer at low load.")
-    if definition.needs:
-        sentences.append(f"It needs the contact's {', '.join(f'`{n}`' for n in definition.needs)}.")
     if definition.needs_map:
         sentences.append("It needs a measured height map; with a roughness alone, use another law.")
     if definition.implicit and not definition.needs_map and not definition.solved:
@@ -152,13 +150,11 @@ def rules_of(name, law):
 
 
 def worked_example(name, law):
-    """A listing for this law, and its output."""
+    """A listing for this law on the contact of its picture, and overlap and stiffness at a load."""
     reach = quietly(law.overlap, 10.0)
-    printed = "{law.overlap(10.0) * 1e6:.4g} µm, {law.stiffness(law.overlap(10.0)) / 1e3:.4g} N/mm"
-    pair = "granite = dl.materials.granite\ncontact = dl.Contact.between(granite, granite, radius1=8.7e-3, radius2=8.7e-3)"
-    code = f'{pair}\nlaw = dl.law({call(name, law)})\nprint(f"{printed}")'
     stiffness = quietly(law.stiffness, reach)
-    return f"```python\n{code}\n```\n\n```text\n{reach * 1e6:.4g} µm, {stiffness / 1e3:.4g} N/mm\n```\n"
+    result = f"At 10 N: overlap {reach * 1e6:.4g} µm, stiffness {stiffness / 1e3:.4g} N/mm ({SHOWN})."
+    return f"```python\nlaw = dl.law({call(name, law)})\n```\n\n{result}\n"
 
 
 def law_page(name, definition, folder):
@@ -175,7 +171,7 @@ def law_page(name, definition, folder):
         f"# {name}\n",
         f"{physics}\n\n**Use it for** {use}.\n",
         f"![Force and stiffness of {name}]({picture})\n",
-        f"*Left: loading to {top:g} N and unloading. Right: tangent stiffness of first loading. {SHOWN}.*\n",
+        f"*Left: loading to {top:g} N and unloading. Right: tangent stiffness of first loading. Contact: {SHOWN}.*\n",
         "## Equation\n",
         equation(definition.equation),
     ]
@@ -184,10 +180,10 @@ def law_page(name, definition, folder):
     if rows:
         text.append(table(["symbol", "unit", "meaning"], rows))
     needed = ", ".join(f"`{n}`" for n in ("radius", "modulus", *definition.needed(**law.options)))
-    text.append(f"## Example\n\nRequired of the contact: {needed}.\n")
+    text.append(f"## Example\n\nIt needs of the contact: {needed}.\n")
     text.append(worked_example(name, law))
     if definition.options:
-        text.append("Options of `dl.law(name, contact, ...)` and of `--option NAME=VALUE`:\n")
+        text.append("Options, in Python and by `--option NAME=VALUE`:\n")
         text.append("\n".join(f"- {prose(line)}" for line in definition.option_lines()) + "\n")
     text.append("## Limits\n\n" + "\n".join(f"- {prose(s)}" for s in cautions(definition, law) or ["None known."]) + "\n")
     accepted, refused = rules_of(name, law)

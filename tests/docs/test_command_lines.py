@@ -84,3 +84,23 @@ def test_command_lines_are_taken(page, monkeypatch):
     text = page.read_text().partition("\n## [0.")[0]  # a changelog's former versions had other commands
     lines = [(words, True) for words in typed(text)] + [(words, False) for words in spoken(text)]
     assert not [f"demlaws {shlex.join(words)}: {why}" for words, whole in lines if (why := refused(words, whole))]
+
+
+def test_page_of_commands_has_every_option(monkeypatch):
+    """In the section of its command: described there, or named with the command that describes it."""
+    from making.reference import COMMON, _parsers, command_page
+
+    monkeypatch.setenv("COLUMNS", "92")  # as the page sets it
+    page = command_page()
+    sections = {part.partition("\n")[0]: part for part in re.split(r"^#{2,3} ", page, flags=re.MULTILINE)[1:]}
+    for command in COMMANDS:
+        choices = next(a for a in build_parser((command,))._actions if isinstance(a, argparse._SubParsersAction)).choices
+        for parser in _parsers(choices[command]):
+            section = sections[parser.prog]
+            while same := re.search(r"^As \[(.*?)\]", section, re.MULTILINE):
+                section = sections[same[1]]
+            visible = [a for a in parser._actions if a.help != argparse.SUPPRESS and a.option_strings[:1] != []]
+            names = [max(a.option_strings, key=len) for a in visible]
+            assert [name for name in names if name not in COMMON and name not in section] == [], parser.prog
+    assert "`--fractal-dimension`, `--hardness`: as for [demlaws curve](#demlaws-curve)" in page
+    assert page.count("rms roughness Sq of each surface") == 1
