@@ -35,6 +35,13 @@ public:
     stiffness(curve, curve.last(), force);
     const Node end = {most, curve.last() * most - force, curve.last()};
     nodes_.push_back(end);
+    for (size_t n = 0; n + 1 < nodes_.size(); n++) {
+      Node &a = nodes_[n];
+      const Node &b = nodes_[n + 1];
+      const double width = b.k - a.k, rise = b.integral - a.integral;
+      a.c2 = (3. * rise / width - 2. * a.overlap - b.overlap) / width;
+      a.c3 = (a.overlap + b.overlap - 2. * rise / width) / (width * width);
+    }
   }
   double integral(double k) const {
     if (k <= nodes_[0].k) { // a power law
@@ -43,16 +50,14 @@ public:
     }
     const size_t n = (size_t)(number(k) - first_);
     if (n + 1 >= nodes_.size()) return nodes_.back().integral + nodes_.back().overlap * (k - nodes_.back().k);
-    const Node &a = nodes_[n], &b = nodes_[n + 1];
-    const double width = b.k - a.k, t = (k - a.k) / width, rise = b.integral - a.integral;
-    const double c2 = 3. * rise - width * (2. * a.overlap + b.overlap),
-                 c3 = width * (a.overlap + b.overlap) - 2. * rise;
-    return a.integral + t * (width * a.overlap + t * (c2 + t * c3));
+    const Node &a = nodes_[n];
+    const double t = k - a.k;
+    return a.integral + t * (a.overlap + t * (a.c2 + t * a.c3));
   }
 
 private:
   struct Node {
-    double k, integral, overlap;
+    double k, integral, overlap, c2, c3; // to the next node: integral + t (overlap + t (c2 + t c3)), t from k on
   };
   static const int BITS = 4; // nodes for each doubling of the stiffness: 2^BITS
   int64_t first_;
@@ -75,26 +80,37 @@ public:
   Compression(const Pair &pair, const SpringCurve *curve, double radius, double overlap, const double *state)
       : curve_(pair.rule == ELASTIC || pair.rule == GIVEN ? curve : NULL),
         recoverable_(pair.rule == ELASTIC ? overlap : overlap - state[1]) {
-    const double length = pair.length_of(radius);
     if (curve_) {
-      stiffness_ = pair.modulus * sqrt(radius * length);
-      scale_ = stiffness_ * length;
+      const double length = pair.length_of(radius), stiffness = pair.modulus * sqrt(radius * length);
+      unit_ = 1. / stiffness;
+      scale_ = stiffness * length;
     } else {
       const double root = 2. * pair.modulus * sqrt(keeps_radius(pair.rule) ? radius * state[2] : radius);
-      stiffness_ = 1.;
       scale_ = 1. / (3. * root * root); // K = root sqrt(z)
     }
   }
-  double recoverable() const { return recoverable_; }
-  // Of the compression that springs up to a stiffness [N/m] lack.
-  double integral(double k) const {
-    if (!curve_) return scale_ * k * k * k;
-    return k > 0. ? scale_ * curve_->integral(k / stiffness_) : 0.;
+  // Means of springs that share the stiffness equally, at least 0; returns their integral over the stiffness [N].
+  double means(double share, double stiffness, int count, double *mean) const {
+    double carried = 0., low = 0., below = 0., inverse = 1. / share;
+    for (int k = 0; k < count; k++) {
+      const bool last = k == count - 1;
+      const double high = last ? stiffness : (k + 1) * share;
+      double lacks; // mean overlap at which the spring touched
+      if (curve_) {
+        const double up_to = scale_ * curve_->integral(high * unit_);
+        lacks = last ? (up_to - below) / (high - low) : (up_to - below) * inverse;
+        below = up_to;
+      } else lacks = scale_ * (high * high + high * low + low * low);
+      mean[k] = std::max(recoverable_ - lacks, 0.);
+      carried += (high - low) * mean[k];
+      low = high;
+    }
+    return carried;
   }
 
 private:
   const SpringCurve *curve_;
-  double recoverable_, stiffness_, scale_;
+  double recoverable_, unit_, scale_;
 };
 
 // What a contact keeps: its stiffness, the share of each spring, their stretches, 2 numbers each, and the first unit
@@ -111,11 +127,8 @@ public:
       : stiffness_(numbers[0]), share_(numbers[1]), stretch_(numbers + 2), springs_(springs) {}
 
   double energy(double ratio) const {
-    double sum = 0.;
-    const double filled = stiffness_ / share_;
-    for (int k = 0, count = touching(); k < count; k++)
-      sum += part(filled, k) * dot(stretch_ + 2 * k, stretch_ + 2 * k);
-    return 0.5 * ratio * share_ * sum;
+    double force[2];
+    return sum(ratio, force);
   }
 
   // One step: the stiffness K with which the contact would unload, K_t / K, Coulomb's limit mu P [N] and the motion of
@@ -123,7 +136,7 @@ public:
   ShearStep step(double stiffness, double ratio, double limit, const Compression &compression, const Motion &motion) {
     const double *const displacement = motion.displacement;
     ShearStep step;
-    step.before = energy(ratio);
+    step.before = sum(ratio, step.force);
     if (!(stiffness > 0.)) { // an overlap that carries no force: every spring has opened
       std::fill(step.force, step.force + 2, step.work = step.energy = 0.);
       step.slides = false;
@@ -131,33 +144,21 @@ public:
       std::fill(stretch_, stretch_ + 2 * springs_, 0.);
       return step;
     }
-    force_of(ratio, step.force);
     step.work = 0.5 * dot(step.force, displacement);
     grow(stiffness);
-    const double held = stiffness_;
-    stiffness_ = stiffness;
-    double carried = 0., mean[MOST], below = 0.; // mean compression of each spring
-    const int count = touching();
+    const int held = touching(), count = touch(stiffness);
+    double mean[MOST]; // compression of each spring
+    const double carried = compression.means(share_, stiffness, count, mean),
+                 scale = carried > 0. ? limit / (carried * ratio) : 0.;
     for (int k = 0; k < count; k++) {
-      const double low = k * share_, high = std::min(low + share_, stiffness), up_to = compression.integral(high);
-      mean[k] = std::max(compression.recoverable() - (up_to - below) / (high - low), 0.);
-      carried += (high - low) * mean[k];
-      below = up_to;
-    }
-    const double scale = carried > 0. ? limit / (carried * ratio) : 0., filled = stiffness / share_,
-                 held_filled = held / share_;
-    for (int k = 0; k < count; k++) {
-      double *const u = stretch_ + 2 * k;
-      const double was = part(held_filled, k), is = part(filled, k);
-      if (is > was) multiply(u, was / is);
-      shorten(u, scale * mean[k]);
+      double *const u = stretch_ + 2 * k, most = scale * mean[k], square = most * most;
+      shorten(u, most, square);
       for (int d = 0; d < 2; d++) u[d] += displacement[d];
-      shorten(u, scale * mean[k]);
+      shorten(u, most, square);
     }
-    std::fill(stretch_ + 2 * count, stretch_ + 2 * springs_, 0.);
-    force_of(ratio, step.force);
+    for (int k = count; k < held; k++) stretch_[2 * k] = stretch_[2 * k + 1] = 0.;
+    step.energy = sum(ratio, step.force);
     step.work += 0.5 * dot(step.force, displacement);
-    step.energy = energy(ratio);
     step.slides = dot(step.force, step.force) >= limit * limit * (1. - 1e-9);
     return step;
   }
@@ -169,17 +170,32 @@ private:
   // Part of spring k that a contact has whose stiffness is `filled` shares.
   static double part(double filled, int k) { return std::min(std::max(filled - k, 0.), 1.); }
   int touching() const {
-    int k = 0;
-    while (k < springs_ && k * share_ < stiffness_) k++;
-    return k;
+    const int whole = std::min((int)(stiffness_ / share_), springs_ - 1);
+    return whole * share_ < stiffness_ ? whole + 1 : whole;
   }
-  void force_of(double ratio, double *force) const {
+  // Their force over the ratio and their energy.
+  double sum(double ratio, double *force) const {
+    double energy = 0.;
     force[0] = force[1] = 0.;
-    const double filled = stiffness_ / share_;
-    for (int k = 0, count = touching(); k < count; k++) {
-      const double stiffness = ratio * share_ * part(filled, k);
-      for (int d = 0; d < 2; d++) force[d] += stiffness * stretch_[2 * k + d];
+    const int count = share_ > 0. ? touching() : 0;
+    for (int k = 0; k < count; k++) {
+      const double *const u = stretch_ + 2 * k, stiffness = k < count - 1 ? share_ : stiffness_ - k * share_;
+      for (int d = 0; d < 2; d++) force[d] += stiffness * u[d];
+      energy += stiffness * dot(u, u);
     }
+    for (int d = 0; d < 2; d++) force[d] *= ratio;
+    return 0.5 * ratio * energy;
+  }
+  // The contact has this stiffness now; what touches anew is not stretched. Returns how many springs touch.
+  int touch(double stiffness) {
+    const double held = stiffness_ / share_, filled = stiffness / share_;
+    stiffness_ = stiffness;
+    const int count = touching();
+    for (int k = std::min((int)held, count - 1); k < count; k++) {
+      const double was = part(held, k), is = part(filled, k);
+      if (is > was) multiply(stretch_ + 2 * k, was / is);
+    }
+    return count;
   }
   // Joins springs in pairs, with the mean of their stretches, until the row is as stiff as the contact.
   void grow(double stiffness) {
@@ -200,9 +216,10 @@ private:
   static void multiply(double *u, double factor) {
     for (int d = 0; d < 2; d++) u[d] *= factor;
   }
-  static void shorten(double *u, double most) {
+  // To a length of at most `most`, of which this is the square.
+  static void shorten(double *u, double most, double most_square) {
     const double square = dot(u, u);
-    if (square > most * most) multiply(u, most / sqrt(square));
+    if (square > most_square) multiply(u, most / sqrt(square));
   }
 };
 
