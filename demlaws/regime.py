@@ -229,8 +229,7 @@ def advise(contact: Contact, force: Any, yield_pressure: Any = None, *, mu: floa
 
     Notes
     -----
-    Laws differ in the part that deforms: elastic asperities on an elastic bulk (rms, pohrt-popov, greenwood-tripp), plastic
-    asperities on an elastic bulk (bahrami, yip-venart, asperity), a yielding bulk (rough-plastic), or no roughness (hertz).
+    Laws differ in the part that deforms: elastic or plastic asperities on an elastic bulk, a yielding bulk, or no roughness.
     Without hardness and yield pressure the bulk is not judged, and the reason states it.
     """
     as_contact(contact)

@@ -65,10 +65,10 @@ def sheared(
         Coefficient of friction μ. Default: the contact never slides; required by "slip".
     springs : int
         Number of springs of "slip" for the stiffest point of the path: with 32 the force is within 0.24 % of μP, with 8 within
-        2.7 % (elastic Yip–Venart 0.9 and 3.7 %); see the page "Shear".
+        2.7 % (elastic Yip–Venart 0.9 and 3.7 %).
     levels : int, optional
-        Number of levels of "elastic" and "loading" (default 3): groups of springs that touched at similar stiffness and share
-        one displacement. With 1 the contact loses its shear force if its overlap vibrates; 2 or more keep it.
+        Number of levels of "elastic" and "loading" (default 3). With 1 the contact loses its shear force if its overlap
+        vibrates; 2 or more keep it.
 
     Returns
     -------
@@ -82,11 +82,8 @@ def sheared(
     Notes
     -----
     Every choice is passive: `dissipated` never falls on any path, so that no closed path returns work. Without slip,
-    dQ = K_t ds; where K_t falls, the springs that touched last open and their force is lost, and where K_t rises, new springs
-    begin without force [our derivation]. At constant overlap δ
-    "slip" gives Q = μ [P(δ) - P(δ - ratio s/μ)], with P the unloading curve (Jäger 1998; Ciavarella 1998), for Hertz the
-    solutions of Cattaneo (1938), Mindlin (1949) and Mindlin & Deresiewicz (1953). For contacts with a history the springs are
-    those of the curve on which the contact would unload now [our derivation].
+    dQ = K_t ds. At constant overlap δ "slip" gives Q = μ [P(δ) - P(δ - ratio s/μ)], with P the unloading curve (Jäger 1998;
+    Ciavarella 1998). The page "Shear" has the theory.
 
     Examples
     --------

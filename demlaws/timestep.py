@@ -142,13 +142,12 @@ def packing_estimate(
     -----
     Scope: grains that are the heavier the larger they are, with contacts spread over all of them. Outside it the estimate
     exceeds the limit: 1.1 times for a layer of grains with 12 contacts that touch grains with one, 1.2 where five large grains
-    weigh as much as a small one, 2.3 where one such grain has 100 contacts (tests). `packing_limit` is valid there.
-
-    With Z in place of Z + 4 and Z + 2.5 and s = 1 this is the bound of this module for a grain with contacts in all directions
-    alike and with equal neighbours; it is exact in simple and body-centred cubic lattices. The first term is for motion, the
-    second for rotation. The numbers added to Z, for grains with more contacts than the mean or with contacts along one line,
-    and the dependence on s are fitted to random packings.
+    weigh as much as a small one, 2.3 where one such grain has 100 contacts (tests). `packing_limit` is valid there. The
+    numbers added to Z and the dependence on s are fitted to random packings.
     """
+    # With Z in place of Z + 4 and Z + 2.5 and s = 1 this is the bound of this module for a grain with contacts in all
+    # directions alike and with equal neighbours; it is exact in simple and body-centred cubic lattices. The first term is for
+    # motion, the second for rotation.
     stiffness, mass, ratio = _stiffness(stiffness), number(mass, "mass", "kg"), _ratio(shear_ratio)
     mean = max(number(coordination, "coordination", "", 0.0, 100.0, allow_low=True), COORDINATION)
     sizes = 0.5 * (1.0 + 1.0 / number(size_ratio, "size_ratio", "", 1.0, allow_low=True))

@@ -51,9 +51,8 @@ def soften(thing: Any, factor: float) -> Any:
     Notes
     -----
     P_new(δ) = P_old(δ/s^(2/3)): forces, the branch of the law, and the plastic share of the overlap are kept.
-    Overlaps, also tangential ones, and energies grow by s^(2/3), stiffness falls by s^(-2/3), and the stable step grows by
-    s^(1/3). Geometry is not kept, since overlap over diameter grows by s^(2/3). `Softening` lists the effect on each
-    quantity.
+    Overlaps and energies grow by s^(2/3), stiffness falls by s^(-2/3), and the stable step grows by s^(1/3). Geometry is not
+    kept, since overlap over diameter grows by s^(2/3).
 
     Examples
     --------

@@ -286,14 +286,13 @@ class HeightMap:
     def fractal_dimension_by_boxes(self, wavelengths=None, plain=False):
         """Df = 3 - H from box counting, ⟨range(n)⟩ ∝ n^H.
 
-        plain: as programs for surfaces count, boxes as they stand and nothing corrected, which is 0.1 to 0.4 off.
-
-        A box of n pixels sees fewer extremes than the continuous surface has in it, so the local exponent exceeds H by
-        (b1 + b2/ln n + b3/ln² n)/ln n, b a quadratic of H: calibrated once on synthetic self-affine Gaussian maps whose
-        spectrum ends at the pixels' Nyquist wavevector [our derivation]; uncorrected slopes are 0.1 to 0.4 off. A surface
-        that has roughness below its pixel size comes out rougher by up to 0.05 (H ≥ 0.5) or 0.15 (H = 0.1).
+        plain: as programs for surfaces count, without correction, which is 0.1 to 0.4 off. Otherwise the slope is corrected
+        as calibrated on synthetic self-affine Gaussian maps [our derivation]; a surface that has roughness below its pixel
+        size comes out rougher by up to 0.05 (H ≥ 0.5) or 0.15 (H = 0.1).
         wavelengths: (smallest, largest) box [m], default 8 pixels to an eighth of the field of view.
         """
+        # a box of n pixels sees fewer extremes than the continuous surface has in it, so the local exponent exceeds H by
+        # (b1 + b2/ln n + b3/ln² n)/ln n, b a quadratic of H: maps whose spectrum ends at the pixels' Nyquist wavevector
         sizes, ranges = self.box_counts(not plain)
         pixel = math.sqrt(self.pixel_x * self.pixel_y)
         smallest, largest = _wavelengths(wavelengths, 0.0, math.inf)

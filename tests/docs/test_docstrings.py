@@ -1,11 +1,14 @@
 """Every public function and class says what it is; every public name of `demlaws` shows it in an example that runs."""
 
+import dataclasses
 import doctest
 import importlib
 import inspect
+import re
 import sys
 import types
 import warnings
+from pathlib import Path
 
 import pytest
 
@@ -84,3 +87,14 @@ def test_arguments_beyond_the_third_have_keywords(name, function):
     parameters = inspect.signature(function).parameters.values()
     count = len([p for p in parameters if p.kind in kinds and p.name not in ("self", "cls")])
     assert count <= POSITIONAL.get(name, 3)
+
+
+def test_the_page_of_the_api_has_the_fields_of_a_scene():
+    """The page refers to the scene file for their meaning, and gives their defaults."""
+    page = (Path(__file__).resolve().parents[2] / "docs" / "reference" / "api.md").read_text()
+    shown = re.search(r"py:class:: demlaws.Scene\((.*)\)$", page, re.MULTILINE)[1]
+    defaults = {
+        field.name: field.default_factory() if field.default is dataclasses.MISSING else field.default
+        for field in dataclasses.fields(dl.Scene)
+    }
+    assert eval(f"dict({shown})") == defaults
