@@ -215,8 +215,8 @@ def load_laws(file: str | os.PathLike) -> list[str]:
 
     Notes
     -----
-    A file that is loaded or imported already, also by another path to it, is not run again; a copy of it is refused. Processes
-    that unpickle its laws load it, too. A script of YADE calls this function itself.
+    A file that is loaded or imported already is not run again; a copy of it is refused. Processes that unpickle its laws load
+    it, too. A script of YADE calls this function itself.
 
     Examples
     --------

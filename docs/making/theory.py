@@ -135,15 +135,15 @@ def rule_link(rule):
 
 
 def rules_of(name, law):
-    """(links to the rules that a law takes, [(link to one that would create energy, where)])."""
+    """Links to the rules that a law takes, and to those that would create energy with it."""
     accepted, refused = [], []
     for rule in {**RULES, **registry()[name].offered()}:
         try:
             curve = quietly(example_curve, name, law.contact, **law.options).joined("elastic") if rule == GIVEN else rule
             quietly(law.joined, curve)
             accepted.append(rule_link(rule))
-        except NotPassive as reason:
-            refused.append((rule_link(rule), prose(str(reason))))
+        except NotPassive:
+            refused.append(rule_link(rule))
         except dl.DemlawsError:
             continue
     return accepted, refused
@@ -188,7 +188,8 @@ def law_page(name, definition, folder):
     text.append("## Limits\n\n" + "\n".join(f"- {prose(s)}" for s in cautions(definition, law) or ["None known."]) + "\n")
     accepted, refused = rules_of(name, law)
     text.append(f"## Unloading\n\nDefault: `{definition.default_rule(**law.options)}`. Accepted: {', '.join(accepted)}.\n")
-    text += [f"- {rule} is refused: {reason}\n" for rule, reason in refused]
+    if refused:
+        text.append(f"Refused, because a load cycle would create energy: {', '.join(refused)}.\n")
     text.append(f"## Source\n\n{prose(definition.source)}. ([Bibliography](../../bibliography.md))\n")
     _, _, more = module.__doc__.partition("\n\n")  # the first line is the source
     text.append(f"{prose(more)}\n")
@@ -217,8 +218,8 @@ def rule_section(rule, shown_by):
     """The section of one unloading rule."""
     state = ", ".join(f"`{name}`" for name in rule.state) or "none"
     only = f" Only for laws that define it, such as `{shown_by}`." if rule.curve == "law" else ""
-    spelled = f'unloading="{rule.name}"' if rule.name != GIVEN else 'unloading=dl.law("hertz", contact)'
-    return f"### {rule.name}\n\n{prose(type(rule.tag).__doc__)}\n\nWrite `{spelled}`.{only} State of a contact: {state}.\n"
+    spelled = ' Write `unloading=dl.law("hertz", contact)` or another curve.' if rule.name == GIVEN else ""
+    return f"### {rule.name}\n\n{prose(type(rule.tag).__doc__)}\n\nState of a contact: {state}.{only}{spelled}\n"
 
 
 def rule_sections():

@@ -92,7 +92,7 @@ def test_arguments_beyond_the_third_have_keywords(name, function):
 def test_the_page_of_the_api_has_the_fields_of_a_scene():
     """The page refers to the scene file for their meaning, and gives their defaults."""
     page = (Path(__file__).resolve().parents[2] / "docs" / "reference" / "api.md").read_text()
-    shown = re.search(r"py:class:: demlaws.Scene\((.*)\)$", page, re.MULTILINE)[1]
+    shown = re.search(r"py:class:: Scene\((.*)\)$", page, re.MULTILINE)[1]
     defaults = {
         field.name: field.default_factory() if field.default is dataclasses.MISSING else field.default
         for field in dataclasses.fields(dl.Scene)
