@@ -146,7 +146,7 @@ public:
     }
     step.work = 0.5 * dot(step.force, displacement);
     grow(stiffness);
-    const int held = touching(), count = touch(stiffness);
+    const int count = touch(stiffness);
     double mean[MOST]; // compression of each spring
     const double carried = compression.means(share_, stiffness, count, mean),
                  scale = carried > 0. ? limit / (carried * ratio) : 0.;
@@ -156,7 +156,6 @@ public:
       for (int d = 0; d < 2; d++) u[d] += displacement[d];
       shorten(u, most, square);
     }
-    for (int k = count; k < held; k++) stretch_[2 * k] = stretch_[2 * k + 1] = 0.;
     step.energy = sum(ratio, step.force);
     step.work += 0.5 * dot(step.force, displacement);
     step.slides = dot(step.force, step.force) >= limit * limit * (1. - 1e-9);
