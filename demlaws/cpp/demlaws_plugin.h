@@ -85,12 +85,16 @@ inline std::shared_ptr<SpringCurve> spring_curve(const Curve &curve) {
   return found;
 }
 
+// Number of the layout of what contacts keep, in restart files: another one is refused.
+const int LAYOUT = 2;
+inline double layout_of(double mark) { return std::floor(mark / 8589934592.); } // 2^33
+
 // The law of two materials.
 struct Law {
   Pair pair;
   Watch watch;
   std::shared_ptr<SpringCurve> springs; // of partial slip
-  double mark = 0.;                     // kept by the contacts that began under this law: never 0
+  double mark = 0.;                     // kept by the contacts that began under this law, with LAYOUT: never 0
 
   // modulus: E* in the engine's units, of which a metre and a pascal are so many; roughness [m]. Returns a doubt about
   // the modulus, or ""; throws for a pair that the table does not serve.
@@ -102,7 +106,7 @@ struct Law {
     watch = Watch(pair);
     // as float: another computer may round a mixed modulus otherwise
     const float numbers[2] = {(float)(modulus / pascal), (float)roughness};
-    mark = 1. + crc32(table.fingerprint(), (const char *)numbers, sizeof numbers);
+    mark = 8589934592. * LAYOUT + crc32(table.fingerprint(), (const char *)numbers, sizeof numbers);
     springs.reset();
     if (shear != SLIP_SHEAR) return doubt;
     if (!HAS_SPRINGS[pair.rule])

@@ -1,6 +1,7 @@
 """Shear with levels in LIGGGHTS and LAMMPS: to rounding Python's, and kept while the overlap vibrates."""
 
 import shutil
+import struct
 from pathlib import Path
 
 import numpy as np
@@ -87,6 +88,27 @@ def test_a_restart_file_of_a_former_version_is_refused(engine, tmp_path):
     shutil.copy(RESTARTS / f"{engine}.restart", tmp_path / "now.restart")
     text = continued(engine, spheres(engine, "levels 1", PRESSED), LATER)
     assert "former version of demlaws" in refused(engine, tmp_path, text)
+
+
+@both
+def test_a_restart_file_of_another_layout_is_refused(engine, tmp_path):
+    """A development version had as many values per contact in another order; the number is text, or a part of marks."""
+    save_law(tmp_path, "rough")
+    text = spheres(engine, "", PRESSED)
+    simulate(engine, tmp_path, text + "write_restart now.restart\n")
+    file = tmp_path / "now.restart"
+    if engine == "liggghts":
+        data = file.read_bytes().replace(b"layout 2 all", b"layout 1 all")
+    else:
+        data = bytearray(file.read_bytes())
+        for start in range(len(data) - 8):
+            (mark,) = struct.unpack_from("d", data, start)
+            if 2 <= mark / 2**33 < 2.5 and mark == int(mark):
+                struct.pack_into("d", data, start, mark - 2**33)
+    assert data != file.read_bytes()
+    simulate(engine, tmp_path, continued(engine, text, LATER))
+    file.write_bytes(data)
+    assert "former version of demlaws" in refused(engine, tmp_path, continued(engine, text, LATER))
 
 
 @both

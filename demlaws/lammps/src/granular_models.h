@@ -164,7 +164,6 @@ template <class ABI> struct Granular {
       // A rolling displacement and an angle of twist are the same seen from either particle (the relative spin and the
       // normal both turn), but LAMMPS turns their signs whenever a pair changes its order, unless the sub-model says
       // otherwise.
-      mark_ = law_.mark;
       int at = 0;
       for (int k = 0; k <= HEAT; k++) {
         const bool same = (k == ROLLING || k == TWISTING) && !gm->sub_models[k]->nondefault_history_transfer;
@@ -172,10 +171,7 @@ template <class ABI> struct Granular {
           if (same) gm->transfer_history_factor[at] = 1.;
       }
       const std::string &tangential = gm->tangential_model->name;
-      if (tangential == "demlaws") {
-        if (gm->contact_type != PAIR) mark_ = -mark_; // walls of former versions kept no normal
-        return;
-      }
+      if (tangential == "demlaws") return;
       if (slips()) refuse("'shear slip' needs  tangential demlaws XT MU");
       if (coeffs[RATIO] > 0.) refuse("'shear_ratio' needs  tangential demlaws XT MU");
       if (tangential.compare(0, 7, "mindlin") || tangential == "mindlin_rescale/force") return;
@@ -224,7 +220,7 @@ template <class ABI> struct Granular {
       if (__builtin_expect(m->contact_type > LAST_TYPE, 0)) refuse_contact();
       if (__builtin_expect(now.outside | law_.watch.sees(m->delta, m->Reff), 0)) examine(now);
       if (__builtin_expect(!law_.pair.serves(m->Reff, coeffs[TOLERANCE]), 0)) refuse_radius();
-      if (__builtin_expect(m->history[history_index + demlaws::MOST_STATE] != mark_, 0)) check_mark();
+      if (__builtin_expect(m->history[history_index + demlaws::MOST_STATE] != law_.mark, 0)) check_mark();
       stiffness_ = now.stiffness;
       shear_stiffness_ =
           demlaws::shear_stiffness<RULE>(shear_, law_.pair, m->Reff, m->delta, now, m->history + history_index);
@@ -270,7 +266,7 @@ template <class ABI> struct Granular {
     const demlaws::Table &table_;
     Ledger &ledger_;
     demlaws::Law law_;
-    double stiffness_ = 0., shear_stiffness_ = 0., per_stiffness_ = 0., mark_ = 0.;
+    double stiffness_ = 0., shear_stiffness_ = 0., per_stiffness_ = 0.;
     demlaws::Shear shear_ = demlaws::ELASTIC_SHEAR;
     bool computes_pairs_ = false, speed_ = true; // speed_: the tangential model asks for that of the surfaces, vrel
     // BY_RADIUS: viscoelastic, whose formula Abi::fits() has checked
@@ -318,10 +314,11 @@ template <class ABI> struct Granular {
       double *const state = gm->history + history_index, &mark = state[demlaws::MOST_STATE];
       const bool kept =
           unloads_otherwise() || slips() || std::count(state, state + demlaws::MOST_STATE, 0.) < demlaws::MOST_STATE;
-      if (mark * mark_ < 0.) raise(*of.error, false, who() + demlaws::former_version());
+      if (mark != 0. && demlaws::layout_of(mark) != demlaws::LAYOUT)
+        raise(*of.error, false, who() + demlaws::former_version());
       if (mark != 0. && kept && !switched(RESTART_CHECK_OFF))
         raise(*of.error, false, who() + demlaws::other_law() + demlaws::OR_CHECK_OFF);
-      if (gm->history_update) mark = mark_;
+      if (gm->history_update) mark = law_.mark;
     }
     __attribute__((noinline, cold)) void refuse_radius() const {
       raise(*of.error, false, who() + demlaws::other_radius(law_.pair, gm->Reff, coeffs[TOLERANCE]));

@@ -66,8 +66,8 @@ private:
   const std::shared_ptr<Instance> instance_;
 };
 
-// Takes the ledger's sum and the fingerprints of the tables through restart files, reports the counts of a run, and
-// looks for what would make contacts wrong silently. The plugin makes it; there is one.
+// Takes the ledger's sum through restart files, reports the counts of a run, and looks for what would make contacts
+// wrong silently. The plugin makes it; there is one.
 class FixKept : public Fix {
 public:
   FixKept(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), instance_(Instance::of(lmp)) {
@@ -109,10 +109,7 @@ public:
     std::ostringstream text;
     text.precision(17);
     text << sum << '\n';
-    for (const auto &owner : instance_->used)
-      for (const auto &print : owner.second)
-        text << print.first.first << ' ' << print.first.second << ' ' << print.second << ' ' << owner.first << '\n';
-    text << "contacts marked all\nnormals kept all\n"; // of walls
+    text << "layout " << LAYOUT << " all\n";
     if (instance_->ledger.books) text << "work booked all\n";
     for (const auto &shear : instance_->shears) text << shear.second << ' ' << shear.first << '\n';
     const std::string written = text.str();
@@ -127,23 +124,12 @@ public:
     std::string sum; // of a run that has diverged it is nan, which a stream does not read as a number
     text >> sum;
     if (comm->me == 0) instance_->ledger.taken = strtod(sum.c_str(), NULL);
-    Types types;
-    uint32_t fingerprint;
-    std::string owner;
-    while (text >> types.first >> types.second >> fingerprint && std::getline(text >> std::ws, owner))
-      instance_->stored[owner][types] = fingerprint;
-    text.clear();
-    std::string word, number;
-    bool marked = false, kept = false, walls = false;
-    while (text >> word >> number && std::getline(text >> std::ws, owner))
-      if (number == "marked") marked = true;
-      else if (number == "kept") kept = true;
-      else if (number == "booked") instance_->ledger.books = true;
-      else {
-        instance_->stored_shears[owner] = word + ' ' + number;
-        walls = walls || owner != "pair";
-      }
-    if (!marked || (walls && !kept)) error->all(FLERR, former_version().c_str());
+    std::string word, value, owner, layout;
+    while (text >> word >> value && std::getline(text >> std::ws, owner))
+      if (word == "layout") layout = value;
+      else if (word == "work") instance_->ledger.books = true;
+      else instance_->stored_shears[owner] = word + ' ' + value;
+    if (layout != std::to_string(LAYOUT)) error->all(FLERR, former_version().c_str());
   }
   // LIGGGHTS's own message about a history of another size names no remedy.
   void warn_of_stock() const {

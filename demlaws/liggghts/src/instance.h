@@ -1,5 +1,5 @@
 // What the parts of the plugin share within one instance of LIGGGHTS: the line being read, the tables of the pair
-// style, fingerprints, energies, counts. It lives as long as one of those parts: nothing stays behind after `clear`, or
+// style, energies, counts. It lives as long as one of those parts: nothing stays behind after `clear`, or
 // for a second instance that is made at the same address.
 #ifndef DEMLAWS_INSTANCE_H
 #define DEMLAWS_INSTANCE_H
@@ -12,7 +12,6 @@ using namespace LAMMPS_NS;
 
 typedef std::pair<int, int> Types; // i <= j; (0, 0) stands for all pairs without a table of their own
 typedef std::map<Types, std::string> Files;
-typedef std::map<Types, uint32_t> Fingerprints;
 
 inline Types types_of(int i, int j) { return i < j ? Types(i, j) : Types(j, i); }
 
@@ -71,8 +70,7 @@ struct Instance {
   Ledger ledger;
   Counts counts; // of the run that goes on
   EnergySource *source = NULL;
-  std::map<std::string, Fingerprints> used, stored;         // by owner: of this run, of the restart file
-  std::map<std::string, std::string> shears, stored_shears; // 'levels N' or 'springs N', likewise
+  std::map<std::string, std::string> shears, stored_shears; // 'levels N' or 'springs N', by owner: now, restart file
   std::set<std::string> walls;                              // IDs of the walls whose model is demlaws/table
 
   static std::shared_ptr<Instance> of(LAMMPS *lmp) {

@@ -118,33 +118,8 @@ public:
     if (state_size_ > 0) instance_->see_contacts_end(wall_);
     types_ = registry.max_type() + 1;
     pairs_.assign(types_ * types_, demlaws::TypePair());
-    demlaws::Fingerprints &used = instance_->used[instance_->owner], before;
-    before.swap(used);
     for (int i = 1; i < types_; i++)
-      for (int j = 1; j < types_; j++) used[demlaws::types_of(i, j)] = connect(i, j);
-    demlaws::Fingerprints of_file;
-    of_file.swap(instance_->stored[instance_->owner]); // which concerns the first init only
-    if (!check_restart_) return;
-    compare(used, of_file, "the restart file was written with", "take that table, or say 'restart_check off'");
-    if (state_size_ > 0) // a wall; a pair style that is given again starts with virgin contacts
-      compare(used, before, "it had in the run before",
-              "define the wall again (unfix, fix), or say 'restart_check off' in its line");
-  }
-
-  // Refuses other tables than before: the overlaps that contacts keep are of those laws.
-  void compare(const demlaws::Fingerprints &used, const demlaws::Fingerprints &before, const char *when,
-               const char *remedy) const {
-    for (const auto &old : before) {
-      const demlaws::Types types = old.first;
-      const auto now = used.find(types);
-      if (now == used.end() || now->second == old.second) continue;
-      std::ostringstream what;
-      what << "model demlaws/table: " << instance_->owner << ", types " << types.first << " and " << types.second
-           << ": " << file_of(types.first, types.second) << " (fingerprint " << std::hex << now->second
-           << ") is not the table that " << when << " (" << old.second
-           << "), so the overlaps that its contacts keep belong to another law; " << remedy;
-      error->all(FLERR, what.str().c_str());
-    }
+      for (int j = 1; j < types_; j++) connect(i, j);
   }
 
   // For `area_correction`, which makes the contact area of the unsoftened grains by one power for all overlaps.
@@ -309,8 +284,8 @@ private:
     return it == now_.files.end() ? std::string() : it->second;
   }
 
-  // Makes the law of two types; returns its table's fingerprint.
-  uint32_t connect(int i, int j) {
+  // Makes the law of two types.
+  void connect(int i, int j) {
     demlaws::TypePair &type = pairs_[i * types_ + j];
     std::ostringstream who;
     who << "model demlaws/table: types " << i << " and " << j << ": ";
@@ -336,7 +311,6 @@ private:
     type.damping = -2. * 0.91287092917527685576 * beta_[i][j];
     type.tangential = now_.shear_ratio > 0. ? now_.shear_ratio : 4. * effective_shear_[i][j] / effective_modulus_[i][j];
     type.tangential_damping = damp_tangentially_ ? sqrt(type.tangential) : 0.;
-    return table.fingerprint();
   }
 
   // On the rank that has the contact, at its step.

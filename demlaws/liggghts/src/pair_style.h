@@ -26,7 +26,6 @@ public:
   ~PairStyle() {
     Instance &instance = model_.normal.instance();
     if (instance.source == this) instance.source = NULL;
-    instance.used.erase("pair");
     instance.shears.erase("pair");
   }
   int64_t hashcode() { return model_.hashcode(); }
@@ -43,7 +42,6 @@ public:
   }
   void init_granular() {
     ensure_fix(modify);
-    model_.normal.instance().owner = "pair";
     model_.connectToProperties(force->registry);
   }
   void write_restart_settings(FILE *file) {

@@ -20,7 +20,6 @@ public:
     instance_->walls.insert(parent->id);
   }
   ~WallStyle() {
-    instance_->used.erase(owner());
     instance_->shears.erase(owner());
     instance_->walls.erase(parent_->id);
   }
@@ -32,7 +31,6 @@ public:
   }
   void init_granular() {
     ensure_fix(lmp_->modify);
-    instance_->owner = owner();
     check_shear(lmp_, owner()); // again: of a wall whose line is above the pair style's
     Walls::Granular<MODEL>::init_granular();
     forget_opened();
