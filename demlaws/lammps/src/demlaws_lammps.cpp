@@ -58,15 +58,20 @@ struct Layout {
 const Layout *layout = NULL; // that of this LAMMPS, as soon as it is proved
 bool pairs_proved = false;   // pairs of particles are computed here
 
+// All slots of the functions that are replaced.
+Slots &slots() {
+#define DEMLAWS_NAME(RESULT, NAME, ARGUMENTS, SYMBOL) SYMBOL,
+  static Slots all({DEMLAWS_PAIRS(DEMLAWS_NAME) DEMLAWS_HOOKS(DEMLAWS_NAME)});
+  return all;
+}
+
 // Pairs of particles: where LAMMPS calls these two functions directly it goes on to do so.
 void take_pairs() {
-  const void *const functions[] = {(const void *)layout->check, (const void *)layout->compute};
-#define DEMLAWS_NAME(RESULT, NAME, ARGUMENTS, SYMBOL) SYMBOL,
   const char *const names[] = {DEMLAWS_PAIRS(DEMLAWS_NAME)};
-  std::vector<Patch> patches;
-  for (int k = 0; k < 2; k++) patches.push_back({names[k], (void *)functions[k], 0});
-  Slots::visit(patches, true);
-  pairs_proved = patches[0].slots && patches[1].slots;
+  pairs_proved = slots().has(names[0]) && slots().has(names[1]);
+  if (!pairs_proved) return;
+  slots().set(names[0], (void *)layout->check);
+  slots().set(names[1], (void *)layout->compute);
 }
 
 #define CLUSTER DEMLAWS_PAGE("how-to/cluster")
@@ -91,15 +96,6 @@ bool is_static_lammps() {
   if (file >= 0) close(file);
   return found;
 }
-// Rank 0, as far as the process knows before MPI has begun.
-bool is_first() {
-  for (const char *name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"}) {
-    const char *const rank = getenv(name);
-    if (rank) return !strcmp(rank, "0");
-  }
-  return true;
-}
-
 // Finds the layout, or why there is none.
 std::string prove(void *lmp) {
   const Stock &stock = Stock::get();
@@ -123,15 +119,14 @@ std::string prove(void *lmp) {
 
 // Redirects the functions; the name of one that LAMMPS calls directly (static or -Bsymbolic), and nothing changed then.
 std::string install() {
-#define DEMLAWS_PATCH(RESULT, NAME, ARGUMENTS, SYMBOL) {SYMBOL, (void *)&demlaws_##NAME, 0},
-  std::vector<Patch> patches = {DEMLAWS_HOOKS(DEMLAWS_PATCH)};
-  Slots::visit(patches, false);
-  for (const Patch &patch : patches)
-    if (!patch.slots)
-      return std::string("demlaws cannot be added to this LAMMPS: it calls ") + patch.name +
+#define DEMLAWS_HOOK(RESULT, NAME, ARGUMENTS, SYMBOL) {SYMBOL, (void *)&demlaws_##NAME},
+  const std::vector<std::pair<const char *, void *>> hooks = {DEMLAWS_HOOKS(DEMLAWS_HOOK)};
+  for (const auto &hook : hooks)
+    if (!slots().has(hook.first))
+      return std::string("demlaws cannot be added to this LAMMPS: it calls ") + hook.first +
              " directly, for it is a static executable or was linked with -Bsymbolic; " + REMEDIES +
              "; nothing of it was changed";
-  Slots::visit(patches, true);
+  for (const auto &hook : hooks) slots().set(hook.first, hook.second);
   return "";
 }
 
@@ -146,7 +141,7 @@ void prepare(void *model) {
   void *const lmp = m->of.lmp, *const error = *m->of.error;
   const std::string why = prove(lmp);
   if (!why.empty()) {
-    Slots::undo();
+    slots().undo();
     raise(error, true, why);
   }
   const char *const units = (const char *)Stock::get().global(lmp, "units");
@@ -213,7 +208,7 @@ __attribute__((constructor)) void start() {
   if (Stock::get().add) why = install();
   else if (!Stock::get().exported() && is_static_lammps())
     why = std::string("demlaws cannot be added to this LAMMPS: ") + STATIC;
-  if (!why.empty() && is_first()) fprintf(stderr, "WARNING: %s\n", why.c_str());
+  if (!why.empty()) fprintf(stderr, "WARNING: %s\n", why.c_str());
 }
 
 } // namespace
@@ -326,7 +321,7 @@ void *demlaws_add_compute(void *modify, int count, char **arg, int suffix) {
 extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *lmp, void *, void *) {
   std::string why = prove(lmp);
   if (why.empty()) why = install();
-  else Slots::undo();
+  else slots().undo();
   const Stock &stock = Stock::get();
   if (stock.setting && stock.setting(lmp, "world_rank") != 0) return;
   if (why.empty()) printf("Loading plugin: granular demlaws/table\n");

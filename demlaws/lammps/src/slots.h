@@ -5,68 +5,45 @@
 
 #include <cstring>
 #include <link.h>
+#include <map>
 #include <sys/mman.h>
 #include <unistd.h>
 #include <vector>
 
 namespace {
 
-struct Patch {
-  const char *name;
-  void *function;
-  int slots;
-};
-
 class Slots {
 public:
-  // Counts the places that hold `patches[...].name`; with `write` the function's address goes there.
-  static void visit(std::vector<Patch> &patches, bool write) {
-    Visit visit = {patches, write};
-    for (Patch &patch : patches) patch.slots = 0;
-    dl_iterate_phdr(&Slots::object, &visit);
+  // Finds those of all loaded objects, of functions with these names.
+  explicit Slots(const std::vector<const char *> &names) {
+    for (const char *name : names) found_[name];
+    dl_iterate_phdr(&Slots::find_in, this);
+  }
+  bool has(const char *name) const { return !found_.at(name).empty(); }
+  void set(const char *name, void *function) {
+    for (const Slot &slot : found_[name]) put(slot.place, function);
   }
   // What was there before comes back.
-  static void undo() {
-    for (size_t n = written().size(); n-- > 0;) put(written()[n].place, written()[n].before, written()[n].protect);
-    written().clear();
+  void undo() {
+    for (const auto &of_name : found_)
+      for (const Slot &slot : of_name.second) put(slot.place, slot.before);
   }
 
 private:
-  struct Visit {
-    std::vector<Patch> &patches;
-    bool write;
+  struct Slot {
+    void **place, *before;
   };
-  struct Written {
-    void **place;
-    void *before;
-    bool protect; // RELRO: the linker made it read-only after relocation
+  struct ByText {
+    bool operator()(const char *a, const char *b) const { return strcmp(a, b) < 0; }
   };
-  static std::vector<Written> &written() {
-    static std::vector<Written> all;
-    return all;
-  }
-  static void put(void **place, void *value, bool protect) {
+  std::map<const char *, std::vector<Slot>, ByText> found_;
+
+  static void put(void **place, void *value) {
     const ElfW(Addr) page = sysconf(_SC_PAGESIZE), begin = (ElfW(Addr))place & ~(page - 1);
-    if (protect && mprotect((void *)begin, page, PROT_READ | PROT_WRITE)) return;
-    *place = value;
-    if (protect) mprotect((void *)begin, page, PROT_READ);
+    // RELRO: the linker made some of these pages read-only after relocation
+    if (!mprotect((void *)begin, page, PROT_READ | PROT_WRITE)) *place = value;
   }
-  static void write(struct dl_phdr_info *object, ElfW(Addr) at, void *function) {
-    const ElfW(Addr) page = sysconf(_SC_PAGESIZE);
-    void **const place = (void **)at;
-    if (*place == function) return;
-    Written one = {place, *place, false};
-    for (int k = 0; k < object->dlpi_phnum; k++) {
-      const ElfW(Phdr) &part = object->dlpi_phdr[k];
-      const ElfW(Addr) from = object->dlpi_addr + part.p_vaddr;
-      if (part.p_type == PT_GNU_RELRO && at >= (from & ~(page - 1)) && at < ((from + part.p_memsz) & ~(page - 1)))
-        one.protect = true;
-    }
-    put(place, function, one.protect);
-    written().push_back(one);
-  }
-  static int object(struct dl_phdr_info *object, size_t, void *data) {
-    const Visit &visit = *(Visit *)data;
+  static int find_in(struct dl_phdr_info *object, size_t, void *slots) {
     const ElfW(Dyn) *dynamic = NULL;
     for (int k = 0; k < object->dlpi_phnum; k++)
       if (object->dlpi_phdr[k].p_type == PT_DYNAMIC)
@@ -94,18 +71,15 @@ private:
 #else
 #error "the relocation types of this processor are not known here"
 #endif
+    auto &found = ((Slots *)slots)->found_;
     for (int t = 0; t < 2; t++)
       for (size_t n = 0; tables[t] && n < sizes[t]; n++) {
         const ElfW(Rela) &one = tables[t][n];
         const unsigned kind = (unsigned)ELF64_R_TYPE(one.r_info);
         if ((kind != kinds[0] && kind != kinds[1] && kind != kinds[2]) || one.r_addend) continue;
-        const char *const name = strings + symbols[ELF64_R_SYM(one.r_info)].st_name;
-        if (name[0] != '_' || name[1] != 'Z') continue;
-        for (Patch &patch : visit.patches)
-          if (!strcmp(name, patch.name)) {
-            if (visit.write) write(object, object->dlpi_addr + one.r_offset, patch.function);
-            patch.slots++;
-          }
+        const auto of_name = found.find(strings + symbols[ELF64_R_SYM(one.r_info)].st_name);
+        void **const place = (void **)(object->dlpi_addr + one.r_offset);
+        if (of_name != found.end()) of_name->second.push_back({place, *place});
       }
     return 0;
   }
