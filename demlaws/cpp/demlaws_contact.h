@@ -106,8 +106,7 @@ inline Force step_rule(const Pair &pair, double radius, double overlap, double *
   }
   if (loads) {
     double s;
-    if (!pair.table->look_up(overlap * inverse_length, s, slope))
-      now.outside = !pair.table->outside(overlap * inverse_length, s, slope);
+    now.outside = !pair.table->loading_curve().evaluate(overlap * inverse_length, s, slope);
     hertz_overlap = s * length;
     if (RULE != ELASTIC && update && s == s) {
       state[0] = overlap;
@@ -270,12 +269,13 @@ inline void stored_and_dissipated(const Pair &pair, double radius, double overla
   const double length = pair.length_of(radius);
   const double scale = pair.modulus * sqrt(radius) * length * length * sqrt(length);
   if (pair.rule == ELASTIC) {
-    if (overlap > 0.) stored = scale * pair.table->energy(overlap / length);
+    if (overlap > 0.) stored = scale * pair.table->loading_curve().energy(overlap / length);
     return;
   }
   if (!(state[0] > 0.)) return;
   if (overlap > 0. && overlap > state[1]) stored = std::max(0., given_back(pair, radius, overlap, state));
-  dissipated = scale * pair.table->energy(state[0] / length) - given_back(pair, radius, state[0], state);
+  dissipated =
+      scale * pair.table->loading_curve().energy(state[0] / length) - given_back(pair, radius, state[0], state);
 }
 
 } // namespace demlaws

@@ -42,7 +42,7 @@ class Curve {
 public:
   Curve() : bits_(0), first_(0), count_(0) {}
 
-  // s(u) and its slope from floor() to before last(); returns false outside (then use outside()).
+  // s(u) and its slope from the lowest cell to before last(); returns false outside (then use outside()).
   inline bool look_up(double u, double &s, double &slope) const {
     uint64_t b; // positive doubles have the order of their bits; negative ones and NaN lie beyond all of them
     memcpy(&b, &u, 8);
@@ -55,8 +55,8 @@ public:
     return true;
   }
 
-  // Below floor(): straight to 0, or to the seat. At the last row: its values. Beyond it: not certified, returns false
-  // with the power law of the last row. NaN gives NaN and true.
+  // Below all cells: straight to 0, or to the seat. At the last row: its values. Beyond it: not certified, returns
+  // false with the power law of the last row. NaN gives NaN and true.
   bool outside(double u, double &s, double &slope) const {
     if (u != u) {
       s = slope = u;
@@ -85,13 +85,9 @@ public:
     return work_[low] + gauss(nodes_[low], u);
   }
 
-  int bits() const { return bits_; }
-  const std::vector<double> &kinks() const { return kinks_; }
-  double first() const { return u_first_; }
   double last() const { return u_last_; }
   double last_s() const { return s_last_; }
-  // Where the cells below the first row begin, and s there.
-  double floor() const { return floor_; }
+  // s where the cells below the first row begin.
   double floor_s() const { return seat_ + slope_floor_ * floor_; }
   // s at u = 0+: 0, but for a law that starts from a force.
   double seat() const { return seat_; }

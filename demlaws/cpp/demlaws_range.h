@@ -139,7 +139,7 @@ public:
         deep_ = std::min(deep_, root * root);
         continue;
       }
-      const double root = cbrt(0.75 * limit.value), u = table.overlap_where(root * root);
+      const double root = cbrt(0.75 * limit.value), u = table.loading_curve().where(root * root);
       if (limit.kind == Limit::FORCE_BELOW) (pair.length > 0. ? below_ : below_per_radius_) = u * pair.length_of(1.);
       else if (pair.length > 0.) above_ = std::min(above_, u * pair.length);
       else deep_ = std::min(deep_, u * pair.length_per_radius);
@@ -175,7 +175,7 @@ private:
       if (findings.counts(DEEP, ratio / SMALL_OVERLAP)) findings.warn(too_deep(pair, radius, overlap));
     }
     if (!now.outside) return;
-    const double last = pair.table->last_overlap() * pair.length_of(radius);
+    const double last = pair.table->loading_curve().last() * pair.length_of(radius);
     if (extrapolates && !findings.counts(BEYOND, overlap / last)) return;
     std::ostringstream what;
     what << "overlap " << overlap / pair.metre << " m is beyond the last row of " << pair.table->path() << ", "

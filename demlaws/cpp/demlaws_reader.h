@@ -56,12 +56,11 @@ struct Limit {
 class Table {
 public:
   Table() {}
-  explicit Table(const std::string &path) { read(path); }
+  explicit Table(const std::string &path) { parse(contents(path), path); }
 
-  // Reads a file; throws std::runtime_error("FILE, line N: reason") and leaves the table unusable then.
-  void read(const std::string &path) { parse(contents(path), path); }
-  // Reads the bytes of a file, which messages call `path`. Where processes share nothing but messages one calls
-  // contents(), all get its bytes and parse them.
+  // Reads the bytes of a file, which messages call `path`; throws std::runtime_error("FILE, line N: reason") and leaves
+  // the table unusable then. Where processes share nothing but messages one calls contents(), all get its bytes and
+  // parse them.
   void parse(const std::string &data, const std::string &path);
   // The bytes of a file; throws std::runtime_error that names it.
   static std::string contents(const std::string &path);
@@ -69,7 +68,6 @@ public:
   const std::string &path() const { return path_; }
   // CRC-32 of the text up to the mark of its last line: tables with one fingerprint are one table.
   uint32_t fingerprint() const { return fingerprint_; }
-  const std::map<std::string, std::string> &header() const { return header_; }
   bool has(const std::string &key) const { return header_.count(key) != 0; }
   std::string text(const std::string &key) const {
     std::map<std::string, std::string>::const_iterator it = header_.find(key);
@@ -89,18 +87,10 @@ public:
   Unloading unloading() const { return unloads_; }
   // The lines limit_1, limit_2, ... of the header.
   const std::vector<Limit> &limits() const { return limits_; }
-  double last_overlap() const { return loading_.last(); }
-
-  // s(u) and its slope; false beyond the table. See Curve.
-  inline bool look_up(double u, double &s, double &slope) const { return loading_.look_up(u, s, slope); }
-  bool outside(double u, double &s, double &slope) const { return loading_.outside(u, s, slope); }
-  inline bool evaluate(double u, double &s, double &slope) const { return loading_.evaluate(u, s, slope); }
-
-  // u where first loading reaches s, likewise.
-  double overlap_where(double s) const { return loading_.where(s); }
 
   // The curve to unload along; empty unless unloading() is GIVEN.
   const Curve &unloading_curve() const { return unloading_; }
+  // That of first loading.
   const Curve &loading_curve() const { return loading_; }
   // u at which the unloading curve reaches s: its reverse, then one step of Newton's method.
   inline double recover(double s) const {
@@ -137,9 +127,6 @@ public:
   }
   inline double eepa_stiffness() const { return numbers_[0]; }
   inline double eepa_plastic() const { return numbers_[1]; } // plastic over largest overlap
-
-  // Dimensionless work of virgin loading from 0 to u.
-  double energy(double u) const { return loading_.energy(u); }
 
 private:
   std::string path_;

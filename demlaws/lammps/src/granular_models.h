@@ -586,14 +586,11 @@ template <class ABI> struct Granular {
         into[Table::SWITCHES] = on ? (int)into[Table::SWITCHES] | which : (int)into[Table::SWITCHES] & ~which;
       };
       demlaws::Shear shear;
-      if (word == "extrapolation") {
+      if (word == "extrapolation" || word == "restart_check") {
         if (value != "on" && value != "off")
-          raise(error, true, "demlaws/table: extrapolation is on or off, not " + value);
-        set(Table::EXTRAPOLATION_ON, value == "on");
-      } else if (word == "restart_check") {
-        if (value != "on" && value != "off")
-          raise(error, true, "demlaws/table: restart_check is on or off, not " + value);
-        set(Table::RESTART_CHECK_OFF, value == "off");
+          raise(error, true, "demlaws/table: " + word + " is on or off, not " + value);
+        if (word == "extrapolation") set(Table::EXTRAPOLATION_ON, value == "on");
+        else set(Table::RESTART_CHECK_OFF, value == "off");
       } else if (word == "shear") {
         if (!demlaws::shear_from_name(value, shear))
           raise(error, true, "demlaws/table: shear is elastic, loading or slip, not " + value);

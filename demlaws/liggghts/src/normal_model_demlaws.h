@@ -210,7 +210,7 @@ public:
     const demlaws::Pair &pair = law_of(data).pair;
     const double length = pair.length_of(radius_of(data));
     double s, slope;
-    pair.table->evaluate(data.deltan / length, s, slope);
+    pair.table->loading_curve().evaluate(data.deltan / length, s, slope);
     return pair.table->area(s) * length;
   }
 
