@@ -65,8 +65,6 @@ def convert(text, engine, table, folder=None, name="", modulus=None):
     elif not job.changed and len(job.tables) > 1:
         tables = ", ".join(sorted(job.tables))
         raise DemlawsError(f"{name or 'this input'} has several tables, {tables}: write the names of new ones there yourself")
-    if engine == "lammps" and _BEGINS & job.commands and not job.commands & {"units", "include", "read_restart"}:
-        job.notes.insert(0, Note(1, "no units line: LAMMPS uses units lj; write the input in units si", False))
     if not job.found:
         raise DemlawsError(
             f"no pair_style or fix wall/gran line of {engine.upper()}'s granular models in this input: nothing to convert"
@@ -95,14 +93,11 @@ def convert_file(path, engine, table, *, out=None):
 
 
 _PYTHON = re.compile(r"(?m)^\s*(from|import) +[\w.]+|\.commands?(_string|_list)?\(")
-_BEGINS = {"atom_style", "create_box", "read_data"}
-"""Commands of a whole input: a file without them is a part of one, whose units are elsewhere."""
 _LEFT = {"liggghts": re.compile(r"\bmodel\s+(hertz|hooke)\b"), "lammps": re.compile(r"\bhertz/material\b")}
 """Stock models, in commands that are not read here."""
 _NO_COMMANDS = {"variable", "print", "label", "shell", "log", "echo"}
-_NOT_SPHERES = {"liggghts": ("superquadric", "convexhull", "coarsegraining"), "lammps": ()}
-_UNITS = {"liggghts": {"si": 1.0, "cgs": 0.1, "micro": 1e3, "nano": 1e6}, "lammps": {"si": 1.0}}
-"""Units in which a table can be used → their unit of a modulus [Pa]."""
+_UNITS = {"cgs": 0.1, "micro": 1e3, "nano": 1e6}
+"""Units of LIGGGHTS → their unit of a modulus [Pa]."""
 _QUOTED = r'"""(.*?)"""|"(.*?)"|\'(.*?)\''
 _TOKEN = re.compile(rf"{_QUOTED}|\S+", re.S)
 _VARIABLE = re.compile(r"\$(?:\{(\w+)\}|(\w))")
@@ -150,7 +145,7 @@ class _Conversion:
         self.values = {}  # of variables: text
         self.numbers = {}  # of variables of style equal: text of a number
         self.pascals = 1.0  # unit of a modulus [Pa]
-        self.notes, self.commands, self.line = [], set(), 0
+        self.notes, self.line = [], 0
         self.granular = None  # the pair style; None: not in the input so far
         self.hybrid = False
         self.found = self.changed = False
@@ -188,16 +183,10 @@ class _Conversion:
         if not words:
             return None
         first, other = words[0], words[1] if len(words) > 1 else ""
-        self.commands.add(first)
-        for word in _NOT_SPHERES[self.engine]:
-            if word in first or any(part.startswith(word) for part in words[1:]):
-                self.leave(f"{word}: demlaws/table serves spheres without coarse graining")
         if first == "variable":
             self._define(code)
-        elif first == "units" and other in _UNITS[self.engine]:
-            self.pascals = _UNITS[self.engine][other]
         elif first == "units":
-            self.note(f"units {other}: tables are in SI; write the input in units {' or '.join(_UNITS[self.engine])}", False)
+            self.pascals = _UNITS.get(other, 1.0)
         elif first in ("include", "jump") and other not in ("SELF", *self.files):
             self._other_file(first, other)
         elif "$" in first:
@@ -213,19 +202,6 @@ class _Conversion:
             return self._quoted(code)
         elif first == "read_restart" and self.engine == "lammps":
             self.restart = (self.line, other)
-        elif first == "read_restart":
-            self.note(
-                "a restart file of a stock run goes on with an elastic table and tangential history only; otherwise start from "
-                "positions (write_data, read_data)"
-            )
-        elif first == "rerun":
-            self.note(
-                "rerun: contacts of every frame have the history from before it, in an input without a run none: first loading"
-            )
-        elif first == "partition":  # yes|no N command
-            before, command = re.match(r"(\s*(?:\S+\s+){3})(.*)", f"{code} ", re.S).groups()
-            new = self.command(command)
-            return None if new is None else before.lstrip() + new
         return None
 
     def _granular(self, words):

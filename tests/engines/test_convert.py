@@ -67,9 +67,6 @@ def test_every_line_of_lammps():
         ("lammps", "pair_coeff * * jkr 1e9 50 0.3 10 tangential mindlin NULL 1.0 0.4"),
         ("lammps", "pair_coeff * * hertz 1e5 50 tangential mindlin NULL 1.0 0.4"),
         ("lammps", "pair_style gran/hertz/history 1e5 NULL 50 NULL 0.4 1"),
-        ("lammps", "units cgs"),
-        ("lammps", "atom_style sphere"),  # no units line: lj
-        ("liggghts", "units lj"),
     ],
 )
 def test_what_is_not_served_stays_and_is_listed(engine, line, tmp_path, capsys):
@@ -140,6 +137,8 @@ def test_models_in_commands_that_are_not_read_are_named():
     text = f'units si\npair_style granular\n{LAMMPS.splitlines()[3]}\npython f source here """ f(\'hertz/material\') """\n'
     converted = convert(text + "print 'hertz/material'\n", "lammps", "law.tbl")
     assert [note.line for note in converted.notes if not note.served] == [4]
+    partition = f"pair_style granular\npartition yes 1 {LAMMPS.splitlines()[3]}\n{LAMMPS.splitlines()[1]}\n"
+    assert [note.line for note in convert(partition, "lammps", "law.tbl").notes if not note.served] == [2]
 
 
 @pytest.mark.parametrize("pairs", ["", LAMMPS.splitlines()[1] + "\n"])
@@ -319,7 +318,7 @@ WRITTEN = {
     "lammps if": f'variable rough equal 1\npair_style granular\nif "${{rough}} == 1" then &\n'
     f' "pair_coeff * * {MODEL}" "fix w all wall/gran granular {MODEL} {WALL}" else &\n \'pair_coeff * * {MODEL}\'',
     "lammps command": f"variable c string 'pair_coeff * * {MODEL}'\npair_style granular\n${{c}}\n"
-    f"partition yes 1 fix w all wall/gran granular {MODEL} {WALL}",
+    f"fix w all wall/gran granular {MODEL} {WALL}",
     "liggghts hybrid": "pair_style hybrid gran model hertz tangential history\npair_coeff * * gran\n"
     "fix w all wall/gran model hertz tangential history primitive type 1 zplane -0.0039",
     "liggghts variables": 'variable t index history\nvariable m string "model hertz tangential history"\n'
