@@ -130,7 +130,7 @@ def loaded(portable=False):
 
 
 class _Lammps(Engine):
-    name, begins, pair_time = "LAMMPS", "Per MPI rank memory allocation", r"^Pair +\| *\S+ *\| *(\S+)"
+    name, begins = "LAMMPS", "Per MPI rank memory allocation"
 
     def start(self, ranks, plugin, portable):
         binary = executable()
@@ -144,4 +144,4 @@ class _Lammps(Engine):
 
 
 ENGINE = _Lammps()
-command, run, read_log, timings = ENGINE.command, ENGINE.run, ENGINE.read_log, ENGINE.timings
+command, run, read_log = ENGINE.command, ENGINE.run, ENGINE.read_log

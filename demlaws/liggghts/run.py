@@ -69,7 +69,7 @@ def versions():
 
 
 class _Liggghts(Engine):
-    name, begins, pair_time = "LIGGGHTS", "Memory usage", r"Pair +time \(%\) = (\S+)"
+    name, begins = "LIGGGHTS", "Memory usage"
 
     def prefix(self, plugin):
         """Without the plugin LIGGGHTS's error would be lost: it is buffered where the output goes to a pipe."""
@@ -86,4 +86,4 @@ class _Liggghts(Engine):
 
 
 ENGINE = _Liggghts()
-command, run, read_log, timings = ENGINE.command, ENGINE.run, ENGINE.read_log, ENGINE.timings
+command, run, read_log = ENGINE.command, ENGINE.run, ENGINE.read_log

@@ -286,7 +286,6 @@ class Engine:
 
     name: str
     begins: str  # how the line above a thermo table begins
-    pair_time: str  # pattern of the pair style's seconds in a log
 
     @property
     def log(self):
@@ -384,14 +383,6 @@ class Engine:
         if not tables:
             raise DemlawsError(f"{path} holds no thermo output")
         return tables
-
-    def timings(self, path):
-        """(loop seconds, pair seconds) of the last run in a log."""
-        text = "\n".join(log_lines(path))
-        loop, pair = re.findall(r"Loop time of (\S+)", text), re.findall(self.pair_time, text, re.MULTILINE)
-        if not loop or not pair:
-            raise DemlawsError(f"{path} holds no timing of a run")
-        return float(loop[-1]), float(pair[-1])
 
     def run_path(self, law, text, radius=None, *, rtol=1e-5, folder=None, ranks=1, **variables):
         """One contact on the path of an input: the log, with columns overlap, force, stored, lost, and the law's path.

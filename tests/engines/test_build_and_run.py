@@ -534,22 +534,3 @@ def test_a_row_that_another_rank_has_written_into_is_taken_from_the_log(engine, 
     assert outputs(["0 1", "10 2", "20 3"]) == [0, 10, 20]
     assert outputs(["0 1"]) == [0, 20]
     assert outputs(["0 1", "10 2", "20 3"], "Step Press") == [0, 20]
-
-
-TIMES = {
-    "lammps": "Loop time of {0} on 1 procs for 9 steps with 2 atoms\n\nPair    | {1}     | {1}     | {1}     |   0.0 | 50.0\n",
-    "liggghts": "Loop time of {0} on 1 procs for 9 steps with 2 atoms\n\nPair  time (%) = {1} (50.0)\n",
-}
-
-
-@both
-def test_times_of_the_last_run_of_a_log(engine, tmp_path):
-    """A log without one of the two times is refused."""
-    path, timings = tmp_path / "log.txt", part(engine, "run").timings
-    path.write_text(TIMES[engine].format(3.0, 1.0) + "...\n" + TIMES[engine].format(0.75, 0.25))
-    assert timings(path) == (0.75, 0.25)
-    for line in TIMES[engine].format(0.75, 0.25).splitlines():
-        if line:
-            path.write_text(line + "\n")
-            with pytest.raises(DemlawsError, match="no timing"):
-                timings(path)

@@ -20,6 +20,7 @@ over light     the step over the time in which this machine's copy bandwidth, on
 
 import argparse
 import os
+import re
 import statistics
 import subprocess
 import sys
@@ -162,6 +163,16 @@ class Run(NamedTuple):
     restart: int  # file [B]
 
 
+PAIR_TIME = {"lammps": r"^Pair +\| *\S+ *\| *(\S+)", "liggghts": r"Pair +time \(%\) = (\S+)"}
+
+
+def timings(engine, path):
+    """(loop seconds, pair seconds) of the last run in a log."""
+    text = path.read_text()
+    loop, pair = re.findall(r"Loop time of (\S+)", text), re.findall(PAIR_TIME[engine], text, re.MULTILINE)
+    return float(loop[-1]), float(pair[-1])
+
+
 def run(engine, folder, name, ranks, steps, warm=100, portable=False):
     """`Run` of the block in `folder`."""
     module = import_module(f"demlaws.{engine}.run")
@@ -172,7 +183,7 @@ def run(engine, folder, name, ranks, steps, warm=100, portable=False):
     if done.returncode:
         raise SystemExit(done.stdout[-500:])
     log = folder / f"log.{engine}"
-    step, pair = (seconds / steps for seconds in module.timings(log))
+    step, pair = (seconds / steps for seconds in timings(engine, log))
     contacts = int(module.read_log(log)["contacts"][-1])
     return Run(step, pair, contacts, int(done.stdout.split()[-1]), (folder / "state.restart").stat().st_size)
 
