@@ -173,12 +173,12 @@ def in_engine(engine, law, rule, runs, steps):
         written = None
         for poisson, friction, shear in runs:
             own = {"tangential": shear}
-            if law is not None:
-                own = {"tangential": "demlaws", "words": f"shear {shear}", "tables": folder}
-                if written != poisson:
-                    save_tables(law, rule, poisson, Path(folder))
-                    written = poisson
             try:
+                if law is not None:
+                    own = {"tangential": "demlaws", "words": f"shear {shear}", "tables": folder}
+                    if written != poisson:
+                        save_tables(law, rule, poisson, Path(folder))
+                        written = poisson
                 yield simulate(engine, friction=friction, poisson=poisson, steps=steps, **own)
             except DemlawsError as error:
                 yield error
