@@ -1,5 +1,7 @@
 """A curve of first loading from a user's function force(overlap), checked before it becomes a table (`Table.from_function`)."""
 
+import itertools
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -9,12 +11,10 @@ from demlaws.curves.soundness import fault_of_slope, fault_of_values
 from demlaws.errors import DemlawsError
 from demlaws.units import positive
 
-_STEPS = (1e-2, 1e-3, 1e-4)  # of ln δ, tried in turn
-_AGREE = 1e-7  # of derivatives with one step and with twice that
-_CENTRAL = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0]) / 60.0
-_FORWARD = np.array([-147.0, 360.0, -450.0, 400.0, -225.0, 72.0, -10.0]) / 60.0
-_PLACES = np.arange(-3, 4)
-_AHEAD = np.arange(7)
+_STEPS = 2e-3, 5e-4
+"""Distance of the samples in ln δ, the second where the first does not do."""
+_AGREE, _MOST = 1e-8, 1e-6
+"""Relative distance of a sample from a spline through its neighbours, from which on there is a kink, or no derivative."""
 _SCAN = 1500
 _MOST_KINKS = 30
 
@@ -65,93 +65,88 @@ class Called:
         return float(array.reshape(())) if array.ndim == 0 else float(array.ravel()[0])
 
 
+def _refuse(fault):
+    """Raise DemlawsError where there is a fault (text)."""
+    if fault is not None:
+        raise DemlawsError(f"the force function cannot be used: {fault}")
+
+
 class GivenCurve:
     """force(overlap) with its stiffness, given or derived, up to `largest` [m]; beyond, a power law with the exponent there.
 
-    The derivative is that of polynomials of degree 6 in ln δ, with two steps that must agree to 1e-7, on one side of a kink.
-    Kinks are looked for where they do not.
+    The derivative is that of splines of degree 5 over ln δ, one between any two kinks, from 2^-31 of `largest` or of the
+    table's `length` [m] on. Kinks are located where a spline through every second sample misses the others.
     """
 
-    def __init__(self, force: Callable, largest: float, stiffness: Callable | None = None, kinks: Any = ()):
+    def __init__(
+        self,
+        force: Callable,
+        largest: float,
+        stiffness: Callable | None = None,
+        kinks: Any = (),
+        length: float = math.inf,
+    ):
         self.largest = largest
         scan = largest * np.geomspace(2.0**-30, 1.0, _SCAN)
         self.force = Called(force, "force", "N", scan)
         self.slope = None if stiffness is None else Called(stiffness, "stiffness", "N/m", scan)
-        self._check(scan)
+        _refuse(fault_of_values(scan, self.force(scan), None if self.slope is None else self.slope(scan)))
         self.kinks = sorted(float(k) for k in np.atleast_1d(positive(kinks, "kinks", "m")) if k < largest)
         start, later = self.force(scan[[0, 40]])
-        if later < start * (scan[40] / scan[0]) ** 0.05:
-            raise DemlawsError(
-                "the force function cannot be used: towards overlap 0 the force must go to 0 N; "
+        if later < start * (scan[40] / scan[0]) ** 0.05 or start == 0.0:
+            _refuse(
+                "towards overlap 0 the force must go to 0 N, and be 0 N nowhere else; "
                 f"at overlap {scan[0]:.3g} m it is {start:.6g} N"
             )
-        self._find_kinks(scan)
-        text = fault_of_slope(self.evaluate, scan[:: 5 if self.slope is None else 1])
-        if text is not None:
-            raise DemlawsError(f"the force function cannot be used: {text}")
+        self._fit(2.0**-31 * min(largest, length))
+        _refuse(fault_of_slope(self.evaluate, scan[:: 5 if self.slope is None else 1]))
         last, tangent = (float(v[0]) for v in self._inside(np.array([largest])))
         self.end = last, tangent * largest / last
 
-    def _check(self, overlap):
-        text = fault_of_values(overlap, self.force(overlap), None if self.slope is None else self.slope(overlap))
-        if text is not None:
-            raise DemlawsError(f"the force function cannot be used: {text}")
-
     # --- derivative
 
-    def _stencil(self, overlap, step, factor):
-        """dP/d ln δ with nodes `factor` steps apart; one-sided where a kink or the end lies within reach."""
-        x, barriers = np.log(overlap), np.array([*self.kinks, self.largest])
-        reach = 6.0 * step  # of the central one with two steps
-        next_barrier = np.searchsorted(barriers, overlap, side="left")  # on a kink: the part below it
-        logs = np.concatenate([[-np.inf], np.log(barriers), [np.inf]])
-        on_left = logs[next_barrier + 1] - x <= reach  # look back
-        on_right = (x - logs[next_barrier] <= reach) & ~on_left
-        places = np.where(on_left[:, None], -_AHEAD, np.where(on_right[:, None], _AHEAD, _PLACES)) * (step * factor)
-        weights = np.where(on_left[:, None], -_FORWARD, np.where(on_right[:, None], _FORWARD, _CENTRAL)) / (step * factor)
-        at = np.exp(x[:, None] + places)
-        at[places == 0.0] = np.broadcast_to(overlap[:, None], at.shape)[places == 0.0]
-        force = self.force(np.minimum(at, self.largest).ravel()).reshape(at.shape)
-        return np.sum(weights * force, axis=1), force
-
-    def _derived(self, overlap):
-        """K and how far two steps disagree, relative."""
-        slope, doubt = np.full(overlap.size, np.nan), np.full(overlap.size, np.inf)
-        open_ = np.arange(overlap.size)
-        for step in _STEPS:
-            one, _ = self._stencil(overlap[open_], step, 1.0)
-            two, _ = self._stencil(overlap[open_], step, 2.0)
-            with np.errstate(all="ignore"):
-                off = np.abs(two / one - 1.0)
-            better = off < doubt[open_]
-            slope[open_[better]], doubt[open_[better]] = one[better], off[better]
-            open_ = open_[~(off <= _AGREE)]
-            if not open_.size:
+    def _fit(self, lowest):
+        """Make the splines from the overlap `lowest` [m] on, and find the kinks between them."""
+        self.kinks = [kink for kink in self.kinks if kink > lowest]
+        for _ in range(4):
+            self.splines, found, worst = [], [], (0.0, 0.0)
+            for a, b in itertools.pairwise([lowest, *self.kinks, self.largest]):
+                overlap, missed = self._add_spline(a, b)
+                worst = max(worst, (float(missed.max()), float(overlap[2 * np.argmax(missed) + 1])))
+                wrong = np.flatnonzero(missed > _AGREE)
+                for group in np.split(wrong, np.flatnonzero(np.diff(wrong) > 1) + 1) if wrong.size else ():
+                    kink = self._located(overlap[2 * group[0]], overlap[2 * group[-1] + 2])
+                    if all(abs(kink / k - 1.0) > 1e-6 for k in (*self.kinks, *found, self.largest)):
+                        found.append(kink)
+            if not found:
                 break
-        return slope / overlap, doubt
-
-    def _find_kinks(self, scan):
-        """Kinks of the force: places where derivatives with a wide step disagree, narrowed down by fourth differences."""
-        for _ in range(3):
-            one, _ = self._stencil(scan, _STEPS[0], 1.0)
-            two, _ = self._stencil(scan, _STEPS[0], 2.0)
-            flagged = np.flatnonzero(np.abs(two - one) > 1e-6 * np.abs(one))
-            if not flagged.size:
-                return
-            kinks = []
-            for group in np.split(flagged, np.flatnonzero(np.diff(flagged) > 1) + 1):
-                a, b = scan[max(group[0] - 1, 0)], scan[min(group[-1] + 1, scan.size - 1)]
-                kink = self._located(a, b)
-                if all(abs(kink / k - 1.0) > 1e-6 for k in (*self.kinks, *kinks, self.largest)):
-                    kinks.append(kink)
-            if not kinks:
-                return
-            self.kinks = sorted([*self.kinks, *kinks])
+            self.kinks = sorted([*self.kinks, *found])
             if len(self.kinks) > _MOST_KINKS:
                 raise DemlawsError(
                     f"the force function has more than {_MOST_KINKS} kinks, or noise, between overlap {self.kinks[0]:.6g} m "
                     f"and {self.kinks[-1]:.6g} m: give a smooth one, or its points to Table.from_points"
                 )
+        if self.slope is None and worst[0] > _MOST:
+            raise DemlawsError(
+                f"the force function has no derivative to be found at overlap {worst[1]:.6g} m (it is {worst[0]:.1g} off a "
+                "curve through its neighbours): it is noisy or has a kink there; give kinks=[...] or stiffness=..."
+            )
+
+    def _add_spline(self, a, b):
+        """Add the spline between two overlaps; returns its samples, and by how much one through every second misses others."""
+        from scipy.interpolate import make_interp_spline
+
+        for step in _STEPS:
+            count = max(8, math.ceil(math.log(b / a) / (2.0 * step)))
+            x = np.linspace(math.log(a), math.log(b), 2 * count + 1)
+            overlap = np.clip(np.exp(x), a, b)
+            force = self.force(overlap)
+            _refuse(fault_of_values(overlap, force))
+            missed = np.abs(make_interp_spline(x[::2], force[::2], 5)(x[1::2]) / force[1::2] - 1.0)
+            if missed.max() <= _AGREE:
+                break
+        self.splines.append(make_interp_spline(x, force, 5))
+        return overlap, missed
 
     def _located(self, a, b):
         """The kink between two overlaps."""
@@ -165,10 +160,7 @@ class GivenCurve:
             a, b = at[max(k - 3, 0)], at[min(k + 3, 40)]
         low, high = self.force(np.array([a, b]))
         if high - low > 1e-6 * high + 50.0 * high / b * (b - a):
-            raise DemlawsError(
-                f"the force function cannot be used: at overlap {b:.6g} m the force jumps from {low:.6g} N to {high:.6g} N: "
-                "it must be continuous"
-            )
+            _refuse(f"at overlap {b:.6g} m the force jumps from {low:.6g} N to {high:.6g} N: it must be continuous")
         return 0.5 * (a + b)
 
     # --- as a table's source reads it
@@ -177,14 +169,12 @@ class GivenCurve:
         force = self.force(overlap)
         if self.slope is not None:
             return force, self.slope(overlap)
-        stiffness, doubt = self._derived(overlap)
-        worst = int(np.argmax(doubt))
-        if doubt[worst] > 1e-4:
-            raise DemlawsError(
-                f"the force function has no derivative to be found at overlap {overlap[worst]:.6g} m (two steps differ by "
-                f"{doubt[worst]:.1g}): it is noisy or has a kink there; give kinks=[...] or stiffness=..."
-            )
-        return force, stiffness
+        x, exponent = np.log(overlap), np.empty(overlap.size)
+        piece = np.searchsorted(self.kinks, overlap, side="left")  # on a kink: the part below it
+        for n, spline in enumerate(self.splines):
+            here = np.maximum(x[piece == n], spline.t[0])  # a power law below the samples
+            exponent[piece == n] = spline(here, 1) / spline(here)
+        return force, exponent * force / overlap
 
     def evaluate(self, overlap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Force [N] and stiffness [N/m] at overlaps [m] > 0."""
@@ -194,9 +184,7 @@ class GivenCurve:
         if np.any(inside):
             force[inside], stiffness[inside] = self._inside(np.minimum(overlap[inside], self.largest))
             order = np.argsort(overlap[inside], kind="stable")
-            text = fault_of_values(overlap[inside][order], force[inside][order])
-            if text is not None:
-                raise DemlawsError(f"the force function cannot be used: {text}")
+            _refuse(fault_of_values(overlap[inside][order], force[inside][order]))
         if not np.all(inside):
             relative = overlap[~inside] / self.largest
             last, exponent = self.end

@@ -33,12 +33,13 @@ def from_function(
     if largest_overlap is not None:
         end = number(largest_overlap, "largest_overlap", "m", 1e-9 * float(contact.radius), float(contact.radius))
     tolerance(rtol)
-    table = tabulate_given(GivenCurve(force, end, stiffness, kinks), definition, contact, rtol)
+    length = float(contact.sigma if definition.length == "roughness" else contact.radius)
+    table = tabulate_given(GivenCurve(force, end, stiffness, kinks, length), definition, contact, rtol)
     _warn_of_other_units(table, contact, end)
     if callable(unloading):
         force_of = Called(unloading, "unloading", "N", np.array([end]))
         reach = _overlap_of(lambda d: force_of(np.array([d]))[0], _REACH * _largest_force(table, contact), end)
-        unloading = _unloading_table(GivenCurve(unloading, reach), table, contact)
+        unloading = _unloading_table(GivenCurve(unloading, reach, length=length), table, contact)
     return contact, table, unloading
 
 
