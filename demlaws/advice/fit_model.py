@@ -70,6 +70,7 @@ class Model:
         unseen = {n: one for n, one in self.definition.fitting.parameters.items() if one.unloading and n not in free}
         self.options = {n: float(np.ravel(one.starts(self.contact))[0]) for n, one in unseen.items()}
         self.options |= self.definition.read(options)
+        self.definition.refuse_missing({*self.options, *free})
         self.measured, self.force = displacement, force
         self.scale = float(np.ptp(displacement)) or float(np.max(np.abs(displacement))) or 1.0
         self.sigma = np.full(force.size, noise or self.scale)

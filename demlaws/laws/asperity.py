@@ -194,7 +194,7 @@ def _steepest(u, s, slope):
 
 def _prepare(
     contact,
-    surface=None,
+    surface,
     curve="loading",
     force=None,
     max_force=None,
@@ -248,7 +248,7 @@ def _map(surface):
     if not isinstance(surface, HeightMap):
         raise DemlawsError(
             "law 'asperity' needs surface, a demlaws.surface.HeightMap (form removed) or the path of a map, "
-            f"got {'none' if surface is None else type(surface).__name__}"
+            f"got {type(surface).__name__}"
         )
     advise(surface)
     return surface
@@ -310,9 +310,7 @@ LAW = Definition(
     example_curve={"curve": "reloading", "force": 100.0},
     default_unloading=lambda curve="loading", **_: "elastic" if curve == "reloading" else "hertz",
     options={
-        "surface": Option(
-            "", "a HeightMap or a file", "height map of the rough body, or of the gap between two; needed", _softened
-        ),
+        "surface": Option("", "a HeightMap or a file", "height map of the rough body, or of the gap between two", _softened),
         "curve": Option("", "loading or reloading", "first loading, or the elastic reloading after `force`"),
         "force": Option("N", POSITIVE, "largest force of first loading before the reloading curve; required for it"),
         "max_force": Option("N", POSITIVE, "end of the computed curve; default: the edge of the map or bulk yield"),

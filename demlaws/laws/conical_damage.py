@@ -14,7 +14,7 @@ import numpy as np
 from demlaws.contact import GRANITE_YIELD_PRESSURE, pressure_of
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, sqrt
-from demlaws.errors import Argument, DemlawsError
+from demlaws.errors import DemlawsError
 from demlaws.laws.definition import (
     LENGTH,
     POSITIVE,
@@ -102,14 +102,7 @@ def _blunting(angle):
     return (1.0 - math.sin(angle)) / math.sin(angle)
 
 
-def _prepare(contact, strength=None, angle=None):
-    if strength is None or angle is None:
-        raise DemlawsError(
-            "law 'conical-damage' needs strength σ_max in Pa and angle α in rad: give ",
-            Argument("strength", ...),
-            " and ",
-            Argument("angle", ...),
-        )
+def _prepare(contact, strength, angle):
     if angle >= 0.5 * math.pi:
         raise DemlawsError(f"angle = {angle:g} rad: give an angle below π/2, where the cone is a plane")
     return ConicalDamageShape(pressure_of(contact, strength, "strength"), _blunting(angle))
@@ -159,10 +152,8 @@ LAW = Definition(
     },
     default_unloading="thornton",
     options={
-        "strength": Option("Pa", POSITIVE, "σ_max, peak pressure at which the tip crushes; needed", PRESSURE),
-        "angle": Option(
-            "rad", Numbers(0.0, 0.5 * math.pi), "α of the cone that it becomes: blunt near π/2; needed", _angle_softens
-        ),
+        "strength": Option("Pa", POSITIVE, "σ_max, peak pressure at which the tip crushes", PRESSURE),
+        "angle": Option("rad", Numbers(0.0, 0.5 * math.pi), "α of the cone that it becomes: blunt near π/2", _angle_softens),
     },
     fitting=Fitting(
         identifiable=False,

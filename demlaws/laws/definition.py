@@ -4,14 +4,14 @@ import functools
 import inspect
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN, RULES, Rule
-from demlaws.errors import DemlawsError, MissingQuantity, did_you_mean
+from demlaws.errors import Argument, DemlawsError, MissingQuantity, did_you_mean
 from demlaws.units import number
 
 
@@ -161,9 +161,9 @@ class Option(NamedTuple):
     """A law's option: `Definition.read` reads values by this record. Its default is in the signature of `prepare`.
 
     An option with a range (`Numbers`), or with a unit, is a number, or text with a unit. Any other one is what its `prepare`
-    makes of it: a word, a file.
+    makes of it: a word, a file. One without a default is needed.
 
-    >>> strength = dl.Option("Pa", dl.Numbers(0.0), "pressure at which the bulk yields; needed")
+    >>> strength = dl.Option("Pa", dl.Numbers(0.0), "pressure at which the bulk yields")
     >>> strength.read("strength", "1.66GPa"), str(strength.values)
     (1660000000.0, 'above 0')
     """
@@ -243,6 +243,7 @@ class Drawing(NamedTuple):
 
 
 _signature = functools.cache(inspect.signature)
+_REQUIRED = inspect.Parameter.empty
 
 
 class Definition(NamedTuple):
@@ -288,7 +289,7 @@ class Definition(NamedTuple):
         """Options as numbers in SI units, each read by its record (`Option`), those of the law before yield by its records.
 
         The one place that reads options, of Python, commands, scenes, engines and files. None is an option that is not given,
-        where that is its default. An unknown option stays as it is: `shape` refuses it.
+        where that is its default or it has none. An unknown option stays as it is: `shape` refuses it.
         """
         inner = {}
         if self.before_yield is not None:
@@ -296,7 +297,7 @@ class Definition(NamedTuple):
             inner = before.read(rest)
         signature, values = _signature(self.prepare).parameters, {}
         for name, value in options.items():
-            if value is None and name in signature and signature[name].default is None:
+            if value is None and name in signature and signature[name].default in (None, _REQUIRED):
                 continue
             record = self.options.get(name)
             values[name] = inner.get(name, value) if record is None else record.read(name, value)
@@ -305,7 +306,7 @@ class Definition(NamedTuple):
     def shape(self, contact: Contact, **options: Any) -> Any:
         """Shape of the law for a contact, its options read: an unknown one is a DemlawsError."""
         try:
-            _signature(self.prepare).bind(contact, **options)
+            _signature(self.prepare).bind_partial(contact, **options)
         except TypeError as error:
             wrong = [name for name in options if name not in self.options]
             if wrong and self.options:
@@ -318,6 +319,7 @@ class Definition(NamedTuple):
             hint = f"its options are {', '.join(self.options)} (demlaws laws {self.name})"
             raise DemlawsError(f"law {self.name!r}: {error}; {hint}") from None
         options = self.read(options)
+        self.refuse_missing(options)
         for field in self.needs:
             if getattr(contact, field) is None:
                 raise MissingQuantity(f"law {self.name!r}", field)
@@ -326,6 +328,17 @@ class Definition(NamedTuple):
         except TypeError as error:  # a list where a word belongs
             text = ", ".join(f"{name}={value!r:.60}" for name, value in options.items())
             raise DemlawsError(f"law {self.name!r} cannot use {text}: {error}") from error
+
+    def refuse_missing(self, given: Container[str]) -> None:
+        """Raise DemlawsError unless all options without a default are among the `given` ones."""
+        parameters = list(_signature(self.prepare).parameters.values())[1:]
+        missing = [one.name for one in parameters if one.default is _REQUIRED and one.kind is not one.VAR_KEYWORD]
+        missing = [name for name in missing if name not in given]
+        if missing:
+            records = [(name, self.options.get(name, Option("", "", "an option"))) for name in missing]
+            texts = [f"{name}{one.unit and f' in {one.unit}'} ({one.meaning})" for name, one in records]
+            ways = [part for name in missing for part in (", ", Argument(name, ...))][1:]
+            raise DemlawsError(f"law {self.name!r} needs {', '.join(texts)}: give ", *ways)
 
     def default_rule(self, **options: Any) -> str:
         """Name of the unloading rule where a user names none, in Python, commands, scenes and engines.
@@ -365,9 +378,10 @@ class Definition(NamedTuple):
         """A line for each option: name, unit, range, default, meaning."""
         signature = _signature(self.prepare).parameters
         for name, option in self.options.items():
-            default = signature[name].default if name in signature else inspect.Parameter.empty
-            needed = default in (None, inspect.Parameter.empty)
-            text = "no default" if needed else f"default {default if isinstance(default, str) else format(default, '.10g')}"
+            default = signature[name].default if name in signature else None  # of the law before yield, by **options
+            text = "needed" if default is _REQUIRED else "no default"
+            if default not in (None, _REQUIRED):
+                text = f"default {default if isinstance(default, str) else format(default, '.10g')}"
             unit = f" [{option.unit}]" if option.unit else ""
             yield f"{name}{unit}: {option.meaning}; {option.values}; {text}"
 

@@ -9,7 +9,6 @@ from demlaws.core.dispatch import bind, curves_of, energy, first_loading
 from demlaws.core.fastmath import cbrt, hertz_coefficient, hertz_overlap, kernel, sqrt
 from demlaws.core.shear import of_first_loading
 from demlaws.core.unloading import Rule, own_rule
-from demlaws.errors import Argument, DemlawsError
 from demlaws.laws.definition import (
     Advice,
     Definition,
@@ -172,9 +171,7 @@ EEPA = own_rule(
 )
 
 
-def _prepare(contact, stiffness_ratio=None, softness=1.0):
-    if stiffness_ratio is None:
-        raise DemlawsError("law 'eepa' needs stiffness_ratio, k2/k1 from 1: give ", Argument("stiffness_ratio", ...))
+def _prepare(contact, stiffness_ratio, softness=1.0):
     return EepaShape(softness, stiffness_ratio)
 
 
@@ -204,7 +201,7 @@ LAW = Definition(
     default_unloading="eepa",
     refused=_ONLY_OWN,
     options={
-        "stiffness_ratio": Option("", Numbers(1.0, 1e6, True), "k2/k1; needed"),
+        "stiffness_ratio": Option("", Numbers(1.0, 1e6, True), "k2/k1"),
         "softness": Option("", Numbers(0.0, 1e3), "k1 over Hertz's (4/3) E* √R"),
     },
     fitting=Fitting(

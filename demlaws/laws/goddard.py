@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import cbrt, hertz_coefficient, hertz_overlap, kernel, sqrt
-from demlaws.errors import Argument, DemlawsError
 from demlaws.laws.definition import Definition, Drawing, Fitting, Numbers, Option, Parameter, slope_softens
 from demlaws.laws.pohrt_popov import transition_energy
 
@@ -64,9 +63,7 @@ bind(GoddardShape, scale=_scale)
 bind(GoddardParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
-def _prepare(contact, slope=None):
-    if slope is None:
-        raise DemlawsError("law 'goddard' needs slope in rad, the flank of the tip: give ", Argument("slope", ...))
+def _prepare(contact, slope):
     return GoddardShape(3.0 * math.pi**2 / 16.0 * max(math.tan(slope) ** 2, 1e-40))
 
 
@@ -81,7 +78,7 @@ LAW = Definition(
     example={"slope": 0.035},
     example_curve={"slope": 0.03},
     options={
-        "slope": Option("rad", Numbers(0.0, 1.0, True), "slope β of the tip's or the surface's flank; needed", slope_softens),
+        "slope": Option("rad", Numbers(0.0, 1.0, True), "slope β of the tip's or the surface's flank", slope_softens),
     },
     fitting=Fitting(
         parameters={"slope": Parameter("rad", True, lambda c: (1e-4, 0.9), lambda c: [0.003, 0.01, 0.03, 0.1], option=True)},

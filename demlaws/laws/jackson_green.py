@@ -16,7 +16,6 @@ import numpy as np
 from demlaws.contact import pressure_of
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import exp2, hertz_coefficient, hertz_overlap, kernel, log2, sqrt
-from demlaws.errors import Argument, DemlawsError
 from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, no_limits, yielding_bulk
 from demlaws.laws.etsion import ETSION, JACKSON, NOT_THORNTON, rule_numbers
 from demlaws.laws.kogut_etsion import POISSON_OPTION, STRENGTH, STRENGTH_OPTION
@@ -140,9 +139,7 @@ bind(JacksonGreenShape, scale=_scale)
 bind(JacksonGreenParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
-def _prepare(contact, yield_strength=None, poisson=0.3):
-    if yield_strength is None:
-        raise DemlawsError("law 'jackson-green' needs yield_strength S_y in Pa: give ", Argument("yield_strength", ...))
+def _prepare(contact, yield_strength, poisson=0.3):
     return JacksonGreenShape(pressure_of(contact, yield_strength, "yield_strength"), 1.295 * math.exp(0.736 * poisson))
 
 

@@ -18,7 +18,6 @@ import numpy as np
 from demlaws.contact import pressure_of
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import exp2, hertz_coefficient, hertz_overlap, kernel, log2, sqrt
-from demlaws.errors import Argument, DemlawsError
 from demlaws.laws.definition import (
     POSITIVE,
     PRESSURE,
@@ -114,11 +113,7 @@ bind(KogutEtsionShape, scale=_scale)
 bind(KogutEtsionParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
-def _prepare(contact, yield_strength=None, poisson=0.3):
-    if yield_strength is None:
-        raise DemlawsError(
-            "law 'kogut-etsion' needs yield_strength Y in Pa (H = 2.8 Y): give ", Argument("yield_strength", ...)
-        )
+def _prepare(contact, yield_strength, poisson=0.3):
     return KogutEtsionShape(_pressure(pressure_of(contact, yield_strength, "yield_strength"), poisson))
 
 
@@ -143,7 +138,7 @@ def _numbers(p, length, error):
 
 
 STRENGTH = pressure_option(1e-5, 0.3, *np.geomspace(0.005, 0.1, 3))
-STRENGTH_OPTION = Option("Pa", POSITIVE, "yield strength of the softer body; needed", PRESSURE)
+STRENGTH_OPTION = Option("Pa", POSITIVE, "yield strength of the softer body", PRESSURE)
 POISSON_OPTION = Option("", Numbers(0.0, 0.5, True), "its Poisson's ratio")
 
 LAW = Definition(

@@ -164,7 +164,7 @@ ONLY_STRAIGHT = dict.fromkeys(
     ("hertz", "thornton"),
     "at small load a straight branch is stiffer than Hertz's, along which it would return more than it took",
 )
-K1 = Option("N/m", POSITIVE, "k1; needed", STIFFNESS)
+K1 = Option("N/m", POSITIVE, "k1; granite of R = 4 mm at 10 N: 3e6", STIFFNESS)
 """Option `loading_stiffness`."""
 STRAIGHT = {
     "loading_stiffness": Parameter(

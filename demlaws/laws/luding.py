@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, kernel
-from demlaws.errors import DemlawsError
 from demlaws.laws.definition import (
     LENGTH,
     Advice,
@@ -43,11 +42,7 @@ def _scale(shape, radius, modulus, roughness):
 bind(LudingShape, scale=_scale)
 
 
-def _prepare(contact, loading_stiffness=None, stiffness_ratio=None, plasticity_depth=None):
-    if None in (loading_stiffness, stiffness_ratio, plasticity_depth):
-        raise DemlawsError(
-            "law 'luding' needs loading_stiffness k1 in N/m, stiffness_ratio k̂2/k1 above 1 and plasticity_depth φ_f"
-        )
+def _prepare(contact, loading_stiffness, stiffness_ratio, plasticity_depth):
     return LudingShape(loading_stiffness, stiffness_ratio, plasticity_depth)
 
 
@@ -70,8 +65,8 @@ LAW = Definition(
     refused=ONLY_STRAIGHT,
     options={
         "loading_stiffness": K1,
-        "stiffness_ratio": Option("", Numbers(1.0, 1e6), "k̂2/k1, of the stiffest unloading; needed"),
-        "plasticity_depth": Option("", Numbers(0.0, 1.0), "φ_f, largest plastic overlap over 2R; needed", LENGTH),
+        "stiffness_ratio": Option("", Numbers(1.0, 1e6), "k̂2/k1, of the stiffest unloading"),
+        "plasticity_depth": Option("", Numbers(0.0, 1.0), "φ_f, largest plastic overlap over 2R", LENGTH),
     },
     fitting=Fitting(
         identifiable=False,

@@ -17,10 +17,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.contact import GRANITE, GRANITE_YIELD_PRESSURE, pressure_of
+from demlaws.contact import GRANITE_YIELD_PRESSURE, pressure_of
 from demlaws.core.dispatch import bind, energy, first_loading, inverse, scale
 from demlaws.core.fastmath import bits, cbrt, from_bits, hertz_coefficient, hertz_overlap, kernel
-from demlaws.errors import Argument, DemlawsError
+from demlaws.errors import DemlawsError
 from demlaws.laws.definition import (
     DIMENSION,
     POSITIVE,
@@ -134,7 +134,7 @@ def _loading_definition(loading):
 
 def _prepare(
     contact,
-    yield_pressure=None,
+    yield_pressure,
     loading="pohrt-popov",
     yield_at="stiffness",
     post_yield_pressure=None,
@@ -144,15 +144,6 @@ def _prepare(
     definition = _loading_definition(loading)
     if yield_at not in ("stiffness", "load"):
         raise DemlawsError(f"yield_at = {yield_at!r}: the bulk yields at 'stiffness' or at 'load'")
-    if yield_pressure is None:
-        of_granite = (
-            f"{GRANITE_YIELD_PRESSURE / 1e9:g}e9, that is {GRANITE_YIELD_PRESSURE / GRANITE.hardness:.3f} times its hardness"
-        )
-        raise DemlawsError(
-            "law 'rough-plastic' needs yield_pressure in Pa: give ",
-            Argument("yield_pressure", ...),
-            f" (granite of the tests: {of_granite})",
-        )
     pressure = after = pressure_of(contact, yield_pressure, "yield_pressure")
     if post_yield_pressure is not None:
         after = pressure_of(contact, post_yield_pressure, "post_yield_pressure")
@@ -224,7 +215,9 @@ LAW = Definition(
     example={"yield_pressure": GRANITE_YIELD_PRESSURE},
     unloading=("elastic", "hertz", "thornton"),
     options={
-        "yield_pressure": Option("Pa", POSITIVE, "p_y = K_y/(π R), K_y: stiffness at yield and after; needed", PRESSURE),
+        "yield_pressure": Option(
+            "Pa", POSITIVE, "p_y = K_y/(π R) of stiffness K_y from yield on; granite: 0.265 of the hardness", PRESSURE
+        ),
         "loading": Option("", "name of a law", "law that holds before the bulk yields; that law's options can be given, too"),
         "yield_at": Option("", "stiffness, load", "yield where K_rough = π R p_y, or at the load π³R²p_y³/(6E*²)"),
         "post_yield_pressure": Option("Pa", POSITIVE, "p_K of the stiffness after yield, K_y = π R p_K, if not p_y", PRESSURE),

@@ -8,7 +8,6 @@ import numpy as np
 from demlaws.contact import GRANITE_YIELD_PRESSURE, pressure_of
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, kernel
-from demlaws.errors import DemlawsError
 from demlaws.laws.definition import (
     POSITIVE,
     PRESSURE,
@@ -45,12 +44,7 @@ def _scale(shape, radius, modulus, roughness):
 bind(ThorntonNingShape, scale=_scale)
 
 
-def _prepare(contact, yield_pressure=None):
-    if yield_pressure is None:
-        raise DemlawsError(
-            "law 'thornton-ning' needs yield_pressure p_y in Pa: a fit parameter, about 1.6 times the yield strength where a "
-            f"contact first yields, 4.2 times for contacts far beyond (granite cones: {GRANITE_YIELD_PRESSURE / 1e9:g}e9)"
-        )
+def _prepare(contact, yield_pressure):
     return ThorntonNingShape(pressure_of(contact, yield_pressure, "yield_pressure"))
 
 
@@ -72,7 +66,7 @@ LAW = Definition(
         "yield_pressure": Option(
             "Pa",
             POSITIVE,
-            "limit contact pressure p_y, a fit parameter: 1.6 (first yield) to 4.2 times the yield strength; needed",
+            "limit contact pressure p_y, a fit parameter: 1.6 (first yield) to 4.2 times the yield strength",
             PRESSURE,
         ),
     },

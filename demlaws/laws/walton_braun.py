@@ -42,9 +42,7 @@ def _scale(shape, radius, modulus, roughness):
 bind(WaltonBraunShape, scale=_scale)
 
 
-def _prepare(contact, loading_stiffness=None, stiffness_ratio=None, growth=None):
-    if loading_stiffness is None:
-        raise DemlawsError("law 'walton-braun' needs loading_stiffness k1 in N/m (granite of R = 4 mm at 10 N: 3e6)")
+def _prepare(contact, loading_stiffness, stiffness_ratio=None, growth=None):
     if (stiffness_ratio is None) == (growth is None):
         raise DemlawsError(
             "law 'walton-braun' needs either stiffness_ratio, k2/k1 from 1, or growth, S in 1/m of k2 = k1 + S Pmax: give one"

@@ -13,7 +13,7 @@ from demlaws.contact import Contact
 from demlaws.core.content import tag_of
 from demlaws.core.dispatch import bind, function_of_text, scalar
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel
-from demlaws.errors import Argument, DemlawsError
+from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, Numbers, Option, check_name
 from demlaws.units import number
 
@@ -103,15 +103,11 @@ def define(
 
     def prepare(contact: Contact, **keywords: Any) -> Any:
         values = {n: getattr(contact, n) for n in extra if n not in entries}
-        for n, default in defaults.items():
-            value = keywords.get(n, default)
-            if value is None:
-                meaning = entries[n][1].meaning or "an option"
-                raise DemlawsError(f"law {name!r} needs {n}: {meaning}; give ", Argument(n, ...))
-            values[n] = value
+        values |= {n: keywords.get(n, default) for n, default in defaults.items()}
         return shape_type(*(math.nan if values[n] is None else float(values[n]) for n in extra))
 
-    parameters = [inspect.Parameter(n, inspect.Parameter.KEYWORD_ONLY, default=d) for n, d in defaults.items()]
+    kind, required = inspect.Parameter.KEYWORD_ONLY, inspect.Parameter.empty
+    parameters = [inspect.Parameter(n, kind, default=required if d is None else d) for n, d in defaults.items()]
     prepare.mark = shape_type.__qualname__  # type: ignore[attr-defined]
     first = inspect.Parameter("contact", inspect.Parameter.POSITIONAL_OR_KEYWORD)
     prepare.__signature__ = inspect.Signature([first, *parameters])  # type: ignore[attr-defined]

@@ -4,6 +4,7 @@ files, YADE, cases of LIGGGHTS and LAMMPS, saved tables."""
 import inspect
 import math
 
+import numpy as np
 import pytest
 from examples import GRANITE, options_of, quiet
 
@@ -103,10 +104,29 @@ def test_a_law_made_of_text(law, tmp_path):
         assert file.read_bytes() == quiet(number.tabulate, rtol=1e-2).save(tmp_path / "number.tbl").read_bytes()
 
 
+NEEDED = {law: [n for n in find(law).options if default_of(law, n) is inspect.Parameter.empty] for law in dl.laws()}
+
+
+@pytest.mark.parametrize("law", [law for law in dl.laws() if NEEDED[law]])
+def test_an_option_without_a_default_is_needed(law):
+    """One error with all that are missing and how to give them."""
+    for given in ({}, dict.fromkeys(NEEDED[law])):
+        with pytest.raises(dl.DemlawsError) as refused:
+            dl.law(law, GRANITE, **given)
+        assert all(f"{name}=..." in str(refused.value) for name in NEEDED[law])
+
+
+@pytest.mark.parametrize("law", ["goddard", "luding"])
+def test_a_fit_needs_the_options_that_it_does_not_vary(law):
+    points = np.linspace(1e-6, 1e-5, 20)
+    with pytest.raises(dl.DemlawsError, match=f"law '{law}' needs {NEEDED[law][0]}"):
+        dl.fit(np.column_stack([points, 1e6 * points]), GRANITE, laws=law, free=["modulus"])
+
+
 @pytest.mark.parametrize(("law", "name"), NUMERIC)
 def test_junk_is_refused_by_name(law, name, tmp_path, capsys):
     options, unit = options_with(law, name), find(law).options[name].unit
-    may_be_none = default_of(law, name) is None
+    may_be_none = default_of(law, name) in (None, inspect.Parameter.empty)
     words = ["junk", "nan", "inf", "1 furlong", "-1e300", "1 mm" if unit == "Pa" else "1 GPa"]
     for junk in (*words, math.nan, [1.0, 2.0], {}, True, 1j, *([] if may_be_none else [None])):
         with pytest.raises(dl.DemlawsError, match=name):
