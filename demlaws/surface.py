@@ -20,9 +20,9 @@ from demlaws.errors import DemlawsError, MapWarning, did_you_mean, warn
 from demlaws.files import as_path, read_text, write_atomically
 from demlaws.surfaces import plausibility
 from demlaws.surfaces.cells import Decimals, is_missing, separator, split
-from demlaws.surfaces.heightmap import UNITS, HeightMap, box_correction, length, self_affine
+from demlaws.surfaces.heightmap import UNITS, HeightMap, box_correction, self_affine
 
-__all__ = ["UNITS", "HeightMap", "box_correction", "length", "read", "self_affine", "write"]
+__all__ = ["UNITS", "HeightMap", "box_correction", "read", "self_affine", "write"]
 
 LARGEST_PIXEL = 1e-2
 """Pixel [m] above which a plain number is refused: 0.8 is 0.8 m, and mostly meant as 0.8 µm."""
@@ -141,7 +141,7 @@ def _pixel_pair(pixel):
     plain = [not (isinstance(p, str) and re.search(r"[^\W\d_]\s*$", p)) for p in pair]
     if isinstance(pixel, str) and len(set(plain)) > 1:
         raise DemlawsError(f"pixel = {pixel!r}: one of two lengths has no unit; write 1um,5um for x and y, 1.5um for both")
-    sizes = [length(p, "pixel") for p in pair]
+    sizes = [units.number(p, "pixel", "m") for p in pair]
     for size, is_plain in zip(sizes, plain, strict=True):
         if is_plain and size > LARGEST_PIXEL:
             raise DemlawsError(

@@ -139,9 +139,9 @@ def _warn(result, found):
 
 
 def _field(arguments, heights):
-    from demlaws import surface
+    from demlaws.units import number
 
-    sides = [surface.length(part.strip(), "--crop") for part in arguments.crop.split(",")]
+    sides = [number(part.strip(), "--crop", "m") for part in arguments.crop.split(",")]
     if len(sides) not in (1, 2, 4):
         raise DemlawsError(f"--crop {arguments.crop}: give width, width and height, or these and x and y of the middle")
     return heights.cropped(*sides[:2], centre=tuple(sides[2:]) or None)

@@ -17,14 +17,6 @@ from demlaws.surfaces import plausibility
 UNITS = {**units.UNITS["m"], "µm": 1e-6, "μm": 1e-6}
 
 
-def length(text, name="length"):
-    """Metres from "0.5um", "5e-7" or a number. Raises DemlawsError for anything else."""
-    value = float(units.as_float(text, name, "m"))
-    if not (math.isfinite(value) and value > 0):
-        raise DemlawsError(f"{name} = {text!r}: a length must be positive")
-    return value
-
-
 @dataclass(frozen=True)
 class HeightMap:
     """Heights [m] on a regular grid: rows along y, columns along x; NaN (or masked) where the instrument saw nothing.
@@ -52,8 +44,8 @@ class HeightMap:
         if np.isnan(heights).all():
             raise DemlawsError("every pixel of the height map is missing")
         object.__setattr__(self, "heights", heights)
-        object.__setattr__(self, "pixel_x", length(self.pixel_x, "pixel_x"))
-        pixel_y = self.pixel_x if self.pixel_y is None else length(self.pixel_y, "pixel_y")
+        object.__setattr__(self, "pixel_x", units.number(self.pixel_x, "pixel_x", "m"))
+        pixel_y = self.pixel_x if self.pixel_y is None else units.number(self.pixel_y, "pixel_y", "m")
         object.__setattr__(self, "pixel_y", pixel_y)
 
     def __repr__(self):
@@ -168,8 +160,8 @@ class HeightMap:
 
         centre: x, y [m] from the map's first pixel. Raises DemlawsError where the field reaches beyond the map.
         """
-        width = length(width, "width")
-        height = width if height is None else length(height, "height")
+        width = units.number(width, "width", "m")
+        height = width if height is None else units.number(height, "height", "m")
         whole = self.field_of_view
         middle = units.as_float((0.5 * whole[0], 0.5 * whole[1]) if centre is None else centre, "centre", "m", array=True)
         if middle.shape != (2,) or not np.all(np.isfinite(middle)):
@@ -444,8 +436,8 @@ def self_affine(shape, pixel, hurst, *, roughness, seed, shortest=0.0, longest=m
     hurst = units.number(hurst, "hurst", "", 0.0, 1.0)
     roughness, anisotropy = units.number(roughness, "roughness", "m"), units.number(anisotropy, "anisotropy")
     shortest = units.number(shortest, "shortest", "m", allow_low=True)
-    longest = math.inf if isinstance(longest, float) and longest == math.inf else length(longest, "longest")
-    pixel = length(pixel, "pixel")
+    longest = math.inf if isinstance(longest, float) and longest == math.inf else units.number(longest, "longest", "m")
+    pixel = units.number(pixel, "pixel", "m")
     try:
         generator = np.random.default_rng(seed)
     except (TypeError, ValueError):
