@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.errors import Argument, DemlawsError, MissingQuantity, did_you_mean, refuses_unknown_keywords, warn
-from demlaws.units import RANGES, as_float, judge, number, outside, positive, refuse, refuse_plain_radius
+from demlaws.units import RANGES, as_float, as_given, judge, number, outside, positive, refuse, refuse_plain_radius
 
 PER_CONTACT = ("radius", "modulus", "roughness")
 """Fields of a `Contact` that may have one entry per contact."""
@@ -34,7 +34,7 @@ def _check(owner: Any, *names: str, scalar: bool = True) -> None:
             where = f" (entry {bad[0]})" if array.ndim else ""
             text = judge(**{name: float(array.flat[bad[0]])})[0].text
             raise DemlawsError(Argument(name), text.removeprefix(name).replace(":", f"{where}:", 1))
-        object.__setattr__(owner, name, float(array) if array.ndim == 0 else array)
+        object.__setattr__(owner, name, as_given(array))
 
 
 def _refuse_lengths(values: dict) -> None:

@@ -18,8 +18,8 @@ from demlaws.curves.unloading import ELASTIC, Unloading, beside_table, refuse_un
 from demlaws.errors import Argument, DemlawsError
 from demlaws.files import as_path, names_a_file, write_atomically
 from demlaws.laws.definition import Definition
-from demlaws.responses.response import Response, as_given
-from demlaws.units import number
+from demlaws.responses.response import Response
+from demlaws.units import as_given, number
 
 if TYPE_CHECKING:
     from demlaws.core.grid import Nodes

@@ -140,6 +140,11 @@ def as_float(value, name, unit="", array=False):
     return result
 
 
+def as_given(value):
+    """A result as a number where it has no dimensions, else the array."""
+    return float(value) if np.ndim(value) == 0 else value
+
+
 def number(value, name, unit="", low=0.0, high=math.inf, allow_low=False):
     """`value` (a number, or text as `quantity` reads it) as a float above `low` (or from it) and up to `high`, or an error
     that names it."""

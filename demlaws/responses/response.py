@@ -26,7 +26,7 @@ from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
 from demlaws.curves.unloading import ELASTIC, Unloading, joined_shape
 from demlaws.errors import DemlawsError, LargeOverlap, warn
 from demlaws.laws.registry import is_user_defined
-from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, as_float, check_overlaps, number, unmasked
+from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, as_float, as_given, check_overlaps, number, unmasked
 
 if TYPE_CHECKING:
     from demlaws.curves.closed import ClosedForm
@@ -474,8 +474,3 @@ def _numbers(value: Any, name: str, unit: str) -> np.ndarray:
     except (TypeError, ValueError):
         raise DemlawsError(f"{name} must be a number or an array in {unit}, got {value!r}") from None
     return array if array.dtype in (np.float64, np.float32) else array.astype(float)
-
-
-def as_given(array):
-    """A number for an array without dimensions, else the array."""
-    return float(array) if array.ndim == 0 else array

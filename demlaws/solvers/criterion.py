@@ -20,7 +20,7 @@ from demlaws.contact import as_contact, smooth_overlap
 from demlaws.errors import DemlawsError, MissingQuantity
 from demlaws.solvers import master_curves
 from demlaws.solvers.master_curves import ELASTIC_LAYER
-from demlaws.units import as_float, number, positive
+from demlaws.units import as_float, as_given, number, positive
 
 YIELD_RATIO = 0.6
 """p(0)/H_m at which the bulk begins to yield (Tabor)."""
@@ -56,7 +56,7 @@ def central_pressure(roughness_parameter, mu):
     """p(0)/p0 by Greenwood & Tripp's own solution at α and μ = (8/3) η σ √(2Rβ): numbers, or arrays of α."""
     alpha = np.maximum(_parameter(roughness_parameter), 1e-4)  # there the ratio is 1 within 1e-3
     mu = number(mu, "mu", "", master_curves.LOWEST, master_curves.HIGHEST, allow_low=True)
-    return _plain(master_curves.central_pressure(ELASTIC_LAYER, mu, 4.0 / 3.0 * alpha**-1.5))
+    return as_given(master_curves.central_pressure(ELASTIC_LAYER, mu, 4.0 / 3.0 * alpha**-1.5))
 
 
 def _parameter(value):
@@ -72,7 +72,7 @@ def pressure_ratio(contact, force, mu=None):
     force = checked_forces(force)
     alpha = as_contact(contact).roughness_parameter(force)
     drop = pressure_drop(alpha) if mu is None else central_pressure(alpha, mu)
-    return _plain(hertz_pressure(contact, force) * drop / hardness_of(contact))
+    return as_given(hertz_pressure(contact, force) * drop / hardness_of(contact))
 
 
 def deforming_part(ratio):
@@ -108,7 +108,7 @@ def transition_force(contact, ratio=YIELD_RATIO, mu=None):
             )
         if np.max(np.abs(step)) < 1e-14:
             break
-    return _plain(np.exp(log))
+    return as_given(np.exp(log))
 
 
 def lowest_transition_force(contact):
@@ -136,7 +136,7 @@ def transition_roughness(contact, force, ratio=YIELD_RATIO, *, mu=None):
     share = _ratio(ratio) * hardness_of(contact) / hertz_pressure(contact, force)
     with np.errstate(divide="ignore", invalid="ignore"):
         alpha = np.where(share < 1.0, (-2.0 / (3.0 * np.log1p(-np.minimum(share, 1.0)))) ** (1 / 0.6), 0.0)
-    return _plain(alpha * smooth_overlap(contact, force))
+    return as_given(alpha * smooth_overlap(contact, force))
 
 
 def _root(function, start):
@@ -177,7 +177,3 @@ def _ratio(value):
 def checked_forces(force):
     """Forces [N] as an array; DemlawsError unless all are positive and finite."""
     return positive(force, "force", "N")
-
-
-def _plain(value):
-    return float(value) if np.ndim(value) == 0 else value

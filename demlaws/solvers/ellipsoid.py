@@ -10,7 +10,7 @@ import numpy as np
 
 from demlaws.core.numba_compat import kernel
 from demlaws.errors import Argument, DemlawsError
-from demlaws.units import number
+from demlaws.units import as_given, number
 
 ELASTIC, ELASTIC_PLASTIC, PLASTIC = 0, 1, 2
 STATES = ("elastic", "elastic-plastic", "plastic")
@@ -38,7 +38,7 @@ def shape_factors(ratio):
     k, third = np.exp(x), np.exp(x / 3.0)
     root = np.cbrt(2.0 / math.pi * ellipe(-np.expm1(2.0 * x)))
     factors = third * root, root / third**2, third**2 / root * ellipkm1(k * k) * 2.0 / math.pi, k
-    return tuple(float(f) if ratio.ndim == 0 else f for f in factors)
+    return tuple(map(as_given, factors))
 
 
 _STEP = 64.0  # nodes of the table below in a unit of ln ratio
