@@ -104,7 +104,9 @@ def register(definition: Definition, replace: bool = False) -> Definition:
     >>> round(law.force(1e-6), 9), dl.laws()[-1]
     (1.0, 'spring')
     """
-    return _register(definition, _home(sys._getframe(1).f_globals), replace)
+    names = sys._getframe(1).f_globals  # of the code that registers: its file, or the name of its module
+    file = names.get("__file__")
+    return _register(definition, os.path.realpath(file) if file else str(names.get("__name__", "?")), replace)
 
 
 def _register(definition: Definition, home: str, replace: bool = False) -> Definition:
@@ -127,12 +129,6 @@ def _register(definition: Definition, home: str, replace: bool = False) -> Defin
     with contextlib.suppress(OSError):
         _marks[name] = _check_value(Path(home).read_bytes())
     return _user_laws[name]
-
-
-def _home(names: dict[str, Any]) -> str:
-    """Where the code that registers stands: its file, or the name of its module."""
-    file = names.get("__file__")
-    return os.path.realpath(file) if file else str(names.get("__name__", "?"))
 
 
 def _check(definition: Any) -> None:
@@ -232,8 +228,7 @@ def load_laws(file: str | os.PathLike) -> list[str]:
     path = os.path.realpath(as_path(file))
     module = _imported(path)
     if path not in _loaded and module is not None:  # registered what it calls `register` with; a LAW waits to be
-        for definition in _laws_of(module):
-            _register(definition, path)
+        _register_law_of(module, path)
     elif path not in _loaded:
         _loaded[path] = None
         try:
@@ -271,8 +266,7 @@ def _run(path: str) -> None:
     sys.path.insert(0, folder)
     try:
         spec.loader.exec_module(module)
-        for definition in _laws_of(module):
-            _register(definition, path)
+        _register_law_of(module, path)
     except KeyboardInterrupt:
         raise
     except BaseException as error:
@@ -290,10 +284,11 @@ def _run(path: str) -> None:
         raise DemlawsError(f"{path} registers no law: call demlaws.register(...) in it")
 
 
-def _laws_of(module: ModuleType) -> list[Definition]:
-    """Definitions that a module holds as LAW or LAWS."""
-    one, several = getattr(module, "LAW", None), getattr(module, "LAWS", ())
-    return [d for d in (one, *(several if isinstance(several, list | tuple) else ())) if isinstance(d, Definition)]
+def _register_law_of(module: ModuleType, path: str) -> None:
+    """Register the definition that a module has as LAW, if it has one."""
+    law = getattr(module, "LAW", None)
+    if isinstance(law, Definition):
+        _register(law, path)
 
 
 def _format_load_error(path: str, error: BaseException) -> str:
