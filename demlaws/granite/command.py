@@ -158,7 +158,7 @@ def draw(out, tests, runs, modulus, whole):
         figures += [(name, getattr(pictures, name), modulus) for name in ("stiffness", "roughness")]
         figures.append(("crossover-ss-18-18", pictures.crossover))
         cones = run_of("RFC10", ROUGH_PLASTIC), run_of("FC5", ROUGH_PLASTIC)
-        figures += [("plastic-overlap", pictures.plastic, *cones), ("cones", cone_figure, *cones)]
+        figures.append(("cones", cone_figure, *cones))
         figures.append(("effective-radius", pictures.radius, modulus))
 
     return [plots.save(picture(*arguments), out / f"{name}.png") for name, picture, *arguments in figures]

@@ -170,14 +170,3 @@ def roughness(modulus="text"):
     right.set(xlabel="force (N)", ylabel="stiffness (N/mm)", title="tangent stiffness")
     left.legend(fontsize=8)
     return fig
-
-
-def plastic(cone, small):
-    """Fig. 13: cumulative plastic deformation against the largest load; runs of RFC10 and FC5 with the law that yields."""
-    fig, ax = figure(width=5.6, height=4.2)
-    for run, stage, marker in ((cone, 1, "o"), (small, 4, "s")):
-        rows = [s for s in granite.stages_of(run) if s.stage == stage]
-        ax.plot([s.maximum_force for s in rows], [s.plastic_overlap * MICRO for s in rows], marker + "-", label=run.test.name)
-    ax.set(xlabel="largest force (N)", ylabel="cumulative plastic overlap (µm)", title="plastic overlap of the cones")
-    ax.legend()
-    return fig

@@ -33,7 +33,7 @@ class Claim(NamedTuple):
 class Bench:
     """The tests with one E*, and laws and runs on them, each made once."""
 
-    def __init__(self, modulus="text"):
+    def __init__(self, modulus):
         self.modulus, self._laws, self._runs = modulus, {}, {}
 
     def test(self, name):

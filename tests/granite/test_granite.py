@@ -166,7 +166,7 @@ def test_the_whole_command(tmp_path, capsys):
     assert f"{len(list(tmp_path.iterdir()))} files written" in capsys.readouterr().out
     drawn = {file.stem for file in tmp_path.glob("*.png")}
     assert {f"force-{test.key}" for test in granite.TESTS} < drawn
-    assert {"stiffness", "crossover-ss-18-18", "roughness", "plastic-overlap", "effective-radius", "cones"} < drawn
+    assert {"stiffness", "crossover-ss-18-18", "roughness", "effective-radius", "cones"} < drawn
     paths = {file.name for file in tmp_path.glob("*.csv")}
     assert {
         f"{test.key}-{name}.csv" for test in granite.TESTS for name in granite.laws_for_tests() if len(test.stages) == 1
