@@ -227,18 +227,14 @@ def _determined(contact):
     return sorted((d for d in pool if all(getattr(contact, n) is not None for n in d.needs)), key=lambda d: -d.advice.rank)
 
 
-def _smallest_load(scene):
-    """Smallest force [N] that matters on any contact of the scene."""
-    return min(float(np.min(scene.force_range(c)[0])) for r in scene.effective_radii() for c in scene.contacts(r))
-
-
 def _reaches(definition, scene, options):
     """Options with which a law holds at the scene's smallest load, or None: a solved curve is followed down to below it."""
     contacts = [c for r in dict.fromkeys(scene.effective_radii()) for c in scene.contacts(r)]
     if "seating_share" in definition.options and "seating_share" not in options:
         default = inspect.signature(definition.prepare).parameters["seating_share"].default
         unit = max(float(np.max(c.modulus * np.sqrt(c.radius) * c.sigma**1.5)) for c in contacts)
-        share = max(0.5 * _smallest_load(scene) / unit, 1e-7) if unit else default
+        smallest = min(float(np.min(scene.force_range(c)[0])) for c in contacts)
+        share = max(0.5 * smallest / unit, 1e-7) if unit else default
         if share < default:
             options = {**options, "seating_share": float(f"{share:.1g}")}
     try:

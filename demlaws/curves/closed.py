@@ -10,15 +10,15 @@ from demlaws.laws.registry import is_user_defined
 
 
 class ClosedForm:
-    """A definition with its options, and the Shape that it prepares for a contact (or a `shape` prepared already)."""
+    """A definition with its options, and the Shape that it prepares for a contact."""
 
     tabulated = False
     force_error = stiffness_error = 0.0
     starts_from_force = False
 
-    def __init__(self, definition: Definition, contact: Contact, options: dict, shape: Any = None):
+    def __init__(self, definition: Definition, contact: Contact, options: dict):
         self.definition = definition
-        self.shape = definition.shape(contact, **options) if shape is None else shape
+        self.shape = definition.shape(contact, **options)
         self.options = definition.read(options)
 
     @property

@@ -306,8 +306,9 @@ def refuse_unsound_rule(name, rule, params, radius) -> None:
     _passed[content] += 1
 
 
-def _fault_of_rule(rule, params, top, steps=400):
+def _fault_of_rule(rule, params, top):
     """Fault on a path from a virgin contact to the overlap `top`, half unloading, reloading, separation and loading again."""
+    steps = 400
     rise = np.linspace(0.0, 1.0, steps + 1)[1:]
     back = np.linspace(1.0, 0.5, steps + 1)[1:]
     off = np.linspace(1.0, 0.0, 2 * steps + 1)[1:]

@@ -95,7 +95,7 @@ def refuse_unless_passive(law: Any) -> None:
         )
 
 
-def largest_stiffness_ratio(law: Any, points: int = 2000) -> tuple[float, float]:
+def largest_stiffness_ratio(law: Any) -> tuple[float, float]:
     """Largest K(P)/K_U(P) of first loading over 1e-12 to 0.1 of the radius, and the force [N] where it occurs.
 
     K_U is the stiffness of the given unloading curve, or else Hertz's.
@@ -104,7 +104,7 @@ def largest_stiffness_ratio(law: Any, points: int = 2000) -> tuple[float, float]
     for index in contact.representatives():
         p = params_at(law.params, index)
         radius = float(np.broadcast_to(contact.radius, contact.size or 1)[index])
-        overlap = np.geomspace(1e-12 * radius, 0.1 * radius, points)
+        overlap = np.geomspace(1e-12 * radius, 0.1 * radius, 2000)
         part = loading_part(p)
         # where K may jump up, between two points; the law of a table was checked in closed form
         steps = [] if isinstance(part, TableParams) else law.curve.kinks(part)

@@ -9,15 +9,15 @@ from demlaws.errors import DemlawsError
 from demlaws.units import number
 
 
-def nine_point_summits(heights, cut=-math.inf):
-    """Summits higher than all eight neighbours and above `cut` [m]: x, y, z [m] and mean radius of curvature [m].
+def nine_point_summits(heights):
+    """Summits higher than all eight neighbours: x, y, z [m] and mean radius of curvature [m].
 
     The classical definition, beside which the volume-conserving patches stand. The radius comes from three-point
     curvatures, 2/R = -(z_xx + z_yy).
     """
     z = heights.heights
     middle = z[1:-1, 1:-1]
-    summit = middle > cut
+    summit = np.isfinite(middle)
     for di in range(3):
         for dj in range(3):
             if (di, dj) != (1, 1):

@@ -78,10 +78,10 @@ def returned_work(law: Law, paths: int = 2000) -> tuple[int, float]:
     return count, -worst
 
 
-def _random_path(random, lowest, highest, turns=12):
-    """Overlaps [m] that end at 0, turning at any scale, and (begin, end) of excursions that come back to where they began."""
+def _random_path(random, lowest, highest):
+    """Overlaps [m] that end at 0 after 12 turns at any scale; (begin, end) of excursions that come back to where they began."""
     at, excursions, maximum = [], [], 0.0
-    while len(at) < turns:
+    while len(at) < 12:
         if maximum == 0.0 or random.random() < 0.5:
             overlap = math.exp(random.uniform(math.log(lowest), math.log(highest)))
         else:  # a reversal about the maximum
