@@ -1,6 +1,5 @@
 """Grains, and cases of LIGGGHTS and LAMMPS: grains that settle in a box, with the tables of their contacts."""
 
-import json
 import math
 import os
 import shlex
@@ -11,7 +10,6 @@ from typing import NamedTuple
 
 from demlaws.contact import DENSITY, Contact, Material, Surface, softer_hardness, surface_of
 from demlaws.core.shear import LARGEST_SHEAR_RATIO, MOST_LEVELS
-from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
 from demlaws.laws import USUAL
@@ -115,11 +113,6 @@ class Case:
         return make_law(self.law, contact, unloading=rebound(self.unloading, contact), **self.options)
 
     @property
-    def rule(self):
-        """Name of the unloading rule."""
-        return self.unloading if self.curve is None else GIVEN
-
-    @property
     def curve(self):
         """The law or table that contacts unload along, or None."""
         return None if isinstance(self.unloading, str) else self.unloading
@@ -127,7 +120,7 @@ class Case:
     @property
     def title(self):
         """One line about the case."""
-        unloads = f"{self.rule} unloading" if self.curve is None else f"unloading along {self.curve.name}"
+        unloads = f"{self.unloading} unloading" if self.curve is None else f"unloading along {self.curve.name}"
         return f"{self.count} grains settle in a box: law {self.law}, {unloads}"
 
     @property
@@ -174,17 +167,11 @@ class Case:
         return file
 
     def write(self, folder, script, engine):
-        """Write in.case with the text `script`, its run.sh, and case.json, which has the law; returns in.case."""
+        """Write in.case with the text `script` and its run.sh; returns in.case."""
         write_atomically(folder / "in.case", script)
         run = _RUN.format(python=shlex.quote(sys.executable), engine=engine, more=" --stock" if self.stock else "")
         write_atomically(folder / "run.sh", run)
         os.chmod(folder / "run.sh", 0o755)
-        values = {"law": self.law, "unloading": self.rule, "options": self.options, "stock": self.stock}
-        values |= {"shear_ratio": self.shear_ratio, "levels": self.levels}
-        if self.curve is not None:
-            values |= {"unloading_law": self.curve.name, "unloading_options": self.curve.options}
-        text = json.dumps(values, indent=1, default=lambda value: value.record())
-        write_atomically(folder / "case.json", text + "\n")
         return folder / "in.case"
 
 
