@@ -29,9 +29,6 @@ struct Pair {
     if (t.number("length_over_radius", 0.) > 0.) length_per_radius = t.number("length_over_radius", 0.);
     else if (roughness > 0. && over_roughness > 0.) length = over_roughness * roughness;
     else length = t.number("length", 0.);
-    if (!(length > 0.) && !(length_per_radius > 0.))
-      throw std::runtime_error(t.path() + ": the header gives no length; pass the roughness of the pair [m]");
-    if (!(modulus > 0.)) throw std::runtime_error(t.path() + ": the effective modulus must be positive [Pa]");
     inverse_length = 1. / (length > 0. ? length : length_per_radius);
   }
   inline double length_of(double radius) const { return length > 0. ? length : length_per_radius * radius; }
@@ -51,8 +48,7 @@ struct Pair {
     pair.only_radius = t.of_contact("radius", 0.);
     std::ostringstream what;
     what << t.path() << " holds for one contact only, since law " << t.text("law") << " does not collapse";
-    if (!(pair.only_radius > 0.) || !(made_for > 0.)) what << ", and names no radius and modulus";
-    else if (!(fabs(effective_modulus - made_for) <= 1e-6 * made_for))
+    if (!(fabs(effective_modulus - made_for) <= 1e-6 * made_for))
       what << ": for the effective modulus " << made_for << " Pa, not " << effective_modulus
            << " Pa; make a table of this pair";
     else if (roughness > 0.) what << ": for its own roughness; give no roughness with it";
