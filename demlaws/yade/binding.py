@@ -11,7 +11,7 @@ import yade.utils
 from demlaws.errors import DemlawsError, EngineStopped, LargeOverlap, ShapeWarning, warn
 from demlaws.units import LARGE_RADIUS, LARGE_ROUGHNESS, LARGEST_ROUGHNESS, SMALL_OVERLAP, judge
 from demlaws.yade import layout, native
-from demlaws.yade.omega import LOOKS, is_our_contact, radius_fault, real_contacts, with_overlaps
+from demlaws.yade.omega import LOOKS, is_our_contact, radius_fault, real_contacts, token_here, with_overlaps
 
 O = yade.O  # noqa: E741  YADE's name
 REACH = 4.0
@@ -71,6 +71,7 @@ class Binding:
     def enter(self, scene, account=(0.0, 0, 0.0, 0.0)):
         """Begin to act in a scene with this account; the account of a scene that was left continues."""
         if scene != self.left:
+            self.attachment.rows.release()  # of contacts of another scene, which ends or stops
             self.account, self.counted = account, [0.0, 0.0, 0.0]
             self._scenes += 1
         self.scene, self.left, self.guards, self.warned = scene, None, 0, False
@@ -105,7 +106,7 @@ class Binding:
         """function(), called by the simulation's own thread where it runs: contacts do not change while they are read."""
         _ = O.engines  # a scene that was loaded and has not made a step gets its laws
         in_simulation = threading.current_thread().name.startswith("Dummy")  # Python's name for a thread made by C++
-        if not O.running or self.runner is None or in_simulation:
+        if not O.running or self.runner is None or self.scene != token_here() or in_simulation:
             return function()
         request = _Request(function)
         self._requests.append(request)

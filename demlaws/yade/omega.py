@@ -1,4 +1,4 @@
-"""YADE's engine list with guards: its own property `O.engines`, which `patches` replaces after this module is imported; the
+"""YADE's engine list with guards: its own property `O.engines`, which `patches` replaces after this module is imported; tags and
 contacts of the current scene; and scenes of our own beside the user's."""
 
 import contextlib
@@ -12,6 +12,8 @@ from demlaws.units import RANGES
 O = yade.O  # noqa: E741  YADE's name
 _engines = yade.wrapper.Omega.engines
 PHYSICS = tuple(getattr(yade, name) for name in ("MindlinPhys", "MindlinCapillaryPhys") if hasattr(yade, name))
+TOKEN = "demlaws-scene"
+"""Tag of a scene that identifies it; a loaded scene gets another one."""
 LOOKS = (2, 3, 12, 102, 1002)
 """Calls of the guard with a check of every contact and body, which takes time."""
 
@@ -24,6 +26,16 @@ def get_engines():
 def set_engines(engines):
     """Set the engine list, which includes guards; YADE then updates its variables named by labels."""
     _engines.__set__(O, engines)
+
+
+def tag(key):
+    """A tag of the current scene, or None."""
+    return O.tags[key] if key in O.tags.keys() else None  # noqa: SIM118  not a dict
+
+
+def token_here():
+    """The current scene's token, or None."""
+    return tag(TOKEN)
 
 
 @contextlib.contextmanager

@@ -1,9 +1,9 @@
 """The entry points of YADE that this package replaces; `remove` restores them.
 
 `O.engines` hides the guards; a dispatcher's `functors` that are assigned in a scene get theirs; `O.energy` contains the laws'
-energies since it was cleared or `O.trackEnergy` set; saving writes the laws to the scene; a reset ends their contacts; methods
-that wait for a run raise the message with which a guard has stopped it. A loaded scene gets its laws at its first step, or when
-one of these is read before. Importing a name from `demlaws.yade` installs the replacements.
+energies since it was cleared or `O.trackEnergy` set; saving writes the laws to the scene; `O.reset` returns the memory of their contacts;
+methods that wait for a run raise the message with which a guard has stopped it. A loaded scene gets its laws at its first step, or
+when one of these is read before. Importing a name from `demlaws.yade` installs the replacements.
 """
 
 import functools
@@ -31,10 +31,7 @@ def install():
     for name in ("save", "saveTmp", "sceneToString"):
         native = getattr(omega, name)
         _replace_attribute(omega, name, functools.wraps(native)(_saving(native)))
-    for name, one in (("reset", False), ("resetAllScenes", False), ("resetThisScene", True), ("resetCurrentScene", True)):
-        native = getattr(omega, name)
-        _replace_attribute(omega, name, functools.wraps(native)(_resetting(native, one)))
-    for name, replaced in (("run", _running), ("step", _stepping), ("wait", _waiting)):
+    for name, replaced in (("reset", _resetting), ("run", _running), ("step", _stepping), ("wait", _waiting)):
         native = getattr(omega, name)
         _replace_attribute(omega, name, functools.wraps(native)(replaced(native)))
     scene.attach_saved()
@@ -68,11 +65,10 @@ def _clearing(native):
     return clear
 
 
-def _resetting(native, one):
+def _resetting(native):
     def reset(omega):
-        number = omega.thisScene if one else None
         native(omega)
-        scene.end_laws(number)
+        scene.end_laws()
 
     return reset
 

@@ -17,15 +17,13 @@ import yade
 from demlaws.errors import DemlawsError, EngineStopped, TimeStepWarning, warn
 from demlaws.yade import native
 from demlaws.yade.functor import Law2_ScGeom_MindlinPhys_Demlaws
-from demlaws.yade.omega import O, contact_engines, get_engines, set_engines
+from demlaws.yade.omega import TOKEN, O, contact_engines, get_engines, set_engines, tag, token_here
 
 GUARD_COMMAND = "__import__('demlaws.yade').yade.guard({label!r})"
 PERIOD = 100
 """Steps between two calls of a guard that native code has not asked for: a call costs some hundred microseconds."""
 IN_SECONDS = 1.0
 """Longest time between two calls of a guard."""
-TOKEN = "demlaws-scene"
-"""Tag of a scene that identifies it; a loaded scene gets another one."""
 LAW = "demlaws.{label}"
 """Tag that describes a law."""
 HISTORY = "demlaws-history.{label}"
@@ -318,15 +316,6 @@ def engines(law, *, geometries=None, bounds=None, physics=None, before=(), after
 # --- saving and loading
 
 
-def token_here():
-    """The current scene's token, or None."""
-    return _tag(TOKEN)
-
-
-def _tag(key):
-    return O.tags[key] if key in O.tags.keys() else None  # noqa: SIM118  not a dict
-
-
 class as_saved:
     """Within this context the scene is as in its file: laws in tags, placeholders in their places, guards due at once."""
 
@@ -363,7 +352,7 @@ _at_work = {}
 def attach_saved():
     """Replace placeholders by the laws that the scene's tags describe."""
     placeholders = [
-        (dispatcher, functor, _tag(LAW.format(label=functor.label)))
+        (dispatcher, functor, tag(LAW.format(label=functor.label)))
         for _, dispatcher, functor in law_functors(get_engines())
         if type(functor) is _placeholder
     ]
@@ -376,22 +365,21 @@ def attach_saved():
     for dispatcher, label, text in placeholders:
         law = _restored(label, _at_work.get(O.thisScene, {}).get(label), text)
         FUNCTORS.__set__(dispatcher, [law if f.label == label else f for f in dispatcher.functors])
-        law.binding.attachment.rows.release()  # those of the scene that this one replaces
         content = json.loads(text)
         law.binding.enter(token, content["account"])
         law.binding.counted, law.binding.bound = content["counted"], content["bound"]
-        saving.restore(law.binding, _tag(HISTORY.format(label=label)))
+        saving.restore(law.binding, tag(HISTORY.format(label=label)))
         command = GUARD_COMMAND.format(label=label)
         law.binding.watched_by(next((e for e in get_engines() if getattr(e, "command", None) == command), None))
     set_engines(get_engines())  # YADE sets its variables named by labels
     _at_work[O.thisScene] = laws_here()
 
 
-def end_laws(number=None):
-    """A scene is gone, or all scenes: their laws may be used in another one, and their contacts' memory again."""
+def end_laws():
+    """All scenes are gone: return the memory of their contacts."""
     _stops.clear()
-    for one in list(_at_work) if number is None else [number]:
-        for functor in _at_work.get(one, {}).values():
+    for laws in _at_work.values():
+        for functor in laws.values():
             functor.binding.end()
 
 

@@ -51,13 +51,17 @@ print("MB", pages * 4096 / 1e6)
 
 
 def test_rows_are_returned_with_their_scene(omega):
-    """A reset, and a list without the law while there are no contacts; the law may be used again."""
+    """A reset, another scene, and a list without the law while there are no contacts; the law may be used again."""
     law = acting(functor())
     assert mapped_blocks(law) == 1
     omega.reset()
     assert mapped_blocks(law) == 0
     acting(law)
     assert force() == expected() and mapped_blocks(law) == 1
+    omega.resetThisScene()
+    still(law)
+    assert mapped_blocks(law) == 0
+    advance(2)
     omega.engines = []
     assert mapped_blocks(law) == 1  # its contacts may continue
     set_engines(law)
@@ -86,6 +90,7 @@ def test_an_impact_returns_its_rows(omega):
 def test_contacts_of_many_blocks(omega, monkeypatch, tmp_path):
     """More contacts than a block has rows: forces, table, collection, saving."""
     law, stone = functor(), material()
+    set_engines(law, 1e-9)
     rows = law.binding.attachment.rows
     law.binding.context["rows_used"] = layout.ROWS - 2  # as if so many had been before
     law.binding.context["collect_at"] = 10 * layout.ROWS
@@ -93,7 +98,6 @@ def test_contacts_of_many_blocks(omega, monkeypatch, tmp_path):
     count = 5
     for n in range(count):
         omega.bodies.append(fixed_pair(stone, x=0.05 * n))
-    set_engines(law, 1e-9)
     advance(3)
     assert mapped_blocks(law) == 2 and len(list(rows.used())) == 2
     forces = [i.phys.normalForce.norm() for i in omega.interactions if i.isReal]

@@ -450,6 +450,23 @@ def test_totals_while_it_runs(omega):
         time.sleep(0.5)  # the last step ends: O.reset waits for it with the lock that Python in this step needs (stock YADE)
 
 
+def test_a_law_of_a_scene_that_is_gone_does_not_wait_for_another(omega):
+    """Its totals are read at once while a scene without laws runs, which no guard reports to."""
+    omega.bodies.append(fixed_pair(material()))
+    omega.engines = engine_list(interaction_loop(yade.Law2_ScGeom_MindlinPhys_Mindlin()))
+    omega.dt = 1e-9
+    omega.saveTmp()
+    omega.reset()
+    law = acting(functor())
+    omega.loadTmp()
+    omega.run(10**6, False)
+    try:
+        assert law.totals().stored == 0.0 and omega.running
+    finally:
+        omega.pause()
+        time.sleep(0.5)  # as above
+
+
 def test_contacts_of_a_list_with_potential_ones(omega):
     """`O.interactions.all()` holds those that do not touch yet; one contact needs no list."""
     law = functor()
