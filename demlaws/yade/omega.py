@@ -1,5 +1,5 @@
-"""YADE's engine list with guards: its own property `O.engines`, which `patches` replaces after this module is imported; tags and
-contacts of the current scene; and scenes of our own beside the user's."""
+"""YADE's engine list with guards: its own property `O.engines`, which `patches` replaces; tags and contacts of the current
+scene; and scenes of our own beside the user's."""
 
 import contextlib
 import math
@@ -10,7 +10,7 @@ from demlaws.errors import DemlawsError
 from demlaws.units import RANGES
 
 O = yade.O  # noqa: E741  YADE's name
-_engines = yade.wrapper.Omega.engines
+_engines = getattr(yade.wrapper.Omega.engines.fget, "native", yade.wrapper.Omega.engines)  # `watch_loaded` has replaced it
 PHYSICS = tuple(getattr(yade, name) for name in ("MindlinPhys", "MindlinCapillaryPhys") if hasattr(yade, name))
 TOKEN = "demlaws-scene"
 """Tag of a scene that identifies it; a loaded scene gets another one."""

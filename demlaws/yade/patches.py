@@ -1,51 +1,37 @@
-"""The entry points of YADE that this package replaces; `remove` restores them.
+"""The entry points of YADE that this package replaces.
 
 `O.engines` hides the guards; a dispatcher's `functors` that are assigned in a scene get theirs; `O.energy` contains the laws'
-energies since it was cleared or `O.trackEnergy` set; saving writes the laws to the scene; `O.reset` returns the memory of their contacts;
-methods that wait for a run raise the message with which a guard has stopped it. A loaded scene gets its laws at its first step, or
-when one of these is read before. Importing a name from `demlaws.yade` installs the replacements.
+energies since `O.trackEnergy` was set or it was cleared; saving writes the laws to the scene; `O.reset` returns the memory of
+their contacts; methods that wait for a run raise the message with which a guard has stopped it. A loaded scene gets its laws at
+its first step, or when one of these is read before. Importing a name from `demlaws.yade` installs the replacements.
 """
 
 import functools
+import types
 
 import yade
 
 from demlaws.yade import scene
 
-_originals = []  # (class, name, original)
-
 
 def install():
     """Replace the entry points, and attach the laws of a scene that was loaded before."""
-    if _originals:
-        return
     omega = yade.wrapper.Omega
-    _replace_attribute(omega, "engines", property(lambda o: scene.get_visible(), lambda o, engines: scene.set_visible(engines)))
-    energy = omega.energy
-    _replace_attribute(omega, "energy", property(lambda o: scene.with_energies(energy.__get__(o)), energy.fset))
-    tracking = omega.trackEnergy
-    _replace_attribute(omega, "trackEnergy", property(tracking.fget, functools.partial(_track, tracking.fset)))
+    if isinstance(omega.energy.fget, types.FunctionType):
+        return
+    omega.engines = property(lambda o: scene.get_visible(), lambda o, engines: scene.set_visible(engines))
+    energy, tracking = omega.energy, omega.trackEnergy
+    omega.energy = property(lambda o: scene.with_energies(energy.__get__(o)), energy.fset)
+    omega.trackEnergy = property(tracking.fget, functools.partial(_track, tracking.fset))
     clear = yade.wrapper.EnergyTracker.clear
-    _replace_attribute(yade.wrapper.EnergyTracker, "clear", functools.wraps(clear)(_clearing(clear)))
-    _replace_attribute(yade.LawDispatcher, "functors", property(scene.FUNCTORS.__get__, scene.set_functors))
-    for name in ("save", "saveTmp", "sceneToString"):
+    yade.wrapper.EnergyTracker.clear = functools.wraps(clear)(_clearing(clear))
+    yade.LawDispatcher.functors = property(scene.FUNCTORS.__get__, scene.set_functors)
+    methods = {"reset": _resetting, "run": _running, "step": _stepping, "wait": _waiting}
+    for name, replaced in (methods | dict.fromkeys(("save", "saveTmp", "sceneToString"), _saving)).items():
         native = getattr(omega, name)
-        _replace_attribute(omega, name, functools.wraps(native)(_saving(native)))
-    for name, replaced in (("reset", _resetting), ("run", _running), ("step", _stepping), ("wait", _waiting)):
-        native = getattr(omega, name)
-        _replace_attribute(omega, name, functools.wraps(native)(replaced(native)))
-    scene.attach_saved()
-
-
-def remove():
-    """Restore YADE; laws at work are then attached to the scene without protection."""
-    while _originals:
-        setattr(*_originals.pop())
-
-
-def _replace_attribute(cls, name, new):
-    _originals.append((cls, name, getattr(cls, name)))
-    setattr(cls, name, new)
+        native = getattr(native, "native", native)  # `watch_loaded` has replaced it
+        setattr(omega, name, functools.wraps(native)(replaced(native)))
+    scene.attach_loaded()
 
 
 def _track(native, omega, value):

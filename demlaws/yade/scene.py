@@ -79,14 +79,14 @@ def visible(engines):
 
 def get_visible():
     """`O.engines` for users."""
-    _attach_loaded()
+    attach_loaded()
     return visible(get_engines())
 
 
 def set_visible(engines):
     """`O.engines = …` for users: check the list, put guards before the laws, and let the laws enter the scene."""
     engines = visible(list(engines))
-    _attach_loaded()
+    attach_loaded()
     refuse_mpi(DemlawsError if any(is_our_law(f) for _, _, f in law_functors(engines)) else None)
     before, old = get_engines(), laws_here()
     laws = _laws_in(engines)
@@ -132,7 +132,7 @@ def set_functors(dispatcher, functors):
 def with_energies(tracker):
     """YADE's EnergyTracker with the present energies [J] of the laws of the scene, if it tracks energies; as YADE's own they
     exist from the first step."""
-    _attach_loaded()
+    attach_loaded()
     for label, functor in laws_here().items() if O.trackEnergy and O.iter else ():
         totals = functor.totals()
         parts = {"Elastic": totals.stored, "ShearElastic": totals.shear_stored}
@@ -147,7 +147,7 @@ def with_energies(tracker):
 
 def track_energies():
     """The laws of the scene follow `O.trackEnergy`, which has just been changed."""
-    _attach_loaded()
+    attach_loaded()
     for functor in laws_here().values():
         functor.binding.between_engines(functor.binding.toggle_tracking)
 
@@ -383,7 +383,7 @@ def end_laws():
             functor.binding.end()
 
 
-def _attach_loaded():
+def attach_loaded():
     """Attach the laws of a scene that was loaded and has not made a step, in which the guards do this."""
     if not O.running:
         attach_saved()

@@ -1,7 +1,7 @@
 """What Python does at the start of a process of `demlaws yade run`, in whose PYTHONPATH this folder is.
 
-The package yade gets the replacement of `demlaws.yade.loading` when it is imported: a script that loads a saved scene may not
-import demlaws. The sitecustomize of the system, which this file hides, is executed, too.
+The package yade gets the replacement of `demlaws.yade.watch_loaded` when it is imported: a script that loads a saved scene may
+not import demlaws. The sitecustomize of the system, which this file hides, is executed, too.
 """
 
 import importlib.abc
@@ -26,9 +26,9 @@ class _Finder(importlib.abc.MetaPathFinder):
 
             def execute_and_replace(module):
                 execute(module)
-                from demlaws.yade import loading
+                from demlaws.yade import watch_loaded
 
-                loading.watch()
+                watch_loaded()
 
             spec.loader.exec_module = execute_and_replace
         return spec

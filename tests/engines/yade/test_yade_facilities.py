@@ -105,6 +105,26 @@ print("FORCE", yade.O.interactions[0, 1].phys.normalForce.norm().hex())
     assert float.fromhex(lines["FORCE"][0]) == pytest.approx(goal, rel=1e-12)
 
 
+def test_engines_that_are_assigned_to_a_loaded_scene_are_checked(omega, tmp_path):
+    """Before anything of the scene is read, by a script that does not import the package: another law would go on silently."""
+    acting(functor())
+    file = str(tmp_path / "scene.yade")
+    omega.save(file)
+    text = f"""
+import yade
+from yade import *
+yade.O.load({file!r})
+loop = InteractionLoop(
+    [Ig2_Sphere_Sphere_ScGeom()], [Ip2_FrictMat_FrictMat_MindlinPhys()], [Law2_ScGeom_MindlinPhys_Mindlin()]
+)
+yade.O.engines = [ForceResetter(), InsertionSortCollider([Bo1_Sphere_Aabb()]), loop, NewtonIntegrator()]
+"""
+    script = tmp_path / "load.py"
+    script.write_text(text)
+    done = run.run(script, capture_output=True, text=True, timeout=600, cwd=tmp_path, stdin=subprocess.DEVNULL)
+    assert done.returncode == 1 and "the law is switched while 1 contacts exist" in done.stdout + done.stderr
+
+
 def test_the_start_of_a_process_executes_the_systems_sitecustomize_and_joins_toolkits(tmp_path):
     """In a Python process without YADE: the file that ours hides, and mpl_toolkits beside the matplotlib that comes first."""
     for folder in ("a/matplotlib", "a/mpl_toolkits", "b"):
