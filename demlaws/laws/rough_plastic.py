@@ -6,8 +6,8 @@ that load. Of a rough one it is neither: the granite RFC10 yields at 36.8 N, whe
 and the rough one 1.23 GPa, with p_y = 1.66 GPa.
 
 **Two radii** [our derivation]. The tip of an angular grain is sharp at the scale of its roughness and blunt at that of its
-shape: the cone FC5 has 0.31 to 0.35 mm under the microscope and 0.62 mm in the camera. Asperities deform on the first, R of the
-contact; yield, the stiffness after it, and unloading belong to the second, `bulk_radius` R_b ≥ R. With R_b in place of R in
+shape: the cone FC5 has 0.31 to 0.35 mm under the microscope and 0.62 mm in the camera. Asperities deform on R of the contact;
+yield, the stiffness after it, and unloading belong to `bulk_radius` R_b ≥ R. With R_b in place of R in
 K_y = π R_b p_y, in P_y = π³R_b²p_y³/(6E*²) and in Hertz's unloading curve the pair is passive: K_rough ≤ K_H(R) ≤ K_H(R_b)
 before yield, and K_y ≤ K_H(R_b) from P_y on. On Hertz's curve of R it would not be: K_y exceeds K_H(R) up to P_y R_b/R.
 """

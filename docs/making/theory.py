@@ -3,6 +3,7 @@
 import contextlib
 import inspect
 import math
+import re
 import warnings
 from pathlib import Path
 
@@ -56,7 +57,8 @@ def prose(text):
             out.append(f"```text\n{inspect.cleandoc(part)}\n```")
         else:
             pieces = part.split("`")
-            out.append("`".join(p if i % 2 else p.replace("*", "\\*").replace("_", "\\_") for i, p in enumerate(pieces)))
+            escaped = (p if i % 2 else p.replace("*", "\\*").replace("_", "\\_") for i, p in enumerate(pieces))
+            out.append(re.sub(r"\\\*\\\*(\w[^*]*?)\\\*\\\*", r"**\1**", "`".join(escaped)))
     return "\n\n".join(out)
 
 
@@ -119,7 +121,7 @@ def cautions(definition, law):
     elif definition.solved:
         sentences.append("Its curve is data of the package, within 1e-5 of a numerical solution.")
     if not definition.collapses:
-        sentences.append("One dimensionless curve does not serve all contacts: an engine needs a table for each radius.")
+        sentences.append("An engine needs a table for each radius.")
     for limit in quietly(definition.limits, law.contact, **law.options):
         low, high = limit.minimum_force, limit.maximum_force
         side = f"below {number(low)} N" if low > 0 else f"above {number(high)} N"
