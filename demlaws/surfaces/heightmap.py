@@ -203,10 +203,20 @@ class HeightMap:
     def despiked(self, threshold=plausibility.HIGHEST):
         """The map with spikes and fillers as missing pixels.
 
-        Spikes differ from the median of their 5 × 5 surroundings (scipy.ndimage.median_filter) by more than `threshold` times
-        the robust spread of such differences.
+        Spikes differ from the median of their 5 × 5 surroundings by more than `threshold` times the robust spread of such
+        differences.
         """
-        return plausibility.despiked(self, units.number(threshold, "threshold"))
+        from scipy.ndimage import median_filter
+
+        threshold, filler, heights = units.number(threshold, "threshold"), plausibility.filler(self.heights), self
+        if filler is not None:
+            heights = self.with_heights(np.where(self.heights == filler, np.nan, self.heights))
+        z = heights.filled().heights
+        difference = np.abs(z - median_filter(z, size=5, mode="nearest"))
+        spread = 1.4826 * float(np.median(difference))
+        if spread == 0.0:
+            return heights
+        return heights.with_heights(np.where(difference > threshold * spread, np.nan, heights.heights))
 
     def filled(self):
         """Missing pixels replaced by smooth averages of their surroundings (coarse to fine); others untouched."""

@@ -1,6 +1,6 @@
 """Plausibility of height maps: spikes, fillers, units, lists of points, resolution, fractal dimensions. [our limits]
 
-`doubts` and the other functions return texts that name the value and the remedy; nothing is changed but by `despiked`.
+`doubts` and the other functions return texts that name the value and the remedy; nothing is changed.
 """
 
 import math
@@ -143,22 +143,6 @@ def resolution_doubts(heights, pair, force: float) -> list[str]:
         f"the Hertz radius {radius:.4g} m is {radius / pixel:.2g} pixels wide: forces depend on the pixel size below "
         f"{PIXELS:g}; measure with smaller pixels, or give a larger force or radius"
     ]
-
-
-def despiked(heights, threshold: float = HIGHEST):
-    """The `HeightMap` without pixels that differ from the median of their 5 × 5 surroundings by more than `threshold` times
-    the robust spread of such differences; they become missing, as does a filler."""
-    from scipy.ndimage import median_filter
-
-    missing = filler(heights.heights)
-    if missing is not None:
-        heights = heights.with_heights(np.where(heights.heights == missing, np.nan, heights.heights))
-    z = heights.filled().heights
-    difference = np.abs(z - median_filter(z, size=5, mode="nearest"))
-    spread = 1.4826 * float(np.median(difference))
-    if spread == 0.0:
-        return heights
-    return heights.with_heights(np.where(difference > threshold * spread, np.nan, heights.heights))
 
 
 def refuse_other_arrays(array: np.ndarray, path) -> None:
