@@ -71,10 +71,6 @@ def combined_roughness(roughness1: Any, roughness2: Any) -> Any:
     return None if roughness1 is None or roughness2 is None else np.hypot(roughness1, roughness2)
 
 
-class MissingValue(str):
-    """In place of a quantity that no source gives: what is missing and what to do, the text of the error where it is used."""
-
-
 @refuses_unknown_keywords
 @dataclass(frozen=True)
 class Material:
@@ -109,7 +105,7 @@ class Material:
     poisson: float
     hardness: float | None = None
     density: float | None = None
-    surface: "Surface | MissingValue | None" = None
+    surface: "Surface | None" = None
 
     if TYPE_CHECKING:  # text becomes a number
 
@@ -119,12 +115,12 @@ class Material:
             poisson: float,
             hardness: float | str | None = None,
             density: float | str | None = None,
-            surface: "Surface | MissingValue | None" = None,
+            surface: "Surface | None" = None,
         ) -> None: ...
 
     def __post_init__(self) -> None:
         _check(self, "young", "poisson", "hardness", "density")
-        if not isinstance(self.surface, Surface | MissingValue | None):
+        if not isinstance(self.surface, Surface | None):
             raise DemlawsError(f"surface must be a demlaws.Surface, got {self.surface!r:.60}")
 
     @property
@@ -318,7 +314,10 @@ class Contact:
         DemlawsError
             If a value is not admissible, or if both bodies are flats.
         """
-        first, second = _surface_in("material1", material1, roughness1), _surface_in("material2", material2, roughness2)
+        for name, material in (("material1", material1), ("material2", material2)):
+            if not isinstance(material, Material):
+                raise DemlawsError(f"{name} must be a demlaws.Material, got {material!r:.60}")
+        first, second = surface_of(material1), surface_of(material2)
         roughness1 = first.roughness if roughness1 is None else roughness1
         roughness2 = second.roughness if roughness2 is None else roughness2
         values = _lengths_of(radius1=radius1, radius2=radius2, roughness1=roughness1, roughness2=roughness2)
@@ -423,9 +422,7 @@ def pressure_of(contact: Contact, value: Any, name: str) -> float:
 
 
 def surface_of(material: Material) -> Surface:
-    """The material's surface, of which nothing is known if it has none. DemlawsError if no text gives its roughness."""
-    if isinstance(material.surface, MissingValue):
-        raise DemlawsError(str(material.surface))
+    """The material's surface, of which nothing is known if it has none."""
     return material.surface or Surface()
 
 
@@ -441,13 +438,6 @@ def unchecked(contact: Contact, changes: dict[str, float]) -> Contact:
     for name, value in vars(contact).items():
         object.__setattr__(copy, name, changes.get(name, value))
     return copy
-
-
-def _surface_in(name: str, material: Any, roughness: Any) -> Surface:
-    """Surface of a body whose roughness is given, or None: that of its material."""
-    if not isinstance(material, Material):
-        raise DemlawsError(f"{name} must be a demlaws.Material, got {material!r:.60}")
-    return Surface() if roughness is not None and isinstance(material.surface, MissingValue) else surface_of(material)
 
 
 def _lengths_of(**lengths: Any) -> dict[str, np.ndarray]:

@@ -3,7 +3,7 @@
 import pytest
 
 import demlaws as dl
-from demlaws.contact import GRANITE, MissingValue
+from demlaws.contact import GRANITE
 from demlaws.materials import SYMBOLS, names, typical
 from demlaws.plugins.grains import Grain
 
@@ -19,7 +19,7 @@ def test_record(name):
             assert value.value is None or value.low <= value.value <= value.high
     material = getattr(dl.materials, name)
     assert isinstance(material, dl.Material) and material.young == values["young"].value
-    assert isinstance(material.surface, MissingValue) == (values["roughness"].value is None)
+    assert (material.surface is None) == (values["roughness"].value is None)
 
 
 def test_granite_is_that_of_the_tests():
@@ -53,13 +53,16 @@ def test_grain_scene_and_softening_take_them_too():
     [
         lambda rock: dl.Contact.between(rock, dl.materials.steel, radius1=1e-3),
         lambda rock: dl.Contact.between(dl.materials.steel, rock, radius1=1e-3, roughness1=0),
-        lambda rock: Grain(4e-3, rock),
-        lambda rock: dl.Scene(radii=4e-3, materials=rock, force=(1, 10)),
+        lambda rock: Grain(4e-3, rock).contact(Grain(4e-3, dl.materials.steel)),
+        lambda rock: dl.Scene(radii=4e-3, materials=rock, force=(1, 10)).contacts(2e-3)[0],
     ],
 )
 def test_unknown_roughness_is_never_smooth(use):
-    with pytest.raises(dl.DemlawsError, match="roughness of basalt is not known"):
-        use(dl.materials.basalt)
+    """A law of smooth contacts takes the contact; one that needs the roughness names it, and how it is given."""
+    contact = use(dl.materials.basalt)
+    assert contact.roughness is None and dl.law("hertz", contact).force(1e-6) > 0.0
+    with pytest.raises(dl.DemlawsError, match=r"needs the contact's roughness.*roughness1=\.\.\. and roughness2=\.\.\."):
+        dl.law("rms", contact)
 
 
 def test_unknown_roughness_may_be_given():

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from demlaws.contact import Material, MissingValue, Surface
-from demlaws.errors import DemlawsError, most_similar, page
+from demlaws.contact import Material, Surface
+from demlaws.errors import DemlawsError, did_you_mean
 from demlaws.responses.results import Tabular
 
 UNITS = {"GPa": 1e9, "µm": 1e-6}
@@ -88,9 +88,7 @@ def typical(name: str) -> dict[str, Value]:
     (0.16, 0.16, 0.28)
     """
     if name not in _read():
-        similar = most_similar(name, names())
-        hint = f"; did you mean {similar!r}?" if similar else ""
-        raise DemlawsError(f"no typical values of {name!r}{hint} Materials: {', '.join(names())}")
+        raise DemlawsError(f"no typical values of {name!r}{did_you_mean(name, names())} Materials: {', '.join(names())}")
     return dict(_read()[name])
 
 
@@ -98,10 +96,7 @@ def typical(name: str) -> dict[str, Value]:
 def _material(name: str) -> Material:
     """The material with its usual surface."""
     values = {quantity: value.value for quantity, value in typical(name).items()}
-    surface: Surface | MissingValue = MissingValue(
-        f"the roughness of {name} is not known from public text: measure it ({page('materials')}) and give roughness1 and "
-        "roughness2 (0 for smooth), or a Surface"
-    )
+    surface = None
     if values["roughness"] is not None:
         surface = Surface(values["roughness"], values["fractal_dimension"], values["hardness"])
     assert values["young"] is not None and values["poisson"] is not None
