@@ -203,9 +203,10 @@ def join(contact: Contact, curve: "ClosedForm | TableCurve", unloading: "str | o
 
 def _adapted(unloading, contact, curve):
     """The unloading in the form that a curve of first loading is joined with."""
-    if curve.tabulated:
-        unloading = beside_table(curve, contact, unloading)
-    if curve.tabulated and unloading.curve is not None:
+    if not curve.tabulated:
+        return unloading
+    unloading = beside_table(curve, contact, unloading)
+    if unloading.curve is not None:
         from demlaws.curves.tabulate import rescaled
 
         return unloading._replace(curve=rescaled(curve, contact, unloading), contact=contact)

@@ -10,7 +10,7 @@ from demlaws.laws.registry import is_user_defined
 
 
 class ClosedForm:
-    """A definition with its options, and the Shape that it prepares for a contact."""
+    """A definition with its options, and the Shape that it prepares for a contact, on which a user's law must be admissible."""
 
     tabulated = False
     force_error = stiffness_error = 0.0
@@ -20,6 +20,10 @@ class ClosedForm:
         self.definition = definition
         self.shape = definition.shape(contact, **options)
         self.options = definition.read(options)
+        if is_user_defined(definition) and not isinstance(self.shape, TableShape):
+            from demlaws.curves.soundness import refuse_unsound
+
+            refuse_unsound(definition, self.shape, contact, self.options)
 
     @property
     def collapses(self) -> bool:
@@ -57,21 +61,3 @@ class ClosedForm:
         from demlaws.core.grid import with_reverse
 
         return with_reverse(self.shape)
-
-    def with_unloading(self, contact: Contact, unloading: Any) -> Any:
-        """An `Unloading` in the form that this curve is joined with: unchanged."""
-        return unloading
-
-    def check(self, contact: Contact) -> None:
-        """Raise DemlawsError where a user-defined law is inadmissible on this contact."""
-        if is_user_defined(self.definition) and not isinstance(self.shape, TableShape):
-            from demlaws.curves.soundness import refuse_unsound
-
-            refuse_unsound(self.definition, self.shape, contact, self.options)
-
-    def check_collapse(self, contact: Contact) -> None:
-        """Raise DemlawsError where the curve of a user-defined law does not serve all contacts, as its definition states."""
-        if is_user_defined(self.definition) and self.definition.collapses:
-            from demlaws.curves.soundness import refuse_unless_collapses
-
-            refuse_unless_collapses(self, contact)

@@ -97,11 +97,6 @@ class TableCurve:
         """The Shape with which this table serves as an unloading curve."""
         return with_reverse(self.shape, self.nodes.kinks)
 
-    def check(self, contact: Contact) -> None:
-        """Nothing to check: the law was checked in closed form."""
-
-    check_collapse = check
-
     def bound_to(self, contact: Contact, surface_matters: bool = True) -> Contact:
         """The contact, with what this curve was made for, to which the same curve applies; DemlawsError where it does not."""
         as_contact(contact)

@@ -19,10 +19,12 @@ from demlaws.core.loops import (
     params_at,
 )
 from demlaws.core.table_types import NO_YIELD
+from demlaws.curves.soundness import refuse_unless_collapses
 from demlaws.curves.table import Certificate, TableCurve
 from demlaws.curves.unloading import Unloading, joined_shape
 from demlaws.errors import Argument, DemlawsError
 from demlaws.laws.definition import Definition
+from demlaws.laws.registry import is_user_defined
 
 
 class CurveSampler(NamedTuple):
@@ -116,7 +118,8 @@ def tabulate(contact: Contact, curve: Any, rtol: float, largest_overlap: float |
     rtol = tolerance(rtol)
     definition = curve.definition
     _refuse_too_fine(definition, rtol)
-    curve.check_collapse(contact)
+    if is_user_defined(definition) and definition.collapses and not curve.tabulated:
+        refuse_unless_collapses(curve, contact)
     index, one = _one_contact(contact)
     lengths = (0.0, 1.0) if definition.length == "radius" or np.all(contact.is_smooth) else (1.0, 0.0)
     roughness = clamped_roughness(one.sigma, one.radius)

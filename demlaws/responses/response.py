@@ -60,7 +60,6 @@ class Response:
     """Methods of `Law` that evaluate compiled loops: they check input, keep units and shapes, and raise errors."""
 
     def __init__(self, contact: Contact, curve: "ClosedForm | TableCurve", unloading: Unloading = ELASTIC):
-        curve.check(contact)
         self.contact, self.curve, self.unloading_parts = contact, curve, unloading
         self.definition, self.options, self.name = curve.definition, curve.options, curve.definition.name
         self.rule_tag, self.state_names = unloading.rule.tag, unloading.rule.state
