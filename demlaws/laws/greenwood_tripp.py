@@ -18,9 +18,9 @@ from demlaws.laws.definition import (
     bulk_yield,
 )
 from demlaws.laws.family import SEATING_SHARE, CurveNumber, prepare, seating_limit
+from demlaws.solvers.master_curves import ELASTIC_LAYER
 from demlaws.units import number
 
-_MODEL = "greenwood-tripp"
 MU = 4.0
 """μ where nothing is known of the asperities: the lowest of the papers' 4 to 17."""
 
@@ -38,7 +38,7 @@ def _number(contact, mu, asperity_density, asperity_radius):
 
 
 def _prepare(contact, mu=None, asperity_density=None, asperity_radius=None, seating_share=SEATING_SHARE):
-    return prepare(_MODEL, _number(contact, mu, asperity_density, asperity_radius), contact, seating_share)
+    return prepare(ELASTIC_LAYER, _number(contact, mu, asperity_density, asperity_radius), contact, seating_share)
 
 
 def _limits(contact, seating_share=SEATING_SHARE, **_):

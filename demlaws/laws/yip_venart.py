@@ -16,9 +16,7 @@ from demlaws.laws.definition import (
     plastic_asperities,
 )
 from demlaws.laws.family import SEATING_SHARE, SMOOTH, CurveNumber, prepare, seating_limit
-from demlaws.solvers.master_curves import yield_force
-
-_MODEL = "yip-venart"
+from demlaws.solvers.master_curves import PLASTIC_LAYER, yield_force
 
 
 def _number(contact):
@@ -27,7 +25,7 @@ def _number(contact):
 
 
 def _prepare(contact, seating_share=SEATING_SHARE):
-    return prepare(_MODEL, _number(contact), contact, seating_share)
+    return prepare(PLASTIC_LAYER, _number(contact), contact, seating_share)
 
 
 def _limits(contact, seating_share=SEATING_SHARE):

@@ -211,7 +211,6 @@ class RoughContact:
     are elastic. plastic_factor, plastic_ratio: c_h and c_A of the material; default: those of aluminium,
     with a ValidityWarning. memory: what unloading leaves in a pixel besides its height, an assumption that the papers do
     not name: "pressure" (how much blunter its patch is than its outline tells, and the pressure that it has carried, up to
-    not name: "pressure" (how much blunter its patch is than its outline tells, and the pressure that it has carried, up to
     which it stays elastic: work hardening, residual stress), "blunting" (the first alone), "none" (geometry alone). Only with
     "pressure" does the same load change nothing the second time, and does loading beyond the largest overlap so far continue
     the curve of first loading [our derivation]: there every patch is wider than the area that it has carried, so that its
