@@ -80,7 +80,7 @@ class MissingQuantity(DemlawsError):
         self.user, self.quantity = user, quantity
 
     def text(self, named: Callable[[Argument], str] = str) -> str:
-        """What is missing and where it is given: by `named(argument)`, in Python as a field of the contact."""
+        """The missing quantity and where it is given: by `named(argument)`, in Python as a field of the contact."""
         place, smooth = named(Argument(self.quantity, ...)), ""
         if named is str:
             both = " (Contact.between: roughness1=... and roughness2=...)" if self.quantity == "roughness" else ""

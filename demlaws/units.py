@@ -98,7 +98,7 @@ HANDY = {"m": ("µm", 1e6), "Pa": ("GPa", 1e-9), "m/N": ("µm/N", 1e6), "N/m": (
 
 
 def plain_unit(text):
-    """A unit as it stands in `UNITS`: u for both of Unicode's µ, one Å."""
+    """A unit as written in `UNITS`: u for both of Unicode's µ, one Å."""
     return text.replace("µ", "u").replace("μ", "u").replace("\u212b", "Å")
 
 

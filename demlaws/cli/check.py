@@ -37,7 +37,7 @@ def versions():
 
 
 def executable(engine):
-    """Path of an engine's program; DemlawsError where there is none."""
+    """Path of an engine's program; DemlawsError if it is not installed."""
     from demlaws.lammps.run import executable as lammps
     from demlaws.liggghts.run import executable as liggghts
     from demlaws.yade.run import executable as yade

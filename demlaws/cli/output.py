@@ -32,7 +32,7 @@ class Output:
         if str(path) == "-" or not path.is_file():
             return
         with open(path, "rb") as file:
-            # the libraries that write files of contacts know no word of ours but the names of the columns
+            # the libraries that write files of contacts contain of demlaws only the names of the columns
             head, mark = (file.read(), b"body1") if path.suffix in PARAVIEW else (file.read(4096), b"demlaws")
         ours = head.split(b"\n")[0].decode(errors="replace").strip() == self.titles if self.titles else mark in head
         if head and not ours:

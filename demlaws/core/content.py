@@ -15,7 +15,7 @@ _SHARED = ("core", "laws", "solvers", "curves")
 _KNOWN = {"demlaws", "numba", "numpy", "math", "cmath", "builtins", "operator", "typing"}
 """Packages whose functions are identified by their names: the digest of its files, or numba's version, stands for the rest."""
 UNKNOWN = "unknown"
-"""In the names of types that are compiled anew in each process."""
+"""In the names of types that each process compiles again."""
 _count = itertools.count(1)
 
 
@@ -100,7 +100,7 @@ def _parts_of_function(function, code, visited):
 
 
 def _file_digest(file):
-    """Digest of a file, or text that says that there is none."""
+    """Digest of a file, or a text for a missing file."""
     try:
         return digest(Path(file).read_bytes())
     except (OSError, TypeError):

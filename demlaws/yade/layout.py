@@ -38,7 +38,7 @@ _TABLES = (
     "pair_numbers",  # address of the numbers of pairs of two surfaces
     "pairs",
     "edges",  # address of the surfaces' edge radii [m]
-    "blocks",  # address of the addresses of blocks of rows, 0 where there is none yet
+    "blocks",  # address of the addresses of blocks of rows, 0 before the first block
     "map_memory",  # address of mmap of the C library, by which a block is made
     "free",  # address of numbers of rows that may be used again
     "free_count",

@@ -54,7 +54,7 @@ def pages():
 
 
 class Article(HTMLParser):
-    """The main content of a built page: pieces of its text and of its listings; a name in a listing is a word of its own."""
+    """The main content of a built page: pieces of its text and of its listings; each name in a listing counts as a word."""
 
     def __init__(self):
         super().__init__()

@@ -29,7 +29,7 @@ def processor():
 
 
 def commit():
-    """The commit that is measured; changes beside it are refused, since nobody could measure them again."""
+    """The commit that is measured; uncommitted changes are refused, since they could not be measured again."""
     changed = subprocess.run(["git", "status", "--porcelain", "demlaws", "studies"], cwd=ROOT, capture_output=True, text=True)
     if changed.stdout.strip():
         raise SystemExit(f"commit these changes first, the page names the commit that is measured:\n{changed.stdout}")
@@ -54,7 +54,7 @@ def claims(folder, out, printed):
         (
             prose(row["claim"]),
             prose(f"{row['run gives']}: {row['verdict']}"),
-            prose(f"{row[given]}: {row[verdict]}" if row[given] else "the same"),
+            prose(f"{row[given]}: {row[verdict]}" if row[given] and row[verdict] != row["verdict"] else row["verdict"]),
             row["test"],
         )
         for row in failed

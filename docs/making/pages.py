@@ -110,7 +110,7 @@ def moved(source):
 
 
 def write():
-    """Write the folder docs/made; returns what stands in pages for {{KEY}}."""
+    """Write the folder docs/made; returns {KEY: text that replaces {{KEY}} in pages}."""
     from demlaws import errors
     from making import reference, theory
 

@@ -63,7 +63,7 @@ def prose(text):
 
 
 def differs(law, force):
-    """Whether a law is told from Hertz's in a picture to this force."""
+    """Whether a law differs visibly from Hertz's in a picture to this force."""
     smooth = quietly(example("hertz", law.contact).overlap, force)
     return abs(quietly(law.overlap, force) / smooth - 1.0) > 0.02
 
