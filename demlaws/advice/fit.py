@@ -28,13 +28,6 @@ from demlaws.units import number
 _DECISIVE = 10.0  # decrease of AICc from which a note mentions a fixed quantity
 
 
-def __getattr__(name):
-    """`PARAMETERS`: `parameters()` of the laws that are registered now."""
-    if name == "PARAMETERS":
-        return parameters()
-    raise AttributeError(name)
-
-
 class Ranking(Tabular, list):
     """Fits from the best to the worst, and the laws that were not fitted; `print(ranking)` shows them as a table."""
 
@@ -91,8 +84,8 @@ def fit(
     unloading : str or sequence of str, optional
         Unloading rules. Default: each rule of the law if the points unload, else "elastic".
     free : sequence of str, optional
-        Names of the fitted quantities among `fit.PARAMETERS`; [] for none. Default: `Definition.free` and "force_zero", which
-        may be left out where the load cell was tared in air.
+        Names of the fitted quantities: of the contact, of the laws (`Fitting.parameters`), of the apparatus; [] for none.
+        Default: `Fitting.free` and "force_zero", which may be left out where the load cell was tared in air.
     options : dict, optional
         Name of the law → fixed options.
     displacement_noise : float, optional

@@ -25,12 +25,6 @@ def line(law):
     return registry()[law].drawing.line if law in registry() else "-"
 
 
-def __getattr__(name):
-    if name == "COLOURS":  # law → colour
-        return {law: definition.drawing.colour for law, definition in registry().items()}
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-
-
 def figure(*, columns=1, rows=1, width=5.2, height=4.0):
     """A figure and its axes (an array if there are several)."""
     try:
