@@ -3,8 +3,8 @@
     from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
 
 Importing this package does not import YADE; importing one of its names does, and replaces some entry points of YADE
-(`patches`), as do `O.engines` and `O.run` of a loaded scene that contains a law. Start scripts with `demlaws yade run SCRIPT`, or
-with plain `yade SCRIPT` where this package is installed for YADE's Python.
+(`patches`), as do `O.engines` and `O.run` of a loaded scene that contains a law. Start scripts with `demlaws yade run SCRIPT`,
+or with plain `yade SCRIPT` where this package is installed for YADE's Python.
 """
 
 import functools

@@ -41,14 +41,14 @@ class Binding:
     """A law at work under a functor's label, in the scene whose token is `scene` (None: in none).
 
     runner: the PyRunner before this law's contacts; share: the part of the critical step for a time stepper, from
-    `engines(law, timestep=…)`; bound: the maxDt [s] that the law has given a stepper; counted: losses [J] of plasticity, of
-    shear and of viscous damping that are not in `O.energy` while `O.trackEnergy` is set, that are in it while it is not.
+    `engines(law, timestep=…)`; bound: the maxDt [s] that the law has given a stepper; seen: losses [J] of plasticity, of shear
+    and of viscous damping when `O.energy` was last read.
     """
 
     def __init__(self, label, pairs):
         self.label, self.pairs = label, pairs
         self.runner = self.share = self.bound = None
-        self.counted = [0.0, 0.0, 0.0]
+        self.seen = [0.0, 0.0, 0.0]
         self.attachment = native.Attachment(pairs)
         self.context = self.attachment.context
         self.context["may_be_unlisted"] = pairs.needs_no_judgement
@@ -72,7 +72,7 @@ class Binding:
         """Begin to act in a scene with this account; the account of a scene that was left continues."""
         if scene != self.left:
             self.attachment.rows.release()  # of contacts of another scene, which ends or stops
-            self.account, self.counted = account, [0.0, 0.0, 0.0]
+            self.account, self.seen = account, [0.0, 0.0, 0.0]
             self._scenes += 1
         self.scene, self.left, self.guards, self.warned = scene, None, 0, False
         self._messages, self._limits = set(), {}
@@ -145,18 +145,19 @@ class Binding:
         stored, dissipated = float(energies["stored"].sum()), float(energies["dissipated"].sum()) + past
         return Totals(stored, dissipated, max(open_count - len(rows), 0), **more)
 
-    def losses(self):
-        """Energies [J] that plasticity, shear and viscous damping have taken since the law began."""
+    def account_for(self, tracker):
+        """Write the energies [J] to YADE's EnergyTracker, adding what was lost since the last call; None: it does not track."""
         totals = self._totals()
-        return [totals.dissipated, totals.shear_dissipated, totals.viscous]
-
-    def toggle_tracking(self):
-        """`O.trackEnergy` changed: `counted` is what had been lost before tracking began, or while it lasted."""
-        self.counted = [one - other for one, other in zip(self.losses(), self.counted, strict=True)]
-
-    def clear_tracking(self, tracking):
-        """`O.energy` counts from now on."""
-        self.counted = self.losses() if tracking else [0.0, 0.0, 0.0]
+        losses = [totals.dissipated, totals.shear_dissipated, totals.viscous]
+        if tracker is not None:
+            tracked = dict(tracker.items())
+            energies = {"Elastic": totals.stored, "ShearElastic": totals.shear_stored}
+            for name, loss, seen in zip(("Plastic", "ShearLost", "Viscous"), losses, self.seen, strict=True):
+                energies[name] = tracked.get(self.label + name, 0.0) + loss - seen
+            for name, energy in energies.items():
+                if energy == energy:  # the work of viscous forces is not known where the native go acts
+                    tracker[self.label + name] = energy
+        self.seen = losses
 
     def contacts(self, interactions=None):
         """`Contacts`: all real contacts of the scene (or of the given ones); also while the simulation runs."""

@@ -23,8 +23,6 @@ def install():
     energy, tracking = omega.energy, omega.trackEnergy
     omega.energy = property(lambda o: scene.with_energies(energy.__get__(o)), energy.fset)
     omega.trackEnergy = property(tracking.fget, functools.partial(_track, tracking.fset))
-    clear = yade.wrapper.EnergyTracker.clear
-    yade.wrapper.EnergyTracker.clear = functools.wraps(clear)(_clearing(clear))
     yade.LawDispatcher.functors = property(scene.FUNCTORS.__get__, scene.set_functors)
     methods = {"reset": _resetting, "run": _running, "step": _stepping, "wait": _waiting}
     for name, replaced in (methods | dict.fromkeys(("save", "saveTmp", "sceneToString"), _saving)).items():
@@ -35,20 +33,8 @@ def install():
 
 
 def _track(native, omega, value):
-    changes = bool(value) != omega.trackEnergy
-    if changes and value:  # before YADE tracks
-        scene.track_energies()
+    _ = omega.energy  # gets what was lost until now, if it tracks
     native(omega, value)
-    if changes and not value:
-        scene.track_energies()
-
-
-def _clearing(native):
-    def clear(tracker):
-        native(tracker)
-        scene.clear_energies()
-
-    return clear
 
 
 def _resetting(native):

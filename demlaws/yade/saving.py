@@ -27,7 +27,7 @@ FORMER_VERSION = (
 
 def law_text(binding, attributes):
     """JSON from which `law_from` restores a law in another process; attributes: the functor's."""
-    content = {"account": binding.account, "counted": binding.counted, "bound": binding.bound, "attributes": attributes}
+    content = {"account": binding.account, "seen": binding.seen, "bound": binding.bound, "attributes": attributes}
     return json.dumps(content | {"pairs": pairs_text(binding.pairs)})
 
 

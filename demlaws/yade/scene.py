@@ -131,31 +131,13 @@ def set_functors(dispatcher, functors):
 
 def with_energies(tracker):
     """YADE's EnergyTracker with the present energies [J] of the laws of the scene, if it tracks energies; as YADE's own they
-    exist from the first step."""
+    exist from the first step. It gets what was lost since it was read before: `clear` is such a reading."""
     attach_loaded()
-    for label, functor in laws_here().items() if O.trackEnergy and O.iter else ():
-        totals = functor.totals()
-        parts = {"Elastic": totals.stored, "ShearElastic": totals.shear_stored}
-        losses = totals.dissipated, totals.shear_dissipated, totals.viscous
-        for name, loss, before in zip(("Plastic", "ShearLost", "Viscous"), losses, functor.binding.counted, strict=True):
-            parts[name] = loss - before
-        for name, energy in parts.items():
-            if energy == energy:  # the work of viscous forces is not known where the native go acts
-                tracker[label + name] = energy
+    present = tracker if O.trackEnergy and O.iter else None
+    for binding in {functor.binding for functor in laws_here().values()}:
+        if binding.scene == token_here():
+            binding.between_engines(functools.partial(binding.account_for, present))
     return tracker
-
-
-def track_energies():
-    """The laws of the scene follow `O.trackEnergy`, which has just been changed."""
-    attach_loaded()
-    for functor in laws_here().values():
-        functor.binding.between_engines(functor.binding.toggle_tracking)
-
-
-def clear_energies():
-    """`O.energy` has been cleared: losses count from now on."""
-    for functor in laws_here().values():
-        functor.binding.between_engines(lambda binding=functor.binding: binding.clear_tracking(O.trackEnergy))
 
 
 def refuse_mpi(error):
@@ -322,6 +304,7 @@ class as_saved:
     def __enter__(self):
         from demlaws.yade import saving
 
+        _ = O.energy  # gets what was lost until now
         self.kept = []
         for _, dispatcher, functor in law_functors(get_engines()):
             if is_our_law(functor):
@@ -367,7 +350,7 @@ def attach_saved():
         FUNCTORS.__set__(dispatcher, [law if f.label == label else f for f in dispatcher.functors])
         content = json.loads(text)
         law.binding.enter(token, content["account"])
-        law.binding.counted, law.binding.bound = content["counted"], content["bound"]
+        law.binding.seen, law.binding.bound = content["seen"], content["bound"]
         saving.restore(law.binding, tag(HISTORY.format(label=label)))
         command = GUARD_COMMAND.format(label=label)
         law.binding.watched_by(next((e for e in get_engines() if getattr(e, "command", None) == command), None))
@@ -395,7 +378,7 @@ def _restored(label, former, text):
     content = json.loads(text)
     if former is not None:
         current = json.loads(saving.law_text(former.binding, content["attributes"]))
-        changing = dict.fromkeys(("account", "counted", "bound"))
+        changing = dict.fromkeys(("account", "seen", "bound"))
         if current | changing == content | changing:
             former.updateAttrs(content["attributes"])
             return former

@@ -87,15 +87,19 @@ def test_energies_count_from_when_tracking_began_and_from_clear(omega):
 def test_a_scene_that_is_loaded_has_the_engines_of_its_script(omega, tmp_path, first):
     """The guard was in O.engines, and shifted the numbers that the script uses."""
     law = acting(functor())
+    slide(100)
+    assert law.totals().shear_dissipated > 0.0
     omega.save(str(tmp_path / "scene.yade"))
     goal = law.contacts().force[0]
     text = f"""
 {first}
 import yade
 yade.O.load({str(tmp_path / "scene.yade")!r})
+yade.O.trackEnergy = True
 print("ENGINES", *[type(engine).__name__ for engine in yade.O.engines])
 yade.O.run(3, True)
 print("FORCE", yade.O.interactions[0, 1].phys.normalForce.norm().hex())
+print("LOST", yade.O.energy["demlawsShearLost"], yade.O.energy["demlawsElastic"])
 """
     script = tmp_path / "load.py"
     script.write_text(text)
@@ -103,6 +107,7 @@ print("FORCE", yade.O.interactions[0, 1].phys.normalForce.norm().hex())
     lines = {line.split()[0]: line.split()[1:] for line in done.stdout.splitlines() if line.strip()}
     assert lines["ENGINES"] == [type(engine).__name__ for engine in omega.engines], done.stdout + done.stderr
     assert float.fromhex(lines["FORCE"][0]) == pytest.approx(goal, rel=1e-12)
+    assert float(lines["LOST"][0]) == 0.0 < float(lines["LOST"][1])  # what was lost before tracking began does not count
 
 
 def test_engines_that_are_assigned_to_a_loaded_scene_are_checked(omega, tmp_path):
