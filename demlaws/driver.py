@@ -115,8 +115,8 @@ def force_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> P
         if not np.all(new):
             branch[~new] = law.unloading_overlap(forces[~new], state)
         law.follow(branch, state)
-        virgin = law.state_size and not any(array[0] for array in state.arrays)  # back at zero overlap: a new contact
-        largest = 0.0 if virgin else max(largest, float(forces.max()))
+        is_new = law.state_size and not any(array[0] for array in state.arrays)  # back at zero overlap: a new contact
+        largest = 0.0 if is_new else max(largest, float(forces.max()))
         overlaps.append(branch)
     return law.follow(np.concatenate(overlaps))
 

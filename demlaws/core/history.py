@@ -63,7 +63,7 @@ def history_loop(rule, params, force, initial_state, overlap, stiffness):
 
 
 def history(rule, params, force):
-    """Overlap [m] and tangent stiffness [N/m] at each `force` > 0 [N] that one virgin contact carries in turn.
+    """Overlap [m] and tangent stiffness [N/m] at each `force` > 0 [N] that a contact without history carries in turn.
 
     Laws share the loops of the rules along Hertz's curve, so that a law compiles one loop whatever its rules.
     """

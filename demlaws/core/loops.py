@@ -33,7 +33,7 @@ def batch_loop(rule, params, overlap, state, largest_overlap, expected_maximum, 
     [N] are numbers up to `expected_maximum`.
 
     An overlap beyond `largest_overlap` [m] counts as NaN, with which every rule gives the force NaN and leaves the history as
-    it was. A rule without a history answers all the same, and a law may give a number for an overlap that is none.
+    it was. A rule without a history answers all the same, and a law may give a number for NaN.
     """
     good = True
     params = dispatch.fix_tables(params)

@@ -349,7 +349,7 @@ def _given_step(rule, p, overlap, state):
         plastic = overlap - (0.0 if estimate <= 0.0 else estimate)
     else:
         force = 0.0 if elastic <= 0.0 else back
-        force = force if overlap == overlap else math.nan  # a law may give a number for an overlap that is none
+        force = force if overlap == overlap else math.nan  # a law may give a number for NaN
         stiffness = 0.0 if elastic <= 0.0 else tangent
     if overlap <= 0.0:
         force, stiffness, maximum, plastic = 0.0, 0.0, 0.0, 0.0

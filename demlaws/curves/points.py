@@ -62,7 +62,7 @@ class MeasuredCurve:
         (overlap, force, sigma), without = _columns(overlap, force, uncertainty, what)
         order = np.argsort(overlap, kind="stable")
         overlap, force, sigma = overlap[order], force[order], sigma[order]
-        groups, fit = self._follow(overlap, force, sigma, what)
+        groups, fit = self._set_curve(overlap, force, sigma, what)
         departure = np.abs(self.evaluate(overlap)[0] - force)
         most, noise, at_touch = self.LARGEST_NOISE * float(force.max()), 0.0, 0.0
         if fit is not None:
@@ -78,7 +78,7 @@ class MeasuredCurve:
             )
         self.knots = self._knots(groups, fit, sigma, departure)
 
-    def _follow(self, overlap, force, sigma, what):
+    def _set_curve(self, overlap, force, sigma, what):
         """Set the curve through points in the order of their overlaps; returns the points of each place, and the smoothing."""
         smooth, groups, fit = np.unique(overlap).size >= FEWEST, _equal_groups(overlap), None
         x = np.array([np.mean(np.log(overlap[g])) for g in groups])

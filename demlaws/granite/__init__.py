@@ -142,7 +142,7 @@ class Run(NamedTuple):
 
     test: Test
     law: object
-    paths: tuple  # a Path a stage
+    paths: tuple  # one Path per stage
 
     @property
     def radius(self):
@@ -212,7 +212,7 @@ def forces_of(test):
 
 
 def table_of(test, runs, notes):
-    """One Row a law."""
+    """One Row per law."""
     low, high, loads = forces_of(test)
     rows = []
     for run in runs:

@@ -1,4 +1,4 @@
-"""One file a law. A new law is a file here and its name in MODULES."""
+"""One file per law. A new law is a file here and its name in MODULES."""
 
 MODULES = (
     "hertz",
@@ -19,7 +19,7 @@ MODULES = (
     "eepa",
 )
 
-# Laws that code outside this folder means by name: a name misspelt is an error on import, not in a run.
+# Names of laws for code outside this folder: a misspelt one is an error on import, not in a run.
 HERTZ, RMS, POHRT_POPOV, GODDARD = "hertz", "rms", "pohrt-popov", "goddard"
 YIP_VENART, BAHRAMI, GREENWOOD_TRIPP, ROUGH_PLASTIC = "yip-venart", "bahrami", "greenwood-tripp", "rough-plastic"
 ASPERITY, THORNTON_NING, CONICAL_DAMAGE = "asperity", "thornton-ning", "conical-damage"

@@ -1,6 +1,6 @@
 """Patches of a map above a cut: labels, areas, volumes and moments, and the elliptic paraboloid of each patch.
 
-Between pixels the surface is made of flat triangles (two a pixel cell), so that areas and volumes are continuous functions of
+Between pixels the surface is made of flat triangles (two per pixel cell), so that areas and volumes are continuous functions of
 the cut.
 """
 
