@@ -157,11 +157,12 @@ def yield_force(number: float) -> float:
     force = np.geomspace(1e-6, HIGHEST_FORCE, 4097)[:-1]
     hertz = 8.0 / math.pi * np.cbrt(3.0 / (8.0 * math.sqrt(2.0)) * force)  # p0 = hertz E* √(σ/8R)
     pressure = central_pressure(PLASTIC_LAYER, number, force) * hertz / number
-    first = int(np.argmax(pressure >= 0.6))
-    if pressure[first] < 0.6:
+    ratio = 0.6
+    first = int(np.argmax(pressure >= ratio))
+    if pressure[first] < ratio:
         return math.inf
     near = slice(max(first - 1, 0), first + 1)
-    return float(np.exp(np.interp(math.log(0.6), np.log(pressure[near]), np.log(force[near]))))
+    return float(np.exp(np.interp(math.log(ratio), np.log(pressure[near]), np.log(force[near]))))
 
 
 class Seated(NamedTuple):
