@@ -1,7 +1,6 @@
 """The models as sources of LAMMPS: files that are copied into src/GRANULAR. Only the standard library."""
 
 from pathlib import Path
-from typing import NamedTuple
 
 import demlaws
 from demlaws.plugins.engines import SHARED, inlined, write_sources
@@ -22,21 +21,7 @@ ROWS = """\
 """
 
 
-class Written(NamedTuple):
-    """Files that were written; `register`: the file of LAMMPS that `ROWS` are still to be added to, or None."""
-
-    files: tuple
-    register: Path | None
-
-    def __str__(self):
-        lines = [f"wrote {file}" for file in self.files]
-        if self.register:
-            lines += [f"add to {self.register}, the first line to its includes, the others to its table:", ROWS.rstrip()]
-        else:
-            lines.append(
-                "now configure and build LAMMPS with package GRANULAR: cmake -D PKG_GRANULAR=on ..., or make yes-granular"
-            )
-        return "\n".join(lines)
+THEN = "now configure and build LAMMPS with package GRANULAR: cmake -D PKG_GRANULAR=on ..., or make yes-granular"
 
 
 def source(folder):
@@ -48,7 +33,7 @@ def source(folder):
     head = f"// The models of demlaws {demlaws.__version__}, written by `demlaws lammps source`. Licence: GPL-2.0-or-later."
     texts = {name: (SOURCES / name).read_text() for name in COPIED}
     texts[MODELS] = "\n".join([head, *inlined("granular_models.h", FOLDERS, COPIED)]) + "\n"
-    files = write_sources(folder, texts, "granular_model.h")
-    register = Path(folder) / REGISTER
-    missing = register.is_file() and "gran_sub_mod_demlaws.h" not in register.read_text()
-    return Written(files, register if missing else None)
+    register, then = Path(folder) / REGISTER, THEN
+    if register.is_file() and "gran_sub_mod_demlaws.h" not in register.read_text():
+        then = f"add to {register}, the first line to its includes, the others to its table:\n{ROWS.rstrip()}"
+    return write_sources(folder, texts, "granular_model.h", then)

@@ -1,8 +1,5 @@
 """The models as a source of LIGGGHTS: one file that is copied into src. Only the standard library."""
 
-from pathlib import Path
-from typing import NamedTuple
-
 import demlaws
 from demlaws.liggghts.build import PLUGIN
 from demlaws.plugins.engines import SHARED, inlined, write_sources
@@ -11,13 +8,7 @@ NAME = PLUGIN.source
 """No name of a header: LIGGGHTS would combine a normal_model_*.h with each of its own models."""
 
 
-class Written(NamedTuple):
-    """The file that was written."""
-
-    file: Path
-
-    def __str__(self):
-        return f"wrote {self.file}\nnow build LIGGGHTS: cmake finds the file by itself, if it is run again, and so does make"
+THEN = "now build LIGGGHTS: cmake finds the file by itself, if it is run again, and so does make"
 
 
 def source(folder):
@@ -28,4 +19,4 @@ def source(folder):
     """
     head = f"// The models of demlaws {demlaws.__version__}, written by `demlaws liggghts source`. Licence: GPL-2.0-or-later."
     text = "\n".join([head, *inlined(NAME, (PLUGIN.sources, SHARED))]) + "\n"
-    return Written(*write_sources(folder, {NAME: text}, "normal_model_hertz.h"))
+    return write_sources(folder, {NAME: text}, "normal_model_hertz.h", THEN)

@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import NamedTuple
 
 import demlaws
 from demlaws.errors import DemlawsError, EngineStopped, handling_signals
@@ -42,8 +43,18 @@ def inlined(name, folders, kept=(), seen=None):
             yield from inlined(inner, folders, kept, seen)
 
 
-def write_sources(folder, texts, beside):
-    """Write {name: text} into `folder` and return the paths; a file that has its text stays untouched: no build repeats it.
+class Written(NamedTuple):
+    """Source files that were written, and what is to be done next."""
+
+    files: tuple
+    then: str
+
+    def __str__(self):
+        return "\n".join([*(f"wrote {file}" for file in self.files), self.then])
+
+
+def write_sources(folder, texts, beside, then):
+    """Write {name: text} into `folder`, return `Written`; a file that has its text stays untouched: no build repeats it.
 
     beside: a file of the engine's sources by which their folder is known.
     """
@@ -57,7 +68,7 @@ def write_sources(folder, texts, beside):
                 file.write_text(text)
     except OSError as error:
         raise DemlawsError(f"cannot write to {folder}: {error.strerror}") from error
-    return tuple(folder / name for name in texts)
+    return Written(tuple(folder / name for name in texts), then)
 
 
 def cache_folder():
