@@ -29,11 +29,11 @@ public:
         else high = middle;
       }
       stiffness(curve, high, force);
-      const Node found = {node(n), high * node(n) - force, high};
+      const Node found = {node(n), high * node(n) - force, high, 0., 0.};
       nodes_.push_back(found);
     }
     stiffness(curve, curve.last(), force);
-    const Node end = {most, curve.last() * most - force, curve.last()};
+    const Node end = {most, curve.last() * most - force, curve.last(), 0., 0.};
     nodes_.push_back(end);
     for (size_t n = 0; n + 1 < nodes_.size(); n++) {
       Node &a = nodes_[n];
