@@ -87,7 +87,8 @@ inline std::shared_ptr<SpringCurve> spring_curve(const Curve &curve) {
 
 // Number of the layout of what contacts keep, in restart files: another one is refused.
 const int LAYOUT = 2;
-inline double layout_of(double mark) { return std::floor(mark / 8589934592.); } // 2^33
+const double ONE_LAYOUT = 8589934592.; // in a mark; below it is the checksum
+inline double layout_of(double mark) { return std::floor(mark / ONE_LAYOUT); }
 
 // The law of two materials.
 struct Law {
@@ -106,7 +107,7 @@ struct Law {
     watch = Watch(pair);
     // as float: another computer may round a mixed modulus otherwise
     const float numbers[2] = {(float)(modulus / pascal), (float)roughness};
-    mark = 8589934592. * LAYOUT + crc32(table.fingerprint(), (const char *)numbers, sizeof numbers);
+    mark = ONE_LAYOUT * LAYOUT + crc32(table.fingerprint(), (const char *)numbers, sizeof numbers);
     springs.reset();
     if (shear != SLIP_SHEAR) return doubt;
     if (!HAS_SPRINGS[pair.rule])

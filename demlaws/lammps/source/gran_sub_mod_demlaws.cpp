@@ -32,8 +32,6 @@ static bool has_outputs(LAMMPS *lmp) {
   return !lmp->force->pair || !utils::strmatch(lmp->force->pair_style, "^hybrid");
 }
 
-static bool reads_restart(const Input *input) { return !strcmp(input->command, "read_restart"); }
-
 // --- commands that give particles new numbers, or contacts no history
 
 static std::map<std::string, Input::CommandCreator> unguarded;
@@ -97,7 +95,7 @@ void GranSubModNormalDemlaws::coeffs_to_local() {
   } else std::copy(coeffs, coeffs + num_coeffs, table->coeffs);
   table->coeffs_to_local();
 
-  if (reads_restart(input)) {
+  if (!strcmp(input->command, "read_restart")) {
     Range::of(lmp).has_contacts = true;
     // the cut-off of the pair style is not in the file, and LAMMPS leaves its memory as it was
     PairGranular *const pair = dynamic_cast<PairGranular *>(force->pair);
@@ -140,7 +138,6 @@ void GranSubModTangentialDemlaws::coeffs_to_local() {
   gm->sub_models[TANGENTIAL] = gm->tangential_model = made;
   made->coeffs_to_local();
   made->set_history_size();
-  made->compare(reads_restart(input), gm->contact_type != PAIR);
   delete this;
 }
 
@@ -174,7 +171,6 @@ int FixDemlaws::setmask() { return FixConst::PRE_FORCE | FixConst::MIN_PRE_FORCE
 
 void FixDemlaws::init() {
   Range &range = Range::of(lmp);
-  range.of_restart = 0;
   if (utils::strmatch(update->integrate_style, "^respa"))
     error->all(FLERR, "demlaws/table: run_style respa is not served by the models built in: write run_style verlet");
   bool keeps = false;

@@ -46,7 +46,7 @@ struct Layout {
   void (*compute)(void *);
   void (*construct)(void *, const std::string &, int, bool);
   int (*add)(void *, char **, int, int, int, bool);
-  void (*before_init)(void *, bool);
+  void (*before_init)(void *);
   void (*after_init)(void *, bool, bool &, bool &, std::vector<int> &);
   template <bool LATE> static const Layout *of() {
     typedef Hooks<Abi<LATE>> All;
@@ -171,10 +171,7 @@ void *pair_now = NULL; // the pair style whose lines are being read
 
 struct PairNow {
   explicit PairNow(void *pair) { pair_now = pair; }
-  ~PairNow() {
-    pair_now = NULL;
-    reads_restart = false;
-  }
+  ~PairNow() { pair_now = NULL; }
 };
 
 // `compute ID all demlaws/energy`: a stock `compute reduce sum` of two values, which sums over the ranks; the values
@@ -224,7 +221,7 @@ void demlaws_construct(void *model, std::string name, int type) {
   layout->construct(model, name, type, !under_hybrid(model));
 }
 void demlaws_init(void *model) {
-  if (layout) layout->before_init(model, !pair_now);
+  if (layout) layout->before_init(model);
   Stock::get().init(model);
   if (!layout) return;
   bool has_table, keeps;
@@ -260,7 +257,6 @@ void demlaws_pair_coeff(void *pair, int count, char **arg) {
 }
 void demlaws_pair_restart(void *pair, FILE *file) {
   PairNow now(pair);
-  reads_restart = true;
   Stock::get().pair_restart(pair, file);
   if (!Histories::all()[pair].ours) return;
   Range::of(instance_of(pair)).has_contacts = true;
@@ -273,7 +269,6 @@ void demlaws_pair_init(void *pair) {
     if (kept.ours && sizes != kept.sizes[0]) raise(error_of(pair), true, MIXED_SIZES);
   Stock::get().pair_init(pair);
   if (!kept.ours && !kept.sizes.empty()) Range::of(instance_of(pair)).look_at_pairs(instance_of(pair), error_of(pair));
-  Range::of(instance_of(pair)).of_restart = 0;
   if (kept.kept) Range::of(instance_of(pair)).look_across(instance_of(pair), error_of(pair));
 }
 

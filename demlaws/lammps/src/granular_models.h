@@ -164,6 +164,7 @@ template <class ABI> struct Granular {
       // A rolling displacement and an angle of twist are the same seen from either particle (the relative spin and the
       // normal both turn), but LAMMPS turns their signs whenever a pair changes its order, unless the sub-model says
       // otherwise.
+      mark_ = law_.mark + 256. * demlaws::ONE_LAYOUT * gm->size_history;
       int at = 0;
       for (int k = 0; k <= HEAT; k++) {
         const bool same = (k == ROLLING || k == TWISTING) && !gm->sub_models[k]->nondefault_history_transfer;
@@ -220,7 +221,7 @@ template <class ABI> struct Granular {
       if (__builtin_expect(m->contact_type > LAST_TYPE, 0)) refuse_contact();
       if (__builtin_expect(now.outside | law_.watch.sees(m->delta, m->Reff), 0)) examine(now);
       if (__builtin_expect(!law_.pair.serves(m->Reff, coeffs[TOLERANCE]), 0)) refuse_radius();
-      if (__builtin_expect(m->history[history_index + demlaws::MOST_STATE] != law_.mark, 0)) check_mark();
+      if (__builtin_expect(m->history[history_index + demlaws::MOST_STATE] != mark_, 0)) check_mark();
       stiffness_ = now.stiffness;
       shear_stiffness_ =
           demlaws::shear_stiffness<RULE>(shear_, law_.pair, m->Reff, m->delta, now, m->history + history_index);
@@ -267,6 +268,7 @@ template <class ABI> struct Granular {
     Ledger &ledger_;
     demlaws::Law law_;
     double stiffness_ = 0., shear_stiffness_ = 0., per_stiffness_ = 0.;
+    double mark_ = 0.; // that of the law, and in its layout the number of values that a contact keeps
     demlaws::Shear shear_ = demlaws::ELASTIC_SHEAR;
     bool computes_pairs_ = false, speed_ = true; // speed_: the tangential model asks for that of the surfaces, vrel
     // BY_RADIUS: viscoelastic, whose formula Abi::fits() has checked
@@ -314,11 +316,19 @@ template <class ABI> struct Granular {
       double *const state = gm->history + history_index, &mark = state[demlaws::MOST_STATE];
       const bool kept =
           unloads_otherwise() || slips() || std::count(state, state + demlaws::MOST_STATE, 0.) < demlaws::MOST_STATE;
-      if (mark != 0. && demlaws::layout_of(mark) != demlaws::LAYOUT)
-        raise(*of.error, false, who() + demlaws::former_version());
+      if (mark != 0. && demlaws::layout_of(mark) != demlaws::layout_of(mark_)) refuse_layout(mark);
       if (mark != 0. && kept && !switched(RESTART_CHECK_OFF))
         raise(*of.error, false, who() + demlaws::other_law() + demlaws::OR_CHECK_OFF);
-      if (gm->history_update) mark = law_.mark;
+      if (gm->history_update) mark = mark_;
+    }
+    // Of a former version, or with another tangential, rolling or twisting model.
+    __attribute__((noinline, cold)) void refuse_layout(double mark) const {
+      const double layout = demlaws::layout_of(mark), values = std::floor(layout / 256.);
+      if (layout - 256. * values != demlaws::LAYOUT) raise(*of.error, false, who() + demlaws::former_version());
+      raise(*of.error, false,
+            who() + "this contact, of a restart file or under another line, kept " + std::to_string((int)values) +
+                " values, now " + std::to_string(gm->size_history) +
+                ": write the models, 'levels', 'shear' and 'springs' that it had, or " + demlaws::FROM_POSITIONS);
     }
     __attribute__((noinline, cold)) void refuse_radius() const {
       raise(*of.error, false, who() + demlaws::other_radius(law_.pair, gm->Reff, coeffs[TOLERANCE]));
@@ -428,16 +438,6 @@ template <class ABI> struct Granular {
       this->k = 2. * ratio_ * normal_->effective_modulus(); // K_t over the contact radius: twisting
     }
     void init() { synchronized_ = ABI::synchronized(gm); } // after all words of the line
-    // Then: of a restart file, or of a wall, whose line is written again.
-    void compare(bool restart, bool wall) const {
-      int &of_restart = Range::of(this->of.lmp).of_restart;
-      if (restart) of_restart = size_;
-      else if (wall && of_restart && of_restart != size_)
-        raise(*this->of.error, true,
-              "demlaws/table: the contacts of the restart file keep " + std::to_string(of_restart) +
-                  " values for shear, this wall " + std::to_string(size_) +
-                  ": write the words 'levels', 'shear' and 'springs' that the wall had");
-    }
     void calculate_forces() {
       if (__builtin_expect(ledger_.busy, 0)) watched();
       else move();

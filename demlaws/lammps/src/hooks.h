@@ -10,8 +10,6 @@ namespace {
 __attribute__((noinline)) bool check_elsewhere(void *m) { return Stock::get().check(m); }
 __attribute__((noinline)) void compute_elsewhere(void *m) { Stock::get().compute(m); }
 
-bool reads_restart = false; // while the pair_coeff lines of a restart file are read
-
 // GranularModel::calculate_forces for a pair of particles, where Table::choose_path() found that it can be done here.
 template <bool LATE> template <class RULED> struct Abi<LATE>::DirectPairs : public RULED {
   template <class... ARGUMENTS> explicit DirectPairs(ARGUMENTS &&...given) : RULED(given...) {}
@@ -97,11 +95,9 @@ template <class ABI> struct Hooks {
   }
 
   // Before GranularModel::init.
-  static void before_init(void *model, bool wall) {
+  static void before_init(void *model) {
     ShearModel *const shear_model = dynamic_cast<ShearModel *>(((Model *)model)->tangential_model);
-    if (!shear_model) return;
-    shear_model->set_history_size();
-    shear_model->compare(reads_restart, wall);
+    if (shear_model) shear_model->set_history_size();
   }
 
   // After GranularModel::init: whether a model has a table, and one whose unloading is not elastic; the sizes of the

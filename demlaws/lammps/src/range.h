@@ -37,7 +37,6 @@ struct Range {
   bool has_contacts = false; // forces were computed, or a restart file was read
   long long checked = -1;    // the step in which positions were checked
   long long passed = -1;     // the step of the last pass over pairs under run_style respa
-  int of_restart = 0;        // until the first run: values per contact of the tangential models of a restart file
 
   static Range &of(void *lmp) {
     static std::map<void *, Range> all;
