@@ -283,12 +283,14 @@ def own_session(environment):
 
 
 def _remove_shared_memory():
-    """Remove what ranks of MPICH that were killed left: 1 MB each, and no later process of the same number can start ("Out of
-    memory")."""
+    """Remove what processes of MPICH that were killed left: 1 MB each, and no later process of the same number can start ("Out
+    of memory"). The file of several ranks has no number of a process, but a checksum, nearly always a larger number: it is
+    left, since a rank that begins now would wait for the others for ever.
+    """
     for file in SHARED_MEMORY.glob("mpich_shm_*_*"):
         with contextlib.suppress(OSError, ValueError):  # of another program, or removed by another run
-            number = int(file.name.split("_")[2], 16)
-            if file.stat().st_uid == os.geteuid() and not Path(f"/proc/{number}").exists():
+            number, largest = int(file.name.split("_")[2], 16), int(Path("/proc/sys/kernel/pid_max").read_text())
+            if number <= largest and file.stat().st_uid == os.geteuid() and not Path(f"/proc/{number}").exists():
                 file.unlink()
 
 

@@ -316,15 +316,18 @@ def test_shared_memory_of_a_killed_rank_is_removed(engine, tmp_path, monkeypatch
     binary.chmod(0o755)
     (tmp_path / "in.case").write_text("")
     monkeypatch.setattr(module.ENGINE, "start", lambda *_: (binary, dict(os.environ), {}, None))
-    alive = Path(f"/dev/shm/mpich_shm_{os.getpid():x}_97")
+    alive, of_ranks = (Path(f"/dev/shm/mpich_shm_{number:x}_97") for number in (os.getpid(), 2**31 + os.getpid()))
     alive.touch()
+    of_ranks.touch()
     try:
         with pytest.raises(EngineStopped) as caught:
             module.run(tmp_path / "in.case")
         assert not Path(re.search(r"FILE ([\w/]+)", str(caught.value)).group(1)).exists()
         assert alive.exists()  # of a process that runs
+        assert of_ranks.exists()  # of several ranks: they waited for each other for ever
     finally:
         alive.unlink()
+        of_ranks.unlink(missing_ok=True)
 
 
 VERSIONS = {
