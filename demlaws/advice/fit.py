@@ -111,8 +111,7 @@ def fit(
 
     Notes
     -----
-    A weight compares the laws with each other only; `Fit.systematic` marks a law that does not describe the points. If another
-    E* or a compliance would explain the pattern of the best law's misfit, the notes of the fit mention it.
+    A weight compares the laws with each other only; `Fit.systematic` marks a law that does not describe the points.
 
     Examples
     --------

@@ -1,7 +1,7 @@
 """Jamari & Schipper 2006-2008: a measured map against a smooth ball, its loading or its elastic reloading curve as a law.
 
-The curve is that of one map at one effective radius and modulus: it does not collapse. Contacts that differ in radius only
-are blended between curves at radii 5 % apart; a few that differ otherwise get a curve each.
+The curve is that of one map at one effective radius and modulus. Contacts that differ in radius only are blended between
+curves at radii 5 % apart; a few that differ otherwise get a curve each.
 """
 
 import math

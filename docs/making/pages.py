@@ -21,7 +21,7 @@ def draw_gallery(folder):
     """Run the scripts of docs/gallery in `folder`, where they write their figures; returns the page of the gallery."""
     folder.mkdir(parents=True)
     environment = {**os.environ, "MPLBACKEND": "agg", "PYTHONPATH": str(ROOT)}
-    lines = ["# Gallery\n", "Figures and the scripts that draw them; the scripts are run when the site is built.\n"]
+    lines = ["# Gallery\n"]
     for script in sorted((DOCS / "gallery").glob("*.py")):
         subprocess.run(
             [sys.executable, "-W", "ignore", script], cwd=folder, env=environment, check=True, stdout=subprocess.DEVNULL
@@ -109,6 +109,13 @@ def moved(source):
     return relinked((ROOT / source).read_text(), source, ELSEWHERE[source])
 
 
+def changes(text):
+    """The newest section of the changelog, without the list of corrected faults."""
+    newest = "\n## ".join(text.split("\n## ")[:2])
+    kept = re.sub(r"^### Fixed\n.*?(?=^### |\Z)", "", newest, flags=re.MULTILINE | re.DOTALL)
+    return f"{kept.rstrip()}\n\nCorrected faults and former versions: `CHANGELOG.md` of the repository.\n"
+
+
 def write():
     """Write the folder docs/made; returns {KEY: text that replaces {{KEY}} in pages}."""
     from demlaws import errors
@@ -125,7 +132,7 @@ def write():
     (MADE / "yade.md").write_text(moved("yade_scripts/README.md"))
     cases = [beneath(moved(f"{engine}_inputs/README.md")) for engine in ("liggghts", "lammps")]
     (MADE / "cases.md").write_text("\n".join([CASES, *cases]))
-    (MADE / "changelog.md").write_text(NOT_SEARCHED + "\n## ".join(moved("CHANGELOG.md").split("\n## ")[:2]))
+    (MADE / "changelog.md").write_text(NOT_SEARCHED + changes(moved("CHANGELOG.md")))
     (MADE / "commands.md").write_text(reference.command_page())
     groups = theory.write(MADE / "theory")
     laws = []

@@ -182,7 +182,7 @@ def law_page(name, definition, folder):
     if rows:
         text.append(table(["symbol", "unit", "meaning"], rows))
     needed = ", ".join(f"`{n}`" for n in ("radius", "modulus", *definition.needed(**law.options)))
-    text.append(f"## Example\n\nIt needs of the contact: {needed}.\n")
+    text.append(f"## Example\n\nRequired quantities of the contact: {needed}.\n")
     text.append(worked_example(name, law))
     if definition.options:
         text.append("Options, in Python and by `--option NAME=VALUE`:\n")
