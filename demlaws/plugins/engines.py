@@ -15,6 +15,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 from typing import NamedTuple
 
@@ -264,6 +265,8 @@ FOLDERS_OF_OPEN_MPI = tuple(
     f"OMPI_MCA_{name}" for name in ("orte_tmpdir_base", "btl_vader_backing_directory", "btl_sm_backing_directory")
 )
 """Of sessions and shared memory, by the names of versions 4 and 5."""
+BEGINS = 60.0
+"""Within which all ranks have opened a file of shared memory [s]."""
 
 
 @contextlib.contextmanager
@@ -287,10 +290,12 @@ def _remove_shared_memory():
     of memory"). The file of several ranks has no number of a process, but a checksum, nearly always a larger number: it is
     left, since a rank that begins now would wait for the others for ever.
     """
+    largest, now = int(Path("/proc/sys/kernel/pid_max").read_text()), time.time()
     for file in SHARED_MEMORY.glob("mpich_shm_*_*"):
         with contextlib.suppress(OSError, ValueError):  # of another program, or removed by another run
-            number, largest = int(file.name.split("_")[2], 16), int(Path("/proc/sys/kernel/pid_max").read_text())
-            if number <= largest and file.stat().st_uid == os.geteuid() and not Path(f"/proc/{number}").exists():
+            number, status = int(file.name.split("_")[2], 16), file.stat()
+            gone = number <= largest and not Path(f"/proc/{number}").exists()
+            if gone and status.st_uid == os.geteuid() and now - status.st_mtime > BEGINS:
                 file.unlink()
 
 
