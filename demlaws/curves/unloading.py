@@ -6,11 +6,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from demlaws.contact import SIZES, Contact
-from demlaws.core.loops import force_loop, inverse_loop, loading_part, params_at
+from demlaws.core.loops import bind_params, force_loop, inverse_loop, loading_part, params_at
 from demlaws.core.table_types import TableParams
 from demlaws.core.unloading import GIVEN, RULES, JoinedParams, JoinedShape, Rule
 from demlaws.errors import Argument, DemlawsError, NotPassive
 from demlaws.laws import HERTZ
+from demlaws.laws.registry import is_user_defined
 
 
 class Unloading(NamedTuple):
@@ -30,6 +31,25 @@ def joined_shape(shape: Any, contact: Contact, unloading: Unloading) -> Any:
     if unloading.curve is not None:
         return JoinedShape(shape, unloading.curve.unloading_shape(), *_ratios(contact, unloading.contact))
     return shape if unloading.rule_parameters is None else JoinedShape(shape, unloading.rule_parameters, 1.0, 1.0, 1.0)
+
+
+class Bound:
+    """A curve of first loading on a contact, joined with an unloading rule: `shape` is what compiled code reads."""
+
+    def __init__(self, contact: Contact, curve: Any, unloading: Unloading = ELASTIC):
+        self.contact, self.curve, self.unloading_parts = contact, curve, unloading
+        self.definition, self.options, self.name = curve.definition, curve.options, curve.definition.name
+        self.shape = joined_shape(curve.shape, contact, unloading)
+        self.params: Any = bind_params(self.shape, contact)
+        if unloading.rule.curve == "law" and unloading.rule_parameters is None and is_user_defined(self.definition):
+            from demlaws.curves.soundness import refuse_unsound_rule
+
+            refuse_unsound_rule(self.name, unloading.rule, params_at(self.params, 0), float(np.ravel(contact.radius)[0]))
+
+    @property
+    def unloading(self) -> str:
+        """Name of the unloading rule."""
+        return self.unloading_parts.rule.name
 
 
 def beside_table(curve: Any, contact: Contact, unloading: Unloading) -> Unloading:

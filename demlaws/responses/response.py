@@ -19,13 +19,11 @@ from demlaws.core.loops import (
     inverse_loop,
     loading_part,
     map_leaves,
-    params_at,
     unloaded_loop,
 )
 from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
-from demlaws.curves.unloading import ELASTIC, Unloading, joined_shape
+from demlaws.curves.unloading import ELASTIC, Bound, Unloading
 from demlaws.errors import DemlawsError, LargeOverlap, warn
-from demlaws.laws.registry import is_user_defined
 from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, as_float, as_given, check_overlaps, number, unmasked
 
 if TYPE_CHECKING:
@@ -56,26 +54,16 @@ class Breach(NamedTuple):
         return f"{self.value:.4g} N, {self.range}: {self.reason}"
 
 
-class Response:
+class Response(Bound):
     """Methods of `Law` that evaluate compiled loops: they check input, keep units and shapes, and raise errors."""
 
+    curve: "ClosedForm | TableCurve"
+
     def __init__(self, contact: Contact, curve: "ClosedForm | TableCurve", unloading: Unloading = ELASTIC):
-        self.contact, self.curve, self.unloading_parts = contact, curve, unloading
-        self.definition, self.options, self.name = curve.definition, curve.options, curve.definition.name
+        super().__init__(contact, curve, unloading)
         self.rule_tag, self.state_names = unloading.rule.tag, unloading.rule.state
         self.state_size = len(self.state_names)
         self._radius = self.definition.bulk_radius(contact, **self.options)  # of the range of overlaps
-        self.shape = joined_shape(curve.shape, contact, unloading)
-        self.params: Any = bind_params(self.shape, contact)
-        if unloading.rule.curve == "law" and unloading.rule_parameters is None and is_user_defined(self.definition):
-            from demlaws.curves.soundness import refuse_unsound_rule
-
-            refuse_unsound_rule(self.name, unloading.rule, params_at(self.params, 0), float(np.ravel(contact.radius)[0]))
-
-    @property
-    def unloading(self) -> str:
-        """Name of the unloading rule."""
-        return self.unloading_parts.rule.name
 
     def plot(self, ax: Any = None, **style: Any) -> Any:
         """Draw force against overlap; returns matplotlib's axes.

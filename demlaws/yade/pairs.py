@@ -10,13 +10,12 @@ from demlaws.contact import Contact, Material, Surface, surface_of
 from demlaws.core.loops import clamped_roughness, loading_part, scale_contact
 from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, LARGEST_SHEAR_RATIO, MOST_LEVELS, SLIP
 from demlaws.core.unloading import GIVEN, RULES
+from demlaws.curves.closed import ClosedForm
+from demlaws.curves.unloading import Bound, Unloading, refuse_unless_passive
 from demlaws.errors import DemlawsError, MissingQuantity, did_you_mean, quiet
-from demlaws.files import names_a_file
-from demlaws.law import Law, Table
 from demlaws.laws import HERTZ
 from demlaws.laws.hertz import HertzShape
-from demlaws.laws.registry import find
-from demlaws.make import known_unloading, law, rebound
+from demlaws.laws.registry import find, laws
 from demlaws.units import number
 from demlaws.yade import kernel, layout, tuples
 from demlaws.yade.radii import Radii
@@ -48,6 +47,20 @@ def _surface(label, value):
         raise DemlawsError(f"surfaces[{label!r}] must be a demlaws.Surface, got {value!r} ({error})") from None
 
 
+def _bound_law(law):
+    """The `Law` or `Table` that a user gave, read where it is the path of one; None for a law's name."""
+    if isinstance(law, str) and law in laws():
+        return None
+    from demlaws.files import names_a_file
+    from demlaws.law import Law, Table
+
+    if names_a_file(law):
+        return Table.load(law)
+    if isinstance(law, str | Law):
+        return None if isinstance(law, str) else law
+    raise DemlawsError(f"law must be a law's name, a Law, a Table or the path of a table, got {law!r}")
+
+
 class LawSource:
     """What a user gave as a law: a name with options, a `Law`, a `Table`, or the path of a saved table.
 
@@ -57,26 +70,25 @@ class LawSource:
 
     def __init__(self, law, options):
         self.table, self.curve, self.ratios, self.only = None, None, (1.0, 1.0, 1.0), None
-        if names_a_file(law):
-            law = Table.load(law)
-        if isinstance(law, Table):
-            self.table, self.name, self.options = law, law.name, dict(law.options)
+        bound = _bound_law(law)
+        if bound is None:
+            self.definition = find(law)
+            self.name, self.options = law, self.definition.read(options)
+            self.unloading = self.definition.default_rule(**self.options)
+            return
+        self.definition, self.name, self.unloading = bound.definition, bound.name, bound.unloading
+        if bound.curve.tabulated:
+            self.table, self.options = bound, dict(bound.options)
             if options:
                 raise DemlawsError(f"a table takes no options, got {', '.join(options)}: give them when tabulating")
-            if law.contact.size is not None:
+            if bound.contact.size is not None:
                 raise DemlawsError("this table is bound to an array of contacts: bind it to one, table.bound_to(contact)")
-        elif isinstance(law, Law):
-            self.name, self.options = law.name, law.definition.read({**law.options, **options})
-        elif isinstance(law, str):
-            self.name, self.options = find(law).name, find(law).read(options)
-        else:
-            raise DemlawsError(f"law must be a law's name, a Law, a Table or the path of a table, got {law!r}")
-        self.definition = law.definition if isinstance(law, Law) else find(self.name)
-        self.unloading = law.unloading if isinstance(law, Law) else self.definition.default_rule(**self.options)
-        if isinstance(law, Law) and law.contact.size is None and self.needs_one_contact:
-            self.only = law.contact.radius, law.contact.modulus
-        if self.table is None and self.unloading == GIVEN:
-            self.curve, self.ratios = LawSource(law.unloading_law, {}), tuple(law.shape[2:])
+            return
+        self.options = self.definition.read({**bound.options, **options})
+        if bound.contact.size is None and self.needs_one_contact:
+            self.only = bound.contact.radius, bound.contact.modulus
+        if self.unloading == GIVEN:
+            self.curve, self.ratios = LawSource(bound.unloading_law, {}), tuple(bound.shape[2:])
 
     def unload_along(self, curve):
         """Unload along a law or a `Table`, on the contact's own surfaces."""
@@ -101,16 +113,22 @@ class LawSource:
         return taking_part if self.table is None else []
 
     def _bound(self, contact, unloading):
-        """The `Law` (or `Table`) of a contact with a rule."""
+        """The law of a contact with a rule (a `Table`, or `Bound`)."""
         if self.table is not None:
+            from demlaws.make import rebound
+
             return rebound(self.table, contact)
+        parts = Unloading(self.definition.rule(unloading))
         if unloading == GIVEN:
             if self.curve is None:
                 raise DemlawsError(f"unloading {GIVEN!r} needs its curve: give a law or a table as `unloading`")
             changes = zip(("radius", "modulus", "roughness"), self.ratios, strict=True)
             curve_contact = contact.with_values(**{name: ratio * getattr(contact, name) for name, ratio in changes})
-            unloading = self.curve._bound(curve_contact, "elastic")
-        return law(self.name, contact, unloading, **self.options)
+            along = self.curve._bound(curve_contact, "elastic")
+            parts = parts._replace(curve=along.curve, contact=along.contact)
+        bound = Bound(contact, ClosedForm(self.definition, contact, self.options), parts)
+        refuse_unless_passive(bound)
+        return bound
 
     def shape(self, surface, unloading, modulus):
         """The law's Shape for a combined surface, or None where the pair is Hertz; modulus: see `Pairs`."""
@@ -231,16 +249,13 @@ class Pairs:
         else:
             self.default, self.by_pair = self._source(law, options), {}
             rules = {self.default.unloading}
-            if isinstance(law, Law) and not (self.surfaces or self.everywhere or self.smooth):
+            if isinstance(law, Bound) and not (self.surfaces or self.everywhere or self.smooth):
                 raise DemlawsError("give surfaces={label: demlaws.Surface(...)} for the materials that the law is for")
         if unloading is None and len(rules) > 1:
             raise DemlawsError(f"the laws have different unloading rules ({', '.join(sorted(rules))}): give unloading=…")
         self.unloading = rules.pop() if rules else "elastic"
         if unloading is not None and not (unloading == GIVEN and rules == {GIVEN}):
-            named = unloading if unloading == GIVEN else known_unloading(unloading)
-            self.unloading = GIVEN if isinstance(named, Law) else named
-            for source in self.sources if isinstance(named, Law) else ():
-                source.unload_along(named)
+            self.unloading = unloading if isinstance(unloading, str) and unloading in RULES else self._unloading(unloading)
         records = {source.definition.rule(self.unloading) for source in self.sources}  # each law must take the rule
         rule = records.pop() if records else RULES["elastic"]
         self.rule, self.state_names, self.rule_curve = rule.tag, rule.state, rule.curve
@@ -261,6 +276,17 @@ class Pairs:
             raise DemlawsError(f"levels must be a whole number from 1 to {MOST_LEVELS}, got {levels!r:.60}")
         self.levels = int(count) if in_levels else 0
         self.shear_ratio = None if ratio is None else number(ratio, "shear_ratio", high=LARGEST_SHEAR_RATIO)
+
+    def _unloading(self, unloading):
+        """Name of a rule of a law, or GIVEN: every law then unloads along the given one."""
+        from demlaws.make import known_unloading
+
+        named = known_unloading(unloading)
+        if isinstance(named, str):
+            return named
+        for source in self.sources:
+            source.unload_along(named)
+        return GIVEN
 
     @staticmethod
     def _source(law, options):
