@@ -172,12 +172,6 @@ class Binding:
 
         return self.between_engines(read)
 
-    def describe(self):
-        """One line: law, surfaces, counts."""
-        from demlaws.yade.reports import describe
-
-        return describe(self)
-
     # --- checks
 
     def watch(self, functor):
@@ -279,7 +273,7 @@ class Binding:
         elif self.pairs.roughnesses[number] > LARGEST_ROUGHNESS * radius:
             kind = layout.TOO_ROUGH
         if kind:
-            raise EngineStopped(f"contact {bodies[0]}+{bodies[1]}{self.fault_text(kind, bodies, radius)}")
+            self._stop(kind, bodies, radius)
         return radius
 
     def warn_of_shapes(self):
@@ -341,13 +335,13 @@ class Binding:
         fault = self.context.take_fault()
         if fault is not None:
             kind, *bodies, value = fault
-            raise EngineStopped(f"contact {bodies[0]}+{bodies[1]}{self.fault_text(kind, bodies, value)}")
+            self._stop(kind, bodies, value)
 
-    def fault_text(self, kind, bodies, value, *, radius=None):
-        """Message about a fault of the contact of two bodies; value: overlap or R [m], or E* [Pa]; radius: R [m]."""
+    def _stop(self, kind, bodies, value):
+        """Raise a fault of the contact of two bodies; value: overlap or R [m], or E* [Pa]."""
         from demlaws.yade.reports import fault_text  # loaded only for a run that stops
 
-        return fault_text(self, kind, bodies, value=value, radius=radius)
+        raise EngineStopped(f"contact {bodies[0]}+{bodies[1]}{fault_text(self, kind, bodies, value)}")
 
     def roughness_text(self, first, second, radius):
         """Finding of `judge` on the roughness of a pair of materials' labels, with that of each surface; None: nothing."""

@@ -105,7 +105,9 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         return type(self)._from_text, (self.label, law_text(self.binding, self.settings()))
 
     def __repr__(self):
-        return f"<{type(self).__name__} {self.label!r}: {self.binding.describe()}>"
+        from demlaws.yade.reports import describe
+
+        return f"<{type(self).__name__} {self.label!r}: {describe(self.binding)}>"
 
     __str__ = __repr__
 

@@ -34,7 +34,6 @@ from demlaws.yade.search import (
     find_flag,
     find_number,
     find_pointer,
-    find_quaternion,
     find_scene_number,
     find_shift_velocity,
     find_string,
@@ -152,7 +151,7 @@ class Layout:
             },
             "State": {
                 "pos": (*objects.VECTOR, find_vector(yade.State, "pos")),
-                "ori": ("f8", (4,), find_quaternion(yade.State, "ori")),
+                "ori": ("f8", (4,), find_vector(yade.State, "ori", 4)),
             },
             "Material": {"label": ("i8", label), "label_length": ("i8", label + 8)},
         }

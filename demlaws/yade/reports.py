@@ -31,8 +31,8 @@ def unlisted_text(binding, bodies, missing):
     )
 
 
-def fault_text(binding, kind, bodies, *, value, radius=None):
-    """Message about a fault of the contact of two bodies; value: overlap or R [m], or E* [Pa]; radius: R [m]."""
+def fault_text(binding, kind, bodies, value):
+    """Message about a fault of the contact of two bodies; value: overlap or R [m], or E* [Pa]."""
     first, second = bodies
     stones = [O.bodies[number].material for number in bodies]
     wrong = next(filter(None, (radius_fault(O.bodies[number]) for number in bodies)), None)
@@ -69,7 +69,7 @@ def fault_text(binding, kind, bodies, *, value, radius=None):
     if kind == layout.NO_ROW:
         return f" has no memory for its history: {native.MORE_MEMORY}"
     if kind == layout.TOO_DEEP:
-        text = too_large_overlap(value, float(binding.context["deep_radius"]) if radius is None else radius)
+        text = too_large_overlap(value, float(binding.context["deep_radius"]))
         return f": {text}. Of softened grains: a larger `young`"
     if kind == layout.WRONG_MODULUS:
         of = ", ".join(f"{stone.label!r} young={stone.young:g} Pa, poisson={stone.poisson:g}" for stone in stones)

@@ -163,25 +163,16 @@ def symbol(library, name):
         raise BridgeUnavailable(f"YADE's libraries do not export {name}") from None
 
 
-def find_vector(cls, name):
-    """Byte offset of a Vector3: three doubles, x first."""
-    return _find_components(cls, name, 3, lambda value: yade.Vector3(value, 2.0, 3.0))
-
-
-def find_quaternion(cls, name):
-    """Byte offset of a Quaternion: four doubles, x first."""
-    return _find_components(cls, name, 4, lambda value: yade.Quaternion(0.5, value, 0.25, 0.125))
-
-
-def _find_components(cls, name, count, attribute):
-    """Byte offset of so many doubles that follow each other; attribute: value of the first one → Python object."""
+def find_vector(cls, name, count=3):
+    """Byte offset of a Vector3, or of a Quaternion (count 4): doubles, x first."""
 
     def make(value):
         thing = cls()
+        vector = yade.Vector3(value, 2.0, 3.0) if count == 3 else yade.Quaternion(0.5, value, 0.25, 0.125)
         if cls is yade.State and name in ("pos", "ori"):  # no arguments of State
-            setattr(thing, name, attribute(value))
+            setattr(thing, name, vector)
         else:  # shearInc cannot be set otherwise
-            thing.updateAttrs({name: attribute(value)})
+            thing.updateAttrs({name: vector})
         return thing
 
     # as small as parts of a unit quaternion
