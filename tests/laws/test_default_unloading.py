@@ -32,7 +32,7 @@ def test_one_default(law, capsys):
     rule, options = wanted(law), options_of(law)
     assert find(law).default_rule(**options) == quiet(dl.law, law, GRANITE, **options).unloading == rule
     stone = dl.Material(60.6e9, 0.25, 6.266e9, surface=dl.Surface(1e-6, 2.2))
-    assert Case(law, (Grain(4e-3, stone),), options=options).rule == LawSource(law, options).unloading == rule
+    assert Case(law, (Grain(4e-3, stone),), options=options).unloading == LawSource(law, options).unloading == rule
     if find(law).needs_map:
         return
     words = [f"--option={name}={value!r}" for name, value in options.items() if isinstance(value, float)]
