@@ -177,19 +177,19 @@ def test_larger_waves_lose_a_larger_share(tmp_path):
 
 
 def test_attenuation_of_kept_waves():
-    """95 % intervals: flattened contacts and smooth ones, but for small pulses, exclude -0.19; not all rough ones."""
+    """95 % intervals exclude the measured exponent, but in small pulses and in one larger cycle of rough elastic contacts."""
     found = {}
     for row in study.read(attenuation.RESULTS):
         found.setdefault(tuple(row[name] for name in attenuation.WAVE), []).append(row)
     estimates = attenuation.intervals(found)
-    assert len(estimates) == 39 and {one.samples for one in estimates.values()} == {2}
+    assert len(estimates) == 39 and {one.samples for one in estimates.values()} == {4}
     flattened = {wave: one for wave, one in estimates.items() if wave[4] == "hertz"}
-    assert len(flattened) == 8 and max(one.high for one in flattened.values()) < -0.25
+    assert len(flattened) == 8 and max(one.high for one in flattened.values()) < -0.35
     small = min(attenuation.SPEEDS)
     smooth = {wave: one for wave, one in estimates.items() if wave[1] == "hertz"}
     assert all((one.high < -0.19) == (wave[-1] != small) for wave, one in smooth.items())
     rough = [one for wave, one in estimates.items() if wave[1] != "hertz" and wave[4] == "elastic" and wave[0] == "cycle"]
-    assert sum(not one.excludes(-0.1879) for one in rough) == 3
+    assert sum(not one.excludes(-0.1879) for one in rough) == 1
 
 
 def test_kept_probes_and_settings_agree():
