@@ -24,5 +24,5 @@ for place, row in enumerate(reversed(ROWS)):
     labels.append(f"{row['engine']}: {law}, {'default shear' if row['shear'] == '3 levels' else 'partial slip'}")
 ax.axvline(1.0, color="k", lw=0.8, ls=":")
 ax.set_yticks(range(len(labels)), labels, fontsize=8)
-ax.set(xlabel="time over that with the engine's own Hertz law", xlim=(0, 4))
+ax.set(xlabel="time over that with the engine's own Hertz law", xlim=(0, 3.5))
 fig.savefig("cost.png", dpi=130)
