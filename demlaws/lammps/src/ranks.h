@@ -44,7 +44,11 @@ private:
     test_(&request_, &all, status);
     return all != 0;
   }
-  void end(const std::string &why) const { raise(error_, false, why); }
+  void end(const std::string &why) const {
+    fprintf(stderr, "%s\n", why.c_str()); // of what a rank writes just before MPI_Abort mpiexec may lose all
+    usleep(500000);
+    raise(error_, false, why);
+  }
   void broadcast(void *bytes, int size) const { broadcast_(bytes, size, byte_, 0, comm_); }
   void collect(const void *mine, int size, void *all) const { gather_(mine, size, byte_, all, size, byte_, comm_); }
 };
