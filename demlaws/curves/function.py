@@ -108,7 +108,7 @@ class GivenCurve:
     def _fit(self, lowest):
         """Make the splines from the overlap `lowest` [m] on, and find the kinks between them."""
         self.kinks = [kink for kink in self.kinks if kink > lowest]
-        for _ in range(4):
+        for again in (True, True, True, False):
             self.splines, found, worst = [], [], (0.0, 0.0)
             for a, b in itertools.pairwise([lowest, *self.kinks, self.largest]):
                 overlap, missed = self._add_spline(a, b)
@@ -118,7 +118,7 @@ class GivenCurve:
                     kink = self._located(overlap[2 * group[0]], overlap[2 * group[-1] + 2])
                     if all(abs(kink / k - 1.0) > 1e-6 for k in (*self.kinks, *found, self.largest)):
                         found.append(kink)
-            if not found:
+            if not (found and again):
                 break
             self.kinks = sorted([*self.kinks, *found])
             if len(self.kinks) > _MOST_KINKS:

@@ -62,6 +62,21 @@ def test_a_function_becomes_a_table_within_its_certificate(name, given):
     assert table.largest_overlap >= 4e-4 * (1 - 1e-9) and not table.collapses
 
 
+def test_each_piece_between_kinks_has_its_derivative():
+    """Weak noise in a narrow band, where a kink more is found again and again, changes the derivative nowhere else."""
+
+    def force(overlap):
+        place = np.clip(np.log(np.asarray(overlap) / 1e-6) / 2e-3, 0.0, 1.0)
+        return power(overlap) * (1.0 + 3e-7 * np.sin(4e2 * place) * np.sin(np.pi * place) ** 2)
+
+    curve = GivenCurve(force, 1e-4)
+    assert len(curve.kinks) > 2 and len(curve.splines) == len(curve.kinks) + 1
+    at = np.geomspace(1e-8, 1e-4, 500)
+    at = at[np.abs(np.log(at / 1e-6)) > 0.02]
+    exponent = curve.evaluate(at)[1] * at / power(at)
+    np.testing.assert_allclose(exponent, exponent[0], rtol=1e-6)
+
+
 def test_it_is_a_table_like_any_other(tmp_path):
     table = dl.Table.from_function(power, CONTACT, unloading="hertz", name="mine", description="what I measured")
     read = dl.Table.load(table.save(tmp_path / "mine.tbl"))
