@@ -24,14 +24,14 @@ settings.load_profile("demlaws")
 gc.set_threshold(100_000, 20, 20)
 
 
-SESSION = contextlib.ExitStack()
+MPI_FOLDER = contextlib.ExitStack()
 
 
 def pytest_configure():
     """Each process of the tests has a folder for the files of MPI: tests that start an engine's command themselves need it."""
     from demlaws.plugins.engines import own_session
 
-    os.environ.update(SESSION.enter_context(own_session({})))
+    os.environ.update(MPI_FOLDER.enter_context(own_session({})))
 
 
 @pytest.fixture(autouse=True)
@@ -95,7 +95,7 @@ def pytest_runtest_logreport(report):
 
 def pytest_sessionfinish(session, exitstatus):
     """In CI a test that needs an engine and did not run is a failure: there the engines can be installed."""
-    SESSION.close()
+    MPI_FOLDER.close()
     if os.environ.get("CI") and _skipped_engines and exitstatus == 0:
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
 

@@ -279,10 +279,7 @@ def own_session(environment):
     memory = SHARED_MEMORY if os.access(SHARED_MEMORY, os.W_OK) else None
     with tempfile.TemporaryDirectory(prefix="mpi-", dir=memory, ignore_cleanup_errors=True) as folder:
         _remove_shared_memory()
-        try:
-            yield {name: folder for name in FOLDERS_OF_OPEN_MPI} | dict(environment)
-        finally:
-            _remove_shared_memory()
+        yield {name: folder for name in FOLDERS_OF_OPEN_MPI} | dict(environment)
 
 
 def _remove_shared_memory():
@@ -290,12 +287,11 @@ def _remove_shared_memory():
     of memory"). The file of several ranks has no number of a process, but a checksum, nearly always a larger number: it is
     left, since a rank that begins now would wait for the others for ever.
     """
-    largest, now = int(Path("/proc/sys/kernel/pid_max").read_text()), time.time()
     for file in SHARED_MEMORY.glob("mpich_shm_*_*"):
-        with contextlib.suppress(OSError, ValueError):  # of another program, or removed by another run
+        with contextlib.suppress(OSError, ValueError):  # of another program, removed by another run, or no /proc
             number, status = int(file.name.split("_")[2], 16), file.stat()
-            gone = number <= largest and not Path(f"/proc/{number}").exists()
-            if gone and status.st_uid == os.geteuid() and now - status.st_mtime > BEGINS:
+            gone = number <= int(Path("/proc/sys/kernel/pid_max").read_text()) and not Path(f"/proc/{number}").exists()
+            if gone and status.st_uid == os.geteuid() and time.time() - status.st_mtime > BEGINS:
                 file.unlink()
 
 

@@ -307,34 +307,28 @@ def test_each_run_has_a_folder_of_its_own_for_files_of_mpi(engine, tmp_path, mon
     assert folder() == tmp_path and (tmp_path / "file").exists()
 
 
-@pytest.mark.skipif(not os.path.isdir("/dev/shm"), reason="no folder of shared memory")
 @both
 def test_shared_memory_of_a_killed_rank_is_removed(engine, tmp_path, monkeypatch):
     """A process of MPICH that is killed leaves its file, and a later process of the same number stops in MPI_Init."""
     ended, module = subprocess.Popen("true"), part(engine, "run")
     ended.wait()
-    left, alive, of_ranks = (
-        Path(f"/dev/shm/mpich_shm_{number:x}_97") for number in (ended.pid, os.getpid(), 2**31 + os.getpid())
-    )
-    new = Path(f"/dev/shm/mpich_shm_{ended.pid:x}_98")
+    left, alive, of_ranks = (tmp_path / f"mpich_shm_{number:x}_97" for number in (ended.pid, os.getpid(), 2**31 + os.getpid()))
+    new = tmp_path / f"mpich_shm_{ended.pid:x}_98"
     binary = tmp_path / "engine"
     binary.write_text("#!/bin/sh\nexit 1\n")
     binary.chmod(0o755)
     (tmp_path / "in.case").write_text("")
     monkeypatch.setattr(module.ENGINE, "start", lambda *_: (binary, dict(os.environ), {}, None))
-    try:
-        for file in (left, alive, of_ranks, new):
-            file.touch()
-        for file in (left, alive, of_ranks):
-            os.utime(file, (0, 0))
-        with pytest.raises(EngineStopped):
-            module.run(tmp_path / "in.case")
-        assert not left.exists()
-        assert alive.exists()  # of a process that runs
-        assert of_ranks.exists() and new.exists()  # of ranks that begin: they would wait for each other for ever
-    finally:
-        for file in (left, alive, of_ranks, new):
-            file.unlink(missing_ok=True)
+    monkeypatch.setattr("demlaws.plugins.engines.SHARED_MEMORY", tmp_path)
+    for file in (left, alive, of_ranks, new):
+        file.touch()
+    for file in (left, alive, of_ranks):
+        os.utime(file, (0, 0))
+    with pytest.raises(EngineStopped):
+        module.run(tmp_path / "in.case")
+    assert not left.exists()
+    assert alive.exists()  # of a process that runs
+    assert of_ranks.exists() and new.exists()  # of ranks that begin: they would wait for each other for ever
 
 
 VERSIONS = {
