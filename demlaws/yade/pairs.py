@@ -56,8 +56,10 @@ def _bound_law(law):
 
     if names_a_file(law):
         return Table.load(law)
-    if isinstance(law, str | Law):
-        return None if isinstance(law, str) else law
+    if isinstance(law, str):
+        return None
+    if isinstance(law, Law):
+        return law
     raise DemlawsError(f"law must be a law's name, a Law, a Table or the path of a table, got {law!r}")
 
 
