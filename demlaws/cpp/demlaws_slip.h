@@ -172,7 +172,7 @@ private:
     const int whole = std::min((int)(stiffness_ / share_), springs_ - 1);
     return whole * share_ < stiffness_ ? whole + 1 : whole;
   }
-  // Their force over the ratio and their energy.
+  // Force [N] of the springs that touch; returns their energy [J].
   double sum(double ratio, double *force) const {
     double energy = 0.;
     force[0] = force[1] = 0.;
@@ -185,7 +185,7 @@ private:
     for (int d = 0; d < 2; d++) force[d] *= ratio;
     return 0.5 * ratio * energy;
   }
-  // The contact has this stiffness now; what touches anew is not stretched. Returns how many springs touch.
+  // The contact has this stiffness now; a spring that begins to touch is not stretched. Returns how many touch.
   int touch(double stiffness) {
     const double held = stiffness_ / share_, filled = stiffness / share_;
     stiffness_ = stiffness;
