@@ -19,11 +19,8 @@ import numpy as np
 from demlaws.contact import as_contact, smooth_overlap
 from demlaws.errors import DemlawsError, MissingQuantity
 from demlaws.solvers import master_curves
-from demlaws.solvers.master_curves import ELASTIC_LAYER
+from demlaws.solvers.master_curves import ELASTIC_LAYER, YIELD_RATIO
 from demlaws.units import as_float, as_given, number, positive
-
-YIELD_RATIO = 0.6
-"""p(0)/H_m at which the bulk begins to yield (Tabor)."""
 
 BAND = 0.04
 """Half width of the range around `YIELD_RATIO` in which asperities and bulk deform together.

@@ -20,6 +20,8 @@ import numpy as np
 from demlaws.core.numba_compat import kernel
 from demlaws.errors import DemlawsError
 
+YIELD_RATIO = 0.6
+"""p(0)/H_m at which the bulk begins to yield (Tabor)."""
 LOWEST, HIGHEST = 0.05, 1e5
 """Range of A."""
 LOWEST_FORCE, HIGHEST_FORCE = 1e-7, 1e7
@@ -153,16 +155,15 @@ def _logarithm(force: Any, column: Column) -> np.ndarray:
 
 
 def yield_force(number: float) -> float:
-    """f at which p(0) = 0.6 H_m of the plastic layer for A = N_H, to 1e-4; infinite above HIGHEST_FORCE."""
+    """f at which p(0) = YIELD_RATIO H_m of the plastic layer for A = N_H, to 1e-4; infinite above HIGHEST_FORCE."""
     force = np.geomspace(1e-6, HIGHEST_FORCE, 4097)[:-1]
     hertz = 8.0 / math.pi * np.cbrt(3.0 / (8.0 * math.sqrt(2.0)) * force)  # p0 = hertz E* √(σ/8R)
     pressure = central_pressure(PLASTIC_LAYER, number, force) * hertz / number
-    ratio = 0.6
-    first = int(np.argmax(pressure >= ratio))
-    if pressure[first] < ratio:
+    first = int(np.argmax(pressure >= YIELD_RATIO))
+    if pressure[first] < YIELD_RATIO:
         return math.inf
     near = slice(max(first - 1, 0), first + 1)
-    return float(np.exp(np.interp(math.log(ratio), np.log(pressure[near]), np.log(force[near]))))
+    return float(np.exp(np.interp(math.log(YIELD_RATIO), np.log(pressure[near]), np.log(force[near]))))
 
 
 class Seated(NamedTuple):
