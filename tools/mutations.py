@@ -17,6 +17,7 @@ are repeated without it: a test that fails there, too, has caught nothing. Exit 
 """
 
 import argparse
+import functools
 import os
 import queue
 import re
@@ -55,10 +56,20 @@ def read_mutations(path):
     return found
 
 
+@functools.cache
+def sources_below(tree):
+    """Paths of the package's sources, without the thousands of folders of machine code beside them."""
+    found = []
+    for folder, folders, names in os.walk(tree / "demlaws"):
+        folders[:] = [name for name in folders if name != "__pycache__"]
+        found += [Path(folder) / name for name in names]
+    return sorted(found)
+
+
 def source_of(tree, mutation):
     """(path, new text) of the only source file that fits the pattern of a mutation and in which it can be made."""
     found, reasons = [], []
-    for path in sorted(path for path in (tree / "demlaws").rglob("*.*") if path.match(mutation.file)):
+    for path in (path for path in sources_below(tree) if path.match(mutation.file)):
         try:
             found.append((path, mutated(path.read_text(), mutation.edits)))
         except LookupError as error:

@@ -14,9 +14,8 @@ from processes import PACKAGE, python
 TESTS = Path(__file__).parents[1]
 
 
-@pytest.mark.parametrize(
-    "chosen", ["recoverable and little", pytest.param("yielded or small_grain or history_stays", marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("chosen", ["recoverable and little", "yielded or small_grain or history_stays"])
 def test_laws_are_the_same_with_a_later_numba(chosen):
     """Tests of loops, unloading, shear and tables, run with a version that numba will have."""
     files = [str(TESTS / name) for name in ("test_exactness.py", "test_law.py")]
@@ -46,6 +45,7 @@ STEPPED = """
 PAIRS = [("hertz", "elastic"), ("pohrt-popov", "thornton"), ("rough-plastic", "thornton"), ("rms", "table")]
 
 
+@pytest.mark.slow
 def test_without_compiling_the_numbers_are_the_same():
     """NUMBA_DISABLE_JIT=1, for a debugger: every line of a kernel runs in Python."""
     code = STEPPED.replace("TESTS", repr(str(TESTS))).replace("PAIRS", repr(PAIRS))

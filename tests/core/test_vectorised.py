@@ -69,6 +69,7 @@ def scalar(target, laws):
     return {name for name, number in found.items() if number < 10}
 
 
+@pytest.mark.slow
 def test_batches_are_vectorised_for_avx2():
     # AVX2 does not gather the rows of a table under a condition, which a history is
     assert scalar("haswell", laws_of_every_kind()) == {"table hertz"}

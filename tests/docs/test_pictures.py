@@ -20,6 +20,7 @@ DRAWN_WITH = "3.6."
 DRAWN = [name for name in sources.DRAWN if (DOCS / "pictures" / f"{name}.png").exists()]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DRAWN)
 def test_picture_is_what_its_script_draws(name, tmp_path):
     environment = {**os.environ, "MPLBACKEND": "agg", "PYTHONPATH": str(DOCS.parent)}

@@ -3,15 +3,12 @@
 import subprocess
 
 import pytest
-from examples import shared
 from inputs import part
 from spheres import LOAD_UNLOAD, save_law, spheres
 
 
-@pytest.mark.parametrize(
-    ("engine", "without"),
-    shared([("liggghts", 0), ("liggghts", 1), ("lammps", 0), ("lammps", 1)], {("liggghts", 1), ("lammps", 0)}.__contains__),
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("engine", "without"), [("liggghts", 0), ("liggghts", 1), ("lammps", 0), ("lammps", 1)])
 def test_a_rank_without_the_plugin_ends_the_run(engine, tmp_path, without):
     save_law(tmp_path, "rough")
     (tmp_path / "in.case").write_text(spheres(engine, "", LOAD_UNLOAD))

@@ -75,6 +75,7 @@ def test_a_clump_turns_as_one_body():
     assert np.abs(linear.matrix @ motion.ravel()).max() > 0.1
 
 
+@pytest.mark.slow
 def test_moduli_of_clumps_agree_with_small_strains(tmp_path):
     probe.run_probes(60, tmp_path / "probes.csv", tmp_path, [study.Series(bead=study.CLUMPS, law="pohrt-popov", sigma=0.5)])
     rows = study.read(tmp_path / "probes.csv")
@@ -127,6 +128,7 @@ def test_moduli_of_other_shear_stiffness(tmp_path):
     assert 0.3 / full < turned / across < less / first < 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.lammps
 def test_moduli_agree_with_small_strains_in_lammps(tmp_path):
     probe.run_probes(200, tmp_path / "probes.csv", tmp_path, [study.Series(law="pohrt-popov", sigma=0.5)])
@@ -164,6 +166,7 @@ def test_exponents_of_attenuation_are_found():
         assert attenuation.exponent(lines) == pytest.approx((expected, 0.0), abs=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.lammps
 def test_larger_waves_lose_a_larger_share(tmp_path):
     """Partial slip takes energy from a cycle of strain, more of a larger one; its modulus is that of the packing."""

@@ -50,6 +50,7 @@ def test_plastic_work_counts_contacts_that_end_and_begin_again(tmp_path):
     assert cycles.plastic(tmp_path / "flow.txt") == pytest.approx([3.0, 2.0, 1.0])
 
 
+@pytest.mark.slow
 @pytest.mark.lammps
 def test_without_damping_contacts_dissipate_the_whole_loss(tmp_path, monkeypatch):
     """The work of the plate, less what is stored, is friction and plastic flow."""
@@ -71,6 +72,7 @@ def quick(tmp_path_factory):
     return line, folder
 
 
+@pytest.mark.slow
 @pytest.mark.lammps
 def test_the_plate_carries_its_load_and_energy_is_lost(quick):
     rows = read(quick[1] / "cycles.csv")
@@ -85,6 +87,7 @@ def test_the_plate_carries_its_load_and_energy_is_lost(quick):
             assert 0.1 < report.modulus_exponent(one) < 0.6
 
 
+@pytest.mark.slow
 @pytest.mark.lammps
 def test_an_interrupted_case_continues_with_the_same_result(quick, monkeypatch):
     line, folder = quick
@@ -106,6 +109,7 @@ def test_an_interrupted_case_continues_with_the_same_result(quick, monkeypatch):
     assert [row["settlement_um"] for row in again] == pytest.approx([row["settlement_um"] for row in kept], rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.lammps
 def test_the_step_is_below_the_limit_of_the_loaded_bed(quick, capsys):
     assert main([*quick[0], "--limit"]) == 0
