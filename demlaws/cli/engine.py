@@ -131,8 +131,8 @@ def _add_convert(parts, name):
     converts = parts.add_parser(
         "convert",
         help="replace the contact model of an input by demlaws/table",
-        description="Replaces the contact model of an input by demlaws/table, also in `if`, in hybrid styles and in variables. "
-        "Exit status: 0 if every granular line was converted, 1 if lines remain that are named with the reason.",
+        description="Replaces the contact model in the pair_style, pair_coeff and wall lines of an input by demlaws/table. "
+        "Exit status: 0 if every granular line was converted, 1 if lines remain, as in `if` and variables, which are named.",
         **example(CONVERT_EXAMPLE.format(name=name)),
     )
     converts.add_argument("input", help="input script with stock models")
