@@ -4,6 +4,7 @@ processes."""
 import contextlib
 import gc
 import os
+from pathlib import Path
 
 # One thread of YADE in the test process, set before any module loads OpenMP, which reads it then: two add forces in changing
 # order, and trajectories of a packing part from rounding. What two threads do is tested in processes of its own.
@@ -28,9 +29,16 @@ MPI_FOLDER = contextlib.ExitStack()
 
 
 def pytest_configure():
-    """Each process of the tests has a folder for the files of MPI: tests that start an engine's command themselves need it."""
+    """Each process of the tests has a folder for the files of MPI: tests that start an engine's command themselves need it.
+
+    A process of MPICH that was killed has left its file, with which no later process of the same number can start.
+    """
     from demlaws.plugins.engines import own_session
 
+    for file in Path("/dev/shm").glob("mpich_shm_*_*"):
+        number = int(file.name.split("_")[2], 16)  # of several ranks a checksum, nearly always a larger number
+        if number < 2**22 and not Path(f"/proc/{number}").exists():
+            file.unlink(missing_ok=True)
     os.environ.update(MPI_FOLDER.enter_context(own_session({})))
 
 

@@ -25,7 +25,7 @@ THEN = "now configure and build LAMMPS with package GRANULAR: cmake -D PKG_GRANU
 
 
 def source(folder):
-    """Write the files into `folder`, LAMMPS's src/GRANULAR, and return `Written`; earlier ones are replaced.
+    """Write the files into `folder`, LAMMPS's src/GRANULAR; earlier ones are replaced. Returns lines for the user.
 
     For releases from 4 Feb 2025 on. LAMMPS then has the models without any plugin, also as a static executable, and reads the
     inputs of the plugin and its restart files.

@@ -18,8 +18,9 @@ def header_folder():
 
 
 def engine_library():
-    """Path of the libliggghts that the binary loads; None where it is unknown: no binary, no ldd, a script that starts it."""
-    binary = shutil.which(os.environ.get("DEMLAWS_LIGGGHTS", "liggghts"))
+    """Path of the libliggghts that the binary loads; of a script, say, that which the compiler finds."""
+    name = os.environ.get("DEMLAWS_LIGGGHTS", "liggghts")
+    binary = shutil.which(name)
     libraries = output_of(["ldd", binary]) if binary else ""
     match = re.search(r"(/\S*/libliggghts[^/\s]*) \(0x", libraries)
     if match:
@@ -31,18 +32,20 @@ def engine_library():
             f"{binary} contains LIGGGHTS statically and loads no libliggghts, which the plugin needs: build it with the models "
             "in it (`demlaws liggghts source`), or link main.cpp with the shared library"
         )
-    return None
+    library = Path(output_of([os.environ.get("CXX", "g++"), "-print-file-name=libliggghts.so"]).strip())
+    if not library.is_absolute():
+        raise DemlawsError(f"neither {name} nor the compiler leads to a libliggghts.so: {PACKAGES}")
+    return library
 
 
-def packaged(library):
-    """Whether a libliggghts is the system's, or unknown and taken to be so."""
-    return library is None or str(library).startswith(("/lib/", "/usr/lib/"))
+def _is_packaged(library):
+    return str(library).startswith(("/lib/", "/usr/lib/"))
 
 
 def headers():
     """Folder of the headers of the LIGGGHTS in use: those of another one might not fit its memory."""
     setting, library = os.environ.get("DEMLAWS_LIGGGHTS_INCLUDE"), engine_library()
-    if setting or packaged(library):
+    if setting or _is_packaged(library):
         places = [Path(setting or HEADERS)]
     else:
         places = [library.parent.parent / "include", library.parent.parent / "include" / "liggghts"]
@@ -60,15 +63,6 @@ def _mpi_flags():
         if flags:
             return [word for flag in flags if flag.startswith("-I") for word in ("-isystem", flag[2:])]
     raise DemlawsError(f"the MPI headers were not found (neither mpicxx nor pkg-config ompi-cxx answers): {PACKAGES}")
-
-
-def linked_library():
-    """Path of the libliggghts that the plugin is linked with: the binary's own, else the one that the compiler finds."""
-    compiler = os.environ.get("CXX", "g++")
-    library = engine_library() or output_of([compiler, "-print-file-name=libliggghts.so"]).strip()
-    if "/" not in str(library):
-        raise DemlawsError(f"{compiler} finds no libliggghts.so: {PACKAGES}")
-    return str(library)
 
 
 def mpi_libraries(library):
@@ -89,18 +83,14 @@ class _Plugin(Plugin):
         return [f"-I{self.sources / 'styles'}", "-isystem", str(headers()), *_mpi_flags()]
 
     def links(self):
-        library = linked_library()
-        link = [f"-Wl,--version-script={self.sources / 'export.map'}", "-Wl,--no-undefined", library]
-        if not packaged(library):
-            link.append(f"-Wl,-rpath,{Path(library).parent}")  # else the loader would find the system's by the same name
+        library = engine_library()
+        link = [f"-Wl,--version-script={self.sources / 'export.map'}", "-Wl,--no-undefined", str(library)]
+        if not _is_packaged(library):
+            link.append(f"-Wl,-rpath,{library.parent}")  # else the loader would find the system's by the same name
         return [*link, "-Wl,--as-needed", *mpi_libraries(library)]  # several of that name; only what is used is linked
 
-    def headers(self):
-        return sorted(headers().glob("*.h"))  # an update of LIGGGHTS changes them
-
     def runs_with(self):
-        library = engine_library()
-        return library.read_bytes() if library else b""
+        return engine_library().read_bytes()
 
 
 PLUGIN = _Plugin()

@@ -12,7 +12,7 @@ THEN = "now build LIGGGHTS: cmake finds the file by itself, if it is run again, 
 
 
 def source(folder):
-    """Write demlaws_liggghts.cpp into `folder`, LIGGGHTS's src, and return `Written`; an earlier one is replaced.
+    """Write demlaws_liggghts.cpp into `folder`, LIGGGHTS's src; an earlier one is replaced. Returns lines for the user.
 
     For LIGGGHTS 3.8.0. Built with this file, LIGGGHTS has the models without any plugin, also as a static executable, and reads
     the inputs of the plugin and its restart files.

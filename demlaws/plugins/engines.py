@@ -4,9 +4,8 @@ Importing needs the standard library only: LAMMPS asks for the plugin at every s
 """
 
 import contextlib
-import fcntl
-import functools
 import hashlib
+import itertools
 import os
 import platform
 import re
@@ -15,9 +14,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
-from typing import NamedTuple
 
 import demlaws
 from demlaws.errors import DemlawsError, EngineStopped, handling_signals
@@ -44,20 +41,11 @@ def inlined(name, folders, kept=(), seen=None):
             yield from inlined(inner, folders, kept, seen)
 
 
-class Written(NamedTuple):
-    """Source files that were written, and what is to be done next."""
-
-    files: tuple
-    then: str
-
-    def __str__(self):
-        return "\n".join([*(f"wrote {file}" for file in self.files), self.then])
-
-
 def write_sources(folder, texts, beside, then):
-    """Write {name: text} into `folder`, return `Written`; a file that has its text stays untouched: no build repeats it.
+    """Write {name: text} into `folder`; returns lines that name the files, and what is to be done `then`.
 
-    beside: a file of the engine's sources by which their folder is known.
+    A file that has its text stays untouched: no build repeats it. beside: a file of the engine's sources by which their folder
+    is known.
     """
     folder = Path(folder)
     if not (folder / beside).is_file():
@@ -69,7 +57,7 @@ def write_sources(folder, texts, beside, then):
                 file.write_text(text)
     except OSError as error:
         raise DemlawsError(f"cannot write to {folder}: {error.strerror}") from error
-    return Written(tuple(folder / name for name in texts), then)
+    return "\n".join([*(f"wrote {folder / name}" for name in texts), then])
 
 
 def cache_folder():
@@ -83,19 +71,12 @@ def cache_folder():
         raise DemlawsError("this user has no home folder for what is built once and kept: set DEMLAWS_CACHE or HOME") from None
 
 
-@functools.lru_cache(maxsize=256)
-def _output_of(command, stamps, environment):
+def output_of(command):
+    """Output of a command, "" where it fails."""
     try:
         return subprocess.run(command, capture_output=True, text=True, check=True).stdout
     except (OSError, subprocess.CalledProcessError):
         return ""
-
-
-def output_of(command):
-    """Output of a command, "" where it fails. It runs once, as long as the files that it names and the environment stay."""
-    files = [Path(shutil.which(word) or word) for word in map(str, command)]
-    stamps = tuple(file.stat().st_mtime_ns if file.is_file() else None for file in files)
-    return _output_of(tuple(command), stamps, frozenset(os.environ.items()))
 
 
 def compiler():
@@ -122,9 +103,8 @@ def _digest(parts):
 class Plugin:
     """Shared object of an engine's plugin, compiled at first use into a folder of the cache.
 
-    The folder's name has two keys: one of what the plugin runs on (our sources, the engine, the processor), one of what
-    compiled it (compiler, headers, flags); so an outdated plugin is never loaded. Where there is no compiler, as on a compute
-    node, the newest plugin with the first key is taken.
+    The folder's name has a key of what the plugin is made from and runs on (our sources, the engine's library, the C library,
+    the processor): no outdated plugin is loaded, and a node without a compiler takes what another one has compiled.
     """
 
     engine: str
@@ -142,10 +122,6 @@ class Plugin:
 
     def links(self):
         """Link options and libraries."""
-        return []
-
-    def headers(self):
-        """Header files of the engine."""
         return []
 
     def runs_with(self):
@@ -166,133 +142,73 @@ class Plugin:
         files = sorted(file for file in (*self.sources.rglob("*"), *SHARED.glob("*.h")) if file.is_file())
         return _digest([*self.flags, *(part for file in files for part in (file.name, file.read_bytes()))])
 
-    def _runs_on(self, portable):
-        machine = [platform.machine(), "portable" if portable else processor(), self.runs_with()]
-        return f"{self.engine}-{demlaws.__version__}-{_digest([self.source_digest(), *machine])}"
-
     def library_path(self, portable=False):
-        """Where the plugin of this version, these sources, this compiler and these headers belongs, built or not."""
-        command = self.compile_command(portable)
-        parts = [*command, output_of([command[0], "--version"])]
-        if not portable:  # -march=native means another thing on another processor
-            parts.append(output_of([command[0], "-march=native", "-Q", "--help=target"]))
-        parts += [f"{file.name} {file.stat().st_size} {file.stat().st_mtime_ns}" for file in self.headers()]
-        return cache_folder() / f"{self._runs_on(portable)}-{_digest(parts)}" / self.file
-
-    def _compiled_elsewhere(self, portable):
-        paths = cache_folder().glob(f"{self._runs_on(portable)}-*/{self.file}")
-        return max((f for f in paths if os.access(f, os.R_OK)), key=lambda file: file.stat().st_mtime_ns, default=None)
+        """Where the plugin of this version, these sources, this engine and this processor belongs, built or not."""
+        machine = [platform.machine(), *platform.libc_ver(), "portable" if portable else processor()]
+        key = _digest([self.source_digest(), *machine, self.runs_with()])
+        return cache_folder() / f"{self.engine}-{demlaws.__version__}-{key}" / self.file
 
     def build(self, portable=False, force=False):
         """Path of the plugin's shared object; compiled (seconds to a minute) unless the cache has it.
 
         portable: without -march=native, for a cluster whose nodes differ (the step costs some 10 % more).
-        force: compile in any case. Where a compiler or the headers are missing, a plugin that was compiled elsewhere for the
-        same sources, engine and processor is taken from the cache. Raises DemlawsError that names the missing package, or
-        shows the compiler's message.
+        force: compile in any case, with another compiler, say. Raises DemlawsError that names a missing package, or shows the
+        compiler's message.
         """
         if any(mark in str(cache_folder()) for mark in " :"):
             raise DemlawsError(
                 f"the cache {cache_folder()} has a space or a colon in its name, at which LD_PRELOAD and LAMMPS_PLUGIN_PATH "
                 "split: set DEMLAWS_CACHE to another folder"
             )
-        self.runs_with()  # an engine that no plugin reaches is refused before a compiler is missed
-        try:
-            library, command = self.library_path(portable), self.compile_command(portable)
-        except DemlawsError as missing:
-            substitute = None if force else self._compiled_elsewhere(portable)
-            if substitute:
-                return substitute
-            raise DemlawsError(
-                f"{missing}; nor does the cache {cache_folder()} hold a plugin for this processor and engine: where there is a "
-                f"compiler, run `demlaws {self.engine} build --portable` with the same DEMLAWS_CACHE, and here use --portable"
-            ) from missing
+        library = self.library_path(portable)
         if force or not library.is_file():
-            _compile(command, library, self.packages, force)
+            try:
+                command = self.compile_command(portable)
+            except DemlawsError as missing:
+                raise DemlawsError(
+                    f"{missing}; nor does the cache {cache_folder()} hold a plugin for this processor and engine: where there "
+                    f"is a compiler, run `demlaws {self.engine} build --portable` with the same DEMLAWS_CACHE, and here use "
+                    "--portable"
+                ) from missing
+            _compile(command, library, self.packages)
         return library
 
 
-@contextlib.contextmanager
-def _locked(folder):
-    """Hold the lock of a folder. A file system without locks gives none: the rename in `_compile` is safe without it."""
-    descriptor = os.open(folder, os.O_RDONLY)
+def _compile(command, library, packages):
+    """Compile into a folder beside `library`, then rename: no other process sees half of it."""
     try:
-        with contextlib.suppress(OSError):
-            fcntl.flock(descriptor, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(descriptor)
+        library.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=library.parent) as folder:
+            print(f"demlaws: compiling {library.name}, some 20 s; this is done once and kept", file=sys.stderr)
+            made = Path(folder) / library.name
+            environment = {**os.environ, "LC_ALL": "C"}
+            result = subprocess.run([*command, "-o", str(made)], capture_output=True, text=True, env=environment)
+            if result.returncode:
+                message = "\n".join((result.stderr or result.stdout).strip().splitlines()[:12])
+                raise DemlawsError(f"the plugin did not compile ({packages}):\n{message}")
+            os.replace(made, library)
+    except OSError as error:
+        raise DemlawsError(
+            f"cannot write to the cache {library.parent}: {error.strerror}; set DEMLAWS_CACHE to a folder you may write to"
+        ) from error
 
 
-def _compile(command, library, packages, force):
-    """Compile to a temporary file beside `library`, then rename: no other process sees half of it.
-
-    Of processes that start together one compiles; the others wait for its result, unless `force`.
-    """
-    with contextlib.ExitStack() as stack:
-        try:
-            library.parent.mkdir(parents=True, exist_ok=True)
-            stack.enter_context(_locked(library.parent))
-            descriptor, temporary = tempfile.mkstemp(prefix=".new.", suffix=".tmp", dir=library.parent)
-        except OSError as error:
-            raise DemlawsError(
-                f"cannot write to the cache {library.parent}: {error.strerror}; set DEMLAWS_CACHE to a folder you may write to"
-            ) from error
-        os.close(descriptor)
-        stack.callback(Path(temporary).unlink, missing_ok=True)
-        if library.is_file() and not force:
-            return
-        line = [*command, "-o", temporary]
-        print(
-            f"demlaws: compiling {library.name}, some 20 s where nothing else runs; this is done once and kept",
-            file=sys.stderr,
-        )
-        result = subprocess.run(line, capture_output=True, text=True, env={**os.environ, "LC_ALL": "C"})
-        if result.returncode:
-            message = "\n".join((result.stderr or result.stdout).strip().splitlines()[:12])
-            if "No space left on device" in message:
-                raise DemlawsError(
-                    f"the plugin was not compiled: no space left in {library.parent} or {tempfile.gettempdir()}; free some, or "
-                    "set DEMLAWS_CACHE and TMPDIR to folders with space"
-                )
-            raise DemlawsError(f"the plugin did not compile ({packages}):\n{message}")
-        os.chmod(temporary, 0o755)
-        os.replace(temporary, library)
-
-
-SHARED_MEMORY = Path("/dev/shm")
 FOLDERS_OF_OPEN_MPI = tuple(
     f"OMPI_MCA_{name}" for name in ("orte_tmpdir_base", "btl_vader_backing_directory", "btl_sm_backing_directory")
 )
 """Of sessions and shared memory, by the names of versions 4 and 5."""
-BEGINS = 60.0
-"""Within which all ranks have opened a file of shared memory [s]."""
 
 
 @contextlib.contextmanager
 def own_session(environment):
-    """An environment with a folder of its own for files of MPI.
+    """An environment with a folder of its own for files of Open MPI.
 
-    Open MPI 4 removes that of a user's processes when one of them ends, while another one begins in it; its ranks that are
-    killed leave their shared memory. MPICH's is removed here, too.
+    Version 4 removes that of a user's processes when one of them ends, while another one begins in it; its ranks that are
+    killed leave their shared memory.
     """
-    memory = SHARED_MEMORY if os.access(SHARED_MEMORY, os.W_OK) else None
+    memory = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
     with tempfile.TemporaryDirectory(prefix="mpi-", dir=memory, ignore_cleanup_errors=True) as folder:
-        _remove_shared_memory()
         yield {name: folder for name in FOLDERS_OF_OPEN_MPI} | dict(environment)
-
-
-def _remove_shared_memory():
-    """Remove what processes of MPICH that were killed left: 1 MB each, and no later process of the same number can start ("Out
-    of memory"). The file of several ranks has no number of a process, but a checksum, nearly always a larger number: it is
-    left, since a rank that begins now would wait for the others for ever.
-    """
-    for file in SHARED_MEMORY.glob("mpich_shm_*_*"):
-        with contextlib.suppress(OSError, ValueError):  # of another program, removed by another run, or no /proc
-            number, status = int(file.name.split("_")[2], 16), file.stat()
-            gone = number <= int(Path("/proc/sys/kernel/pid_max").read_text()) and not Path(f"/proc/{number}").exists()
-            if gone and status.st_uid == os.geteuid() and time.time() - status.st_mtime > BEGINS:
-                file.unlink()
 
 
 class Engine:
@@ -373,18 +289,17 @@ class Engine:
         options = {"log": log, "plugin": plugin, "portable": portable, "arguments": arguments}
         line, environment = self.command(script, ranks, variables, **options)
         log_path = Path(folder) / log
-        before = _stamp(log_path)  # a log of an earlier run is not read
+        if log_path.is_file():  # of an earlier run
+            log_path.unlink()
         with own_session(environment) as environment:
             status, lines = _run(line, folder, environment, echo, timeout)
-        log_text = log_lines(log_path) if _stamp(log_path) != before else []
-        if not any(text.startswith(f"{self.name} (") for text in lines):  # -screen none
-            lines += log_text
+        log_text = log_lines(log_path) if log_path.is_file() else []
         if status:
-            raise EngineStopped(f"{self.name} stopped (exit {status}): {_reason(status, lines, script)}")
+            raise EngineStopped(f"{self.name} stopped (exit {status}): {_reason(status, log_text + lines, script)}")
         # the output of another rank may have run into a row; the log is complete unless the input names another one
         printed, logged = (thermo(text, self.begins, self.column) for text in (lines, log_text))
         rows = [len(next(iter(table.values()), ())) for table in (printed, logged)]
-        return logged if list(logged) == list(printed) and rows[1] > rows[0] else printed
+        return logged if rows[1] > rows[0] and list(printed) in ([], list(logged)) else printed
 
     def read_log(self, path):
         """Thermo output of a log: dict column → array, the rows of all runs one after another.
@@ -446,38 +361,19 @@ def _stop(number, frame):
     raise SystemExit(128 + number)
 
 
-def _stamp(path):
-    """What changes when a file is written: None for an absent file."""
-    try:
-        status = os.stat(path)
-    except OSError:
-        return None
-    return status.st_ino, status.st_size, status.st_mtime_ns
-
-
 def _reason(status, lines, script):
     """Why an engine stopped: its own error, else its last lines without the stack that MPI prints after a crash."""
     errors = [at for at, text in enumerate(lines) if text.startswith("ERROR")]
-    if errors:
-        return _message(lines[errors[-1] :])
-    number = -status if status < 0 else status - 128
-    crash = signal.strsignal(number) if 0 < number < signal.NSIG else None
+    if errors:  # it may go on over several lines; then comes the line of the input, or MPI's
+        after = ("Last ", "For more", "Abort", "application called", "---")
+        text = itertools.takewhile(lambda line: line.strip() and not line.startswith(after), lines[errors[-1] :][:8])
+        return " ".join(line.strip() for line in text)
     text = [line.strip() for line in lines if line.strip() and not re.match(r"\[[^]]*:\d+\]|-{20}|mpirun |Primary job", line)]
-    last = " | ".join(text[-3:])
-    if not crash:
-        return last or f"it printed no message; run {script} with -echo both, which shows the last line that it read"
-    crash = f"{crash.lower()}; last output: {last or 'none'}"
-    return f"{crash}; run {script} with -echo both, which shows the last line that it read"
-
-
-def _message(lines):
-    """An engine's error, which may go on over several lines, without the input line that it shows after it."""
-    text = ""
-    for line in lines[:8]:
-        if line.startswith(("Last ", "For more", "Abort", "application called", "---")) or not line.strip():
-            break
-        text += line.strip() + " "
-    return text.strip()
+    reason = " | ".join(text[-3:]) or "it printed no message"
+    number = -status if status < 0 else status - 128
+    if 0 < number < signal.NSIG:
+        reason = f"{signal.strsignal(number).lower()}; last output: {reason}"
+    return f"{reason}; run {script} with -echo both, which shows the last line that it read"
 
 
 MOVES = ((-0.2, 6000), (0.2, 3000), (-0.2, 4500), (0.2, 9000), (-0.2, 4000))
@@ -522,13 +418,6 @@ def log_lines(path):
         raise DemlawsError(f"cannot read {path}: {error.strerror}") from error
 
 
-def _numbers(words):
-    try:
-        return [float(word) for word in words]
-    except ValueError:
-        return None
-
-
 def thermo(lines, begins, column=str):
     """Columns of all thermo tables of LIGGGHTS or LAMMPS: dict name → array; empty without tables.
 
@@ -539,28 +428,27 @@ def thermo(lines, begins, column=str):
     """
     import numpy as np
 
+    tables, inside = [], False
+    for line in lines:
+        if line.startswith(begins):
+            inside = True
+            tables.append([])
+        elif line.startswith("Loop time"):
+            inside = False
+        elif inside and not line.startswith("WARNING:"):
+            tables[-1].append(line.split())
     names, rows = [], []
-
-    def put(words, row):
-        nonlocal names, rows
-        titles = [column(word) for word in words]
+    for head, *body in filter(None, tables):
+        titles = [column(word) for word in head]
         if titles != names:
             names, rows = titles, []
-        step = titles.index("Step") if "Step" in titles else None
-        if step is None or not rows or row[step] > rows[-1][step]:
-            rows.append(row)
-
-    header = None  # None outside a table, [] where its line comes next
-    for line in lines:
-        words = line.split()
-        if line.startswith(begins):
-            header = []
-        elif line.startswith("Loop time"):
-            header = None
-        elif header == []:
-            header = words if words[:1] != ["WARNING:"] else []
-        elif header:
-            row = _numbers(words) if len(words) == len(header) else None
-            if row:
-                put(header, row)
-    return dict(zip(names, np.array(rows).T, strict=True)) if rows else {}
+        for words in body:
+            with contextlib.suppress(ValueError):
+                rows += [list(map(float, words))] if len(words) == len(names) else []
+    if not rows:
+        return {}
+    rows = np.array(rows)
+    if "Step" in names:
+        step = rows[:, names.index("Step")]
+        rows = rows[np.append(True, step[1:] > np.maximum.accumulate(step)[:-1])]
+    return dict(zip(names, rows.T, strict=True))

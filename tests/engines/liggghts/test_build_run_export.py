@@ -58,7 +58,7 @@ def test_library_and_headers_are_those_of_the_binary(tmp_path, monkeypatch):
     monkeypatch.delenv("CXX", raising=False)
     answers = {"ldd": f"\tlibliggghts.so => {own} (0x00007f7b)\n", "g++": f"{system}\n"}
     monkeypatch.setattr(build_module, "output_of", lambda command: answers[command[0]])
-    assert build_module.linked_library() == str(own)
+    assert build_module.engine_library() == own
     with pytest.raises(DemlawsError, match=f"not in {tmp_path}/include: .*DEMLAWS_LIGGGHTS_INCLUDE"):
         build_module.headers()
     (tmp_path / "include" / "liggghts").mkdir(parents=True)
@@ -68,12 +68,12 @@ def test_library_and_headers_are_those_of_the_binary(tmp_path, monkeypatch):
     with pytest.raises(DemlawsError, match=f"not in {tmp_path}/lib"):
         build_module.headers()
     answers["ldd"] = f"\t{own} (0x00007f7b)\n"  # linked by its path
-    assert build_module.linked_library() == str(own)
+    assert build_module.engine_library() == own
     answers["ldd"] = ""  # a script that starts it
-    assert build_module.linked_library() == system
+    assert build_module.engine_library() == Path(system)
     answers["g++"] = "libliggghts.so\n"
-    with pytest.raises(DemlawsError, match="finds no lib"):
-        build_module.linked_library()
+    with pytest.raises(DemlawsError, match="leads to a lib"):
+        build_module.engine_library()
     answers["ldd"] = "\tlibliggghts.so => not found\n\tlibc.so.6 => /lib/libc.so.6 (0x00007f7b)\n"
     with pytest.raises(DemlawsError, match="LD_LIBRARY_PATH"):
         lg.build()
