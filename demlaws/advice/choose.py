@@ -5,7 +5,6 @@ candidate's error over the scene's contacts and loads, and ranks those within th
 Errors are those against the reference; use `demlaws fit` to compare laws with measurements.
 """
 
-import contextlib
 import inspect
 import math
 import os
@@ -18,7 +17,6 @@ import numpy as np
 
 from demlaws.advice.errors import error_of
 from demlaws.advice.measured_costs import measured_costs
-from demlaws.advice.processes import results
 from demlaws.advice.scene import Scene, samples, stable_step, unloading_rule
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
@@ -337,8 +335,6 @@ class _Evaluator:
             table = _table_for(self, plan, entries[plan][0]) if self.tables else None
         except DemlawsError as error:
             return entries, {label: str(error)}
-        with contextlib.suppress(DemlawsError):  # below it is an error; here it is compiled
-            self.step(plan)
         return (entries if table is None else {**entries, table[0]: table[1]}), {}
 
     def laws(self, plan):
@@ -421,7 +417,7 @@ def by_reason(ruled_out: dict) -> dict:
     return groups
 
 
-def choose(scene: Scene, tables: bool = True, progress: Callable = iter, *, processes: int = 1) -> Choices:
+def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choices:
     """Rank the candidate laws, rules and evaluations for a scene.
 
     Parameters
@@ -432,8 +428,6 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter, *, proc
         Whether tables are candidates, too.
     progress : callable
         Wraps the list of candidates, like tqdm.
-    processes : int
-        Processes that share the candidates; above 1 a script needs `if __name__ == "__main__":`, as always with processes.
 
     Returns
     -------
@@ -459,7 +453,8 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter, *, proc
     judge = _Evaluator(scene, reference, tables)
     notes = [f"the reference itself ({reference.name}) leaves its range: {breach}" for breach in judge.breaches]
     ruled_out, errors = {}, {}
-    for entries, why in results(judge.consider, plans(scene, reference), processes, progress):
+    for plan in progress(plans(scene, reference)):
+        entries, why = judge.consider(plan)
         errors.update(entries)
         ruled_out.update(why)
     errors = {plan: error for plan, error in errors.items() if _runs_in(plan, scene.engine)}

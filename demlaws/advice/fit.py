@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike
 
 from demlaws.advice.fit_model import APPARATUS, COMPLIANCE, FORCE_ZERO, ZERO, Model, largest_compliance, parameters
 from demlaws.advice.fit_report import WEAK, Fit, fitted
-from demlaws.advice.processes import results
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
 from demlaws.curves.point_files import columns_of, in_contact, refuse_other_units
@@ -69,7 +68,6 @@ def fit(
     force_noise: float = 0.0,
     compliance: float = 0.0,
     progress: Callable = iter,
-    processes: int = 1,
 ) -> Ranking:
     """Fit laws to measured points and rank them by Akaike's criterion.
 
@@ -96,8 +94,6 @@ def fit(
         Compliance of the apparatus [m/N], subtracted from the displacement; to fit it, name "compliance" in `free`.
     progress : callable
         Wraps the list of fits, like tqdm.
-    processes : int
-        Processes that share the laws; above 1 a script needs `if __name__ == "__main__":`, as always with processes.
 
     Returns
     -------
@@ -145,15 +141,13 @@ def fit(
     if force.size:
         refuse_other_units(displacement, force, contact, largest_compliance(contact) if COMPLIANCE in (free or ()) else 0.0)
     distinct = len(np.unique(np.column_stack([displacement, force]), axis=0))
-    jobs = list(_jobs(names, rules, free, force, distinct))
     test = _Test(contact, options, displacement, force, displacement_noise, force_noise, free)
-    outcomes = list(results(test.fit_or_reason, jobs, processes, progress))
-    fits = [one for one in outcomes if isinstance(one, Fit)]
-    failed = {
-        name if rule == "elastic" else f"{name}, {rule} unloading": one
-        for (name, rule, _), one in zip(jobs, outcomes, strict=True)
-        if not isinstance(one, Fit)
-    }
+    fits, failed = [], {}
+    for name, rule, variables in progress(list(_jobs(names, rules, free, force, distinct))):
+        try:
+            fits.append(test.fit(name, rule, variables))
+        except DemlawsError as error:
+            failed[name if rule == "elastic" else f"{name}, {rule} unloading"] = error
     if not fits:
         reasons = [part for name, reason in failed.items() for part in ("; ", f"{name}: ", reason)]
         raise DemlawsError("no law could be fitted: ", *reasons[1:])
@@ -175,22 +169,14 @@ class _Test(NamedTuple):
     force_noise: float
     free: Sequence[str] | None  # as the user gave it
 
-    def fit(self, job):
+    def fit(self, name, rule, free):
         """The `Fit` of a law, its rule, and the names of its free quantities."""
-        name, rule, free = job
         points = {"displacement": self.displacement, "force": self.force, "noise": self.displacement_noise}
         model = Model(name, rule, free, contact=self.contact, options=self.options.get(name, {}), **points)
         one = fitted(model, self.displacement_noise, self.force_noise)
         if self.free is None and FORCE_ZERO in free and one.parameters[FORCE_ZERO].cause == WEAK:
-            return self.fit((name, rule, [n for n in free if n != FORCE_ZERO]))  # a straight line has one zero
+            return self.fit(name, rule, [n for n in free if n != FORCE_ZERO])  # a straight line has one zero
         return one
-
-    def fit_or_reason(self, job):
-        """The `Fit`, or why there is none."""
-        try:
-            return self.fit(job)
-        except DemlawsError as error:
-            return error
 
 
 def _jobs(names, rules, free, force, distinct):
@@ -249,7 +235,7 @@ def _suspicions(best, test):
         if name in variables:
             continue
         try:
-            other = test.fit((best.name, best.unloading, [*variables, name]))
+            other = test.fit(best.name, best.unloading, [*variables, name])
         except DemlawsError:
             continue
         value, low, high = (other.parameters[name][n] * unit for n in (0, 2, 3))

@@ -1,6 +1,5 @@
 """`demlaws choose`: the cheapest law within a scene's tolerance."""
 
-import os
 from pathlib import Path
 
 from demlaws.cli import example
@@ -55,7 +54,6 @@ def run(arguments, result):
     choices = choose(
         scene,
         progress=lambda plans: tqdm(plans, desc="choose", unit="law", leave=False, disable=None),
-        processes=min(2, os.cpu_count() or 1),
     )
     name = scene.name or arguments.scene.stem
     _print_choices(result, choices, scene, name, arguments.all)

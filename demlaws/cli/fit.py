@@ -1,6 +1,5 @@
 """`demlaws fit`: laws fitted to measured points."""
 
-import os
 from pathlib import Path
 
 from demlaws.cli import example, text_of
@@ -115,7 +114,6 @@ def run(arguments, result):
         force_noise=arguments.force_noise,
         compliance=arguments.compliance,
         progress=lambda jobs: tqdm(jobs, desc="fit", unit="law", leave=False, disable=None),
-        processes=min(2, os.cpu_count() or 1),
     )
     result.print(f"{points.source}: {ranking.points[1].size} points to {ranking.points[1].max():.4g} N; intervals hold 95 %\n")
     result.print(*table_lines(ranking))
