@@ -2,24 +2,13 @@
 
 Velocity Verlet and leapfrog are stable for dt < 2/ω_max, the limit. ω_max is the largest angular frequency of the packing
 linearised about its present state: one normal spring K_n and two tangential springs K_t per contact, grains that move and
-rotate as uniform spheres (inertia 2/5 m R²).
+rotate as uniform spheres (inertia 2/5 m R²): `from_contacts` computes it, `packing_estimate` estimates it before a run.
 
 **One contact** has ω² = K_n (1/m1 + 1/m2) in normal motion and 7/2 K_t (1/m1 + 1/m2) in tangential motion with rotation, since
 1 + m R²/(2/5 m R²) = 7/2 [our derivation; the lever is R, in fact R less half the overlap: a higher ω, the safe side].
-
-**A packing**: let g be the direction of a spring in all degrees of freedom, each divided by the square root of its mass or
-inertia; g_i and g_j are its parts on the two grains, x_i and x_j those of a motion. For any q_i, q_j > 0
-
-    (g·x)² ≤ (1 + q_j/q_i) (g_i·x_i)² + (1 + q_i/q_j) (g_j·x_j)²,
-
-so that ω_max² is at most the largest eigenvalue of the 6 × 6 matrices Σ (1 + q_j/q_i) k g_i g_iᵀ of the grains, where the sum
-is over the springs of a grain. This bounds the largest eigenvalue of an assembly by those of its elements, as Irons & Treharne
-(1971) do for finite elements; an element here is a grain with its part of each contact. q_i is the largest eigenvalue of
-Σ k g_i g_iᵀ.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,7 +18,7 @@ from demlaws.core.loops import force_loop, unloaded_loop
 from demlaws.core.shear import LARGEST_SHEAR_RATIO
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, as_law
-from demlaws.units import SMALL_OVERLAP, number
+from demlaws.units import number
 
 STEP_SAFETY = 0.8
 """Safety factor on the limit: at √3/2 of it (three steps per period) velocity Verlet is in resonance with any curved force law,
@@ -74,47 +63,6 @@ def pair_limit(stiffness: float, mass1: float, mass2: float = math.inf, *, shear
     return 2.0 / math.sqrt(stiffness * (1.0 / mass1 + 1.0 / mass2) * max(1.0, 3.5 * ratio))
 
 
-def packing_limit(stiffness: float, mass: float, largest_coordination: int, *, shear_ratio: float = 1.0) -> float:
-    """Bound of the limit of any packing, never above it: ω² ≤ 2 Z_max K/m max(1, 7/2 K_t/K).
-
-    With S_i the sum of K over the contacts of grain i, ω² is at most the largest (S_i/m_i + S_j/m_j) max(1, 7/2 K_t/K) of all
-    contacts (Irons & Treharne 1971), and S_i/m_i ≤ Z_max K/m. The bound is 0.4 to 0.65 of the limit where a grain has 12
-    contacts, and the limit itself for two equal grains.
-
-    Parameters
-    ----------
-    stiffness, mass : float
-        K [N/m] and the lighter grain's m [kg] of the contact with the largest K/m.
-    largest_coordination : int
-        Z_max, the largest number of contacts of one grain; of equal spheres 12.
-    shear_ratio : float
-        K_t/K.
-
-    Returns
-    -------
-    float
-        Time step [s].
-
-    Raises
-    ------
-    DemlawsError
-        For a number of contacts that is not whole: a mean belongs to `packing_estimate`.
-
-    Examples
-    --------
-    >>> round(packing_limit(1e6, 1e-3, 12, shear_ratio=0.857) * 1e6, 3)  # µs
-    7.454
-    """
-    stiffness, mass, ratio = _stiffness(stiffness), number(mass, "mass", "kg"), _ratio(shear_ratio)
-    most = number(largest_coordination, "largest_coordination", "", 1.0, 1e6, allow_low=True)
-    if most != int(most):
-        raise DemlawsError(
-            f"largest_coordination = {most:g}: must be the whole number of contacts of the grain with most; the limit has no "
-            f"bound by a mean number, from which packing_estimate estimates it"
-        )
-    return pair_limit(most * stiffness, mass, mass, shear_ratio=ratio)
-
-
 def packing_estimate(
     stiffness: float, mass: float, coordination: float = COORDINATION, *, shear_ratio: float = 1.0, size_ratio: float = 1.0
 ) -> float:
@@ -142,12 +90,11 @@ def packing_estimate(
     -----
     Scope: grains that are the heavier the larger they are, with contacts spread over all of them. Outside it the estimate
     exceeds the limit: 1.1 times for a layer of grains with 12 contacts that touch grains with one, 1.2 where five large grains
-    weigh as much as a small one, 2.3 where one such grain has 100 contacts (tests). `packing_limit` is valid there. The
+    weigh as much as a small one, 2.3 where one such grain has 100 contacts (tests). `from_contacts` is valid there. The
     numbers added to Z and the dependence on s are fitted to random packings.
     """
-    # With Z in place of Z + 4 and Z + 2.5 and s = 1 this is the bound of this module for a grain with contacts in all
-    # directions alike and with equal neighbours; it is exact in simple and body-centred cubic lattices. The first term is for
-    # motion, the second for rotation.
+    # With Z in place of Z + 4 and Z + 2.5 and s = 1 this is exact in simple and body-centred cubic lattices. The first term is
+    # for motion, the second for rotation.
     stiffness, mass, ratio = _stiffness(stiffness), number(mass, "mass", "kg"), _ratio(shear_ratio)
     mean = max(number(coordination, "coordination", "", 0.0, 100.0, allow_low=True), COORDINATION)
     sizes = 0.5 * (1.0 + 1.0 / number(size_ratio, "size_ratio", "", 1.0, allow_low=True))
@@ -212,7 +159,6 @@ def timestep(
     coordination: float = COORDINATION,
     shear_ratio: float = 1.0,
     size_ratio: float = 1.0,
-    largest_coordination: int | None = None,
 ) -> float:
     """Stable time step of velocity Verlet with contacts of a law.
 
@@ -233,9 +179,6 @@ def timestep(
         K_t/K, at most 4/3; 0 without friction.
     size_ratio : float
         Mean radius over the smallest one, of a packing; 1 is the safe choice.
-    largest_coordination : int, optional
-        Largest number of contacts of one grain: the step is then 0.8 of the bound `packing_limit`. Needed where large grains
-        weigh no more than small ones or have far more contacts than the others, which `packing_estimate` does not cover.
 
     Returns
     -------
@@ -262,8 +205,6 @@ def timestep(
     falls = lossless is not None and _jumps_down(lossless, float(lossless.overlap(max_force)))
     if other_mass is not None:
         limit = pair_limit(largest, mass, _mass(other_mass, "other_mass"), shear_ratio=shear_ratio)
-    elif largest_coordination is not None:
-        limit = packing_limit(largest, mass, largest_coordination, shear_ratio=shear_ratio)
     else:
         limit = packing_estimate(largest, mass, coordination, shear_ratio=shear_ratio, size_ratio=size_ratio)
     return (SOFTENING_SAFETY if falls else STEP_SAFETY) * limit
@@ -296,9 +237,7 @@ def stiffest(law: Law, max_force: float) -> float:
     return largest
 
 
-def stiffest_now(
-    law: Law, force: np.ndarray, largest_overlap: np.ndarray | None = None, *, overlap: np.ndarray | None = None
-) -> np.ndarray:
+def stiffest_now(law: Law, force: np.ndarray, largest_overlap: np.ndarray | None = None) -> np.ndarray:
     """Stiffest tangent of each contact at its present force: of loading, and of unloading after its history.
 
     Parameters
@@ -308,9 +247,7 @@ def stiffest_now(
     force : ndarray, shape (n,)
         Present forces [N].
     largest_overlap : ndarray, optional
-        Largest overlaps so far [m]. Default: any history that allows the force, up to overlaps of a tenth of the radius.
-    overlap : ndarray, optional
-        Upper bounds of the present overlaps [m], which bound such histories.
+        Largest overlaps so far [m]. Default: those at the present forces.
 
     Returns
     -------
@@ -321,22 +258,10 @@ def stiffest_now(
     largest = law.stiffness(loaded)
     if not law.state_size:
         return largest
-    deepest = np.minimum(SMALL_OVERLAP * np.asarray(law.contact.radius), (1.0 - 1e-9) * law._largest_overlaps[0])
-    end = np.maximum(deepest, loaded)
-    histories = [np.clip(largest_overlap, loaded, end)] if largest_overlap is not None else loaded * (end / loaded) ** _SHARES
-    possible = np.ones(force.size, bool)
-    for highest in histories:
-        state = law.new_state(force.size)
-        law.evaluate(highest, state)
-        unloaded = np.minimum(unloaded_loop(law.rule_tag, law.params, force, state.arrays), highest * (1.0 - 2.0**-36))
-        largest = np.where(possible, np.maximum(largest, law.evaluate(unloaded, state)[1]), largest)
-        if overlap is not None:  # the first history beyond the bound counts: the true one may lie just below it
-            possible &= unloaded <= overlap
-    return largest
-
-
-_SHARES = np.linspace(0.0, 1.0, 101)[:, None]
-"""Exponents of the largest overlaps between that of loading and the end."""
+    state, highest = law.new_state(force.size), loaded if largest_overlap is None else np.maximum(largest_overlap, loaded)
+    law.evaluate(highest, state)
+    unloaded = np.minimum(unloaded_loop(law.rule_tag, law.params, force, state.arrays), highest * (1.0 - 2.0**-36))
+    return np.maximum(largest, law.evaluate(unloaded, state)[1])
 
 
 def _beside_kinks(law, end):
@@ -364,13 +289,6 @@ def _ratio(value):
     return number(value, "shear_ratio", "", 0.0, LARGEST_SHEAR_RATIO, allow_low=True)
 
 
-class Limits(NamedTuple):
-    """Largest stable steps [s] of the contacts of a packing, see `from_contacts`."""
-
-    exact: float  # 2/ω_max
-    bound: float  # at most the exact one, without an eigenvalue of the whole packing
-
-
 def from_contacts(
     pairs: ArrayLike,
     normals: ArrayLike,
@@ -379,8 +297,8 @@ def from_contacts(
     shear_stiffness: ArrayLike,
     masses: ArrayLike,
     blocked: ArrayLike | None = None,
-) -> Limits:
-    """Limits of spheres in contact, in their present configuration.
+) -> float:
+    """Largest stable step of spheres in contact, in their present configuration: 2/ω_max, exact.
 
     Radii are not needed: a sphere's lever arm and inertia grow alike.
 
@@ -399,8 +317,8 @@ def from_contacts(
 
     Returns
     -------
-    Limits
-        Exact limit and its lower bound [s].
+    float
+        Time step [s].
 
     Raises
     ------
@@ -410,7 +328,7 @@ def from_contacts(
     Examples
     --------
     >>> pair = from_contacts([[0, 1]], [[1.0, 0.0, 0.0]], 1e6, shear_stiffness=0.0, masses=[1e-3, 1e-3])
-    >>> round(pair.exact * 1e6, 3)  # µs, 2 √(m/(2 K))
+    >>> round(pair * 1e6, 3)  # µs, 2 √(m/(2 K))
     44.721
     """
     bodies, unit, normal, sideways, mass = _checked(pairs, normals, stiffness, shear_stiffness, masses)
@@ -422,8 +340,7 @@ def from_contacts(
         rows = np.where(fixed[bodies], 0.0, rows)
         if not rows.any():
             raise DemlawsError("no contact moves a degree of freedom that is not blocked")
-    squares = _largest_eigenvalue(rows, bodies, mass.size), _bound(rows, bodies, mass.size)
-    return Limits(*(2.0 / math.sqrt(square) for square in squares))
+    return 2.0 / math.sqrt(_largest_eigenvalue(rows, bodies, mass.size))
 
 
 def _checked(pairs, normals, stiffness, shear_stiffness, masses):
@@ -446,7 +363,10 @@ def _checked(pairs, normals, stiffness, shear_stiffness, masses):
 
 
 def _springs(pairs, normals, stiffness, shear_stiffness, weight):
-    """√k g (see the module's docstring) of three springs per contact: (3, contacts, 2 bodies, 6 degrees of freedom)."""
+    """√k g of three springs per contact, g the direction in all degrees of freedom, each divided by √mass or √inertia.
+
+    Shape (3, contacts, 2 bodies, 6 degrees of freedom).
+    """
     across = np.cross(normals, np.eye(3)[np.argmin(np.abs(normals), axis=1)])
     across /= np.linalg.norm(across, axis=1)[:, None]
     rows = np.zeros((3, len(pairs), 2, 6))
@@ -469,15 +389,3 @@ def _largest_eigenvalue(rows, pairs, bodies):
     start = np.random.default_rng(0).random(6 * bodies)  # a regular start may be orthogonal to a lattice's mode
     # close eigenvalues converge slowly; the residual is below 1e-6 of the eigenvalue, and so is its error
     return float(eigsh(matrix.T @ matrix, k=1, which="LA", v0=start, tol=1e-6, return_eigenvectors=False)[0])
-
-
-def _bound(rows, pairs, bodies):
-    """Upper bound of ω_max²: see the module's docstring."""
-    products = np.einsum("kcsa,kcsb->csab", rows, rows)
-    blocks, weighted = np.zeros((bodies, 6, 6)), np.zeros((bodies, 6, 6))
-    np.add.at(blocks, pairs, products)
-    q = np.linalg.eigvalsh(blocks)[:, -1]
-    q = np.maximum(q, 1e-12 * q.max())  # fixed bodies have none
-    factor = 1.0 + q[pairs[:, ::-1]] / q[pairs]
-    np.add.at(weighted, pairs, factor[:, :, None, None] * products)
-    return float(np.linalg.eigvalsh(weighted)[:, -1].max())

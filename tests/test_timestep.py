@@ -17,7 +17,6 @@ from demlaws.timestep import (
     STEP_SAFETY,
     from_contacts,
     packing_estimate,
-    packing_limit,
     pair_limit,
     stiffest,
     stiffest_now,
@@ -33,14 +32,13 @@ X = [1.0, 0.0, 0.0]
 @pytest.mark.parametrize("ratio", RATIOS)
 @pytest.mark.parametrize("other", [1e-3, 5e-3, math.inf])
 def test_pair_and_wall(ratio, other):
-    """Two bodies, equal and unlike, and one on a wall: estimate, exact limit and bound are one."""
-    limits = from_contacts([[0, 1]], [X], 1e6, shear_stiffness=ratio * 1e6, masses=[1e-3, other])
-    assert limits.exact == pytest.approx(pair_limit(1e6, 1e-3, other, shear_ratio=ratio), rel=1e-9)
-    assert limits.bound == pytest.approx(limits.exact, rel=1e-9)
+    """Two bodies, equal and unlike, and one on a wall: the closed form is the exact limit."""
+    exact = from_contacts([[0, 1]], [X], 1e6, shear_stiffness=ratio * 1e6, masses=[1e-3, other])
+    assert exact == pytest.approx(pair_limit(1e6, 1e-3, other, shear_ratio=ratio), rel=1e-9)
     assert pair_limit(1e6, 1e-3, other, shear_ratio=0.0) == pytest.approx(2.0 / math.sqrt(1e6 * (1e3 + 1.0 / other)), rel=1e-12)
 
 
-# --- the estimate and the bound compared with the exact limit
+# --- the estimate compared with the exact limit
 
 
 @functools.cache
@@ -56,7 +54,7 @@ RANDOM += ["1.4 0.65 3 two", "2 0.66 4 two", "3 0.66 5 two"]
 
 
 @pytest.mark.parametrize("kind", shared([*CELLS, *RANDOM], {*CELLS, *RANDOM[::5]}.__contains__))
-def test_estimate_and_bound_are_half_to_all_of_the_exact_limit(kind):
+def test_estimate_is_half_to_all_of_the_exact_limit(kind):
     """Lattices and random packings of radii from 1 to 4; equal stiffness, and forces and stiffnesses as of rough contacts."""
     grains = packing(kind)
     reduced = 1.0 / np.sum(1.0 / grains.radius[grains.pairs], axis=1)
@@ -65,13 +63,10 @@ def test_estimate_and_bound_are_half_to_all_of_the_exact_limit(kind):
         stiffnesses += [(grains.overlap * reduced) ** (1 / 3), grains.overlap**0.6 * reduced**0.4]
     sizes = grains.radius.mean() / grains.radius.min()
     for stiffness, ratio in itertools.product(stiffnesses, RATIOS):
-        limits = from_contacts(grains.pairs, grains.normals, stiffness, shear_stiffness=ratio * stiffness, masses=grains.mass)
+        exact = from_contacts(grains.pairs, grains.normals, stiffness, shear_stiffness=ratio * stiffness, masses=grains.mass)
         largest = np.max(stiffness / grains.mass[grains.pairs].min(axis=1))
         estimate = packing_estimate(largest, 1.0, grains.coordination, shear_ratio=ratio, size_ratio=sizes)
-        assert 0.5 <= estimate / limits.exact <= 1.0, (ratio, estimate / limits.exact)
-        assert 0.85 <= limits.bound / limits.exact <= 1.0 + 1e-6, (ratio, limits.bound / limits.exact)
-        most = np.bincount(grains.pairs.ravel()).max()
-        assert 0.15 < packing_limit(largest, 1.0, most, shear_ratio=ratio) / limits.exact < 1.0
+        assert 0.5 <= estimate / exact <= 1.0, (ratio, estimate / exact)
 
 
 @pytest.mark.parametrize("kind", ["sc", "bcc"])
@@ -79,7 +74,7 @@ def test_lattices_with_all_contacts_alike_have_a_closed_form(kind):
     """ω² = 2/3 Z max(1 + 2r, 5r) K/m."""
     grains = packing(kind)
     for ratio in RATIOS:
-        exact = from_contacts(grains.pairs, grains.normals, 1.0, shear_stiffness=ratio, masses=grains.mass).exact
+        exact = from_contacts(grains.pairs, grains.normals, 1.0, shear_stiffness=ratio, masses=grains.mass)
         square = 2 / 3 * grains.coordination * max(1 + 2 * ratio, 5 * ratio)
         assert exact == pytest.approx(2.0 / math.sqrt(square), rel=1e-5)
 
@@ -95,21 +90,16 @@ def limits_of_hubs(count, ratio):
     between = centres[:, None] - centres[None]
     touching = (np.abs(np.linalg.norm(between, axis=2) - 2.0) < 1e-6) & (is_hub[:, None] | is_hub[None])
     pairs = np.argwhere(np.triu(touching))
-    limits = from_contacts(pairs, 0.5 * between[tuple(pairs.T)], 1.0, shear_stiffness=ratio, masses=np.ones(len(centres)))
-    return limits.exact, np.bincount(pairs.ravel())
+    exact = from_contacts(pairs, 0.5 * between[tuple(pairs.T)], 1.0, shear_stiffness=ratio, masses=np.ones(len(centres)))
+    return exact, np.bincount(pairs.ravel())
 
 
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_few_grains_with_many_contacts(ratio):
-    """Grains with 12 contacts alone, in pairs (the estimate is valid) and in a row (it is not): the bound is one."""
+    """Grains with 12 contacts alone, in pairs (the estimate is valid) and in a row (it is not)."""
     for count in (1, 2, 8):
         exact, contacts = limits_of_hubs(count, ratio)
-        assert 0.4 < packing_limit(1.0, 1.0, contacts.max(), shear_ratio=ratio) / exact < 1.0
         assert 0.8 < packing_estimate(1.0, 1.0, contacts.mean(), shear_ratio=ratio) / exact < (1.0 if count < 8 else 1.15)
-        with pytest.raises(dl.DemlawsError, match="packing_estimate"):
-            packing_limit(1.0, 1.0, contacts.mean(), shear_ratio=ratio)
-    # two grains with one contact each: the bound is the limit
-    assert packing_limit(1e6, 1e-3, 1, shear_ratio=ratio) == pytest.approx(pair_limit(1e6, 1e-3, 1e-3, shear_ratio=ratio))
 
 
 @pytest.mark.parametrize("ratio", RATIOS)
@@ -119,13 +109,12 @@ def test_a_grain_of_100_contacts_as_light_as_its_neighbours(ratio):
     level = np.sqrt(1.0 - height**2)
     normals = np.column_stack([level * np.cos(around), level * np.sin(around), height])
     pairs = np.column_stack([np.zeros(100, int), np.arange(1, 101)])
-    exact = from_contacts(pairs, normals, 1.0, shear_stiffness=ratio, masses=np.ones(101)).exact
-    assert 0.3 < packing_limit(1.0, 1.0, 100, shear_ratio=ratio) / exact < 1.0
+    exact = from_contacts(pairs, normals, 1.0, shear_stiffness=ratio, masses=np.ones(101))
     assert 2.0 < packing_estimate(1.0, 1.0, shear_ratio=ratio) / exact < 2.5  # as its docstring states
 
 
-def test_light_large_grains_need_their_number_of_contacts():
-    """Five grains of three times the radius and the same mass: the estimate is out of its scope."""
+def test_light_large_grains_are_out_of_the_scope_of_the_estimate():
+    """Five grains of three times the radius and the same mass."""
     random = np.random.default_rng(1)
     radius = np.where(np.arange(160) < 5, 1.5, 0.5)
     edge = (np.sum(4 / 3 * np.pi * radius**3) / 0.66) ** (1 / 3)
@@ -142,9 +131,9 @@ def test_light_large_grains_need_their_number_of_contacts():
     normals = between[tuple(pairs.T)] / distance[tuple(pairs.T)][:, None]
     contacts = np.bincount(pairs.ravel())
     for ratio in (0.0, 0.857):
-        exact = from_contacts(pairs, normals, stiffness, shear_stiffness=ratio * stiffness, masses=np.ones(160)).exact
+        exact = from_contacts(pairs, normals, stiffness, shear_stiffness=ratio * stiffness, masses=np.ones(160))
         estimate = packing_estimate(stiffness.max(), 1.0, contacts[contacts > 0].mean(), shear_ratio=ratio)
-        assert packing_limit(stiffness.max(), 1.0, contacts.max(), shear_ratio=ratio) < exact < 1.3 * estimate
+        assert exact < 1.3 * estimate
         assert STEP_SAFETY * estimate < exact
 
 
@@ -154,7 +143,7 @@ def test_light_large_grains_need_their_number_of_contacts():
 @pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 @each_law_and_rule
 def test_stiffest_tangent_of_a_history(name, unloading):
-    """Contacts that have carried ten times their force: known history, unknown history with and without the overlap."""
+    """Contacts that have carried ten times their force."""
     law = make(name, unloading)
     grains = GRANITE.with_values(radius=GRANITE.radius * np.ones(2))
     batch = example(name, grains, unloading, **options_of(name))
@@ -165,10 +154,7 @@ def test_stiffest_tangent_of_a_history(name, unloading):
     true = max(float(quiet(law.follow, [overlap], state).stiffness[0]), float(quiet(law.stiffness, law.overlap(2.0))))
     force = np.full(2, 2.0)
     known = quiet(stiffest_now, batch, force, np.full(2, peak))
-    bounded = quiet(stiffest_now, batch, force, overlap=np.full(2, overlap * (1.0 + 1e-9)))
     assert known == pytest.approx(true, rel=1e-6)
-    assert np.all((bounded > true * (1.0 - 1e-6)) & (bounded < 1.05 * true))
-    assert np.all(quiet(stiffest_now, batch, force) > true * (1.0 - 1e-6))
 
 
 def test_blocked_degrees_of_freedom():
@@ -176,11 +162,10 @@ def test_blocked_degrees_of_freedom():
     grains = packing("fcc")
     blocked = np.zeros((len(grains.radius), 6), bool)
     blocked[:, 3:] = True
-    limits = from_contacts(grains.pairs, grains.normals, 1.0, shear_stiffness=0.857, masses=grains.mass, blocked=blocked)
-    assert limits.exact == pytest.approx(2.0 / math.sqrt(8 * 1.857), rel=1e-5)
-    assert limits.bound <= limits.exact * (1.0 + 1e-6)
+    exact = from_contacts(grains.pairs, grains.normals, 1.0, shear_stiffness=0.857, masses=grains.mass, blocked=blocked)
+    assert exact == pytest.approx(2.0 / math.sqrt(8 * 1.857), rel=1e-5)
     alone = from_contacts([[0, 1]], [X], 1.0, shear_stiffness=0.5, masses=[1.0, 1.0], blocked=[[0, 1, 1, 1, 1, 1]] * 2)
-    assert alone.exact == pytest.approx(math.sqrt(2.0), rel=1e-6)
+    assert alone == pytest.approx(math.sqrt(2.0), rel=1e-6)
 
 
 LAW = dl.law("hertz", dl.Contact(radius=2e-3, modulus=32.32e9))
@@ -198,9 +183,8 @@ def test_default_is_safe_for_several_contacts():
     assert 1.6 * math.sqrt(MASS / stiffness) > 1.13 * pair_limit(stiffness, MASS, MASS, shear_ratio=0.0)
     for kind in CELLS:  # also where the coordination is higher than the default one
         grains = packing(kind)
-        assert (
-            step
-            < from_contacts(grains.pairs, grains.normals, stiffness, shear_stiffness=stiffness, masses=MASS * grains.mass).exact
+        assert step < from_contacts(
+            grains.pairs, grains.normals, stiffness, shear_stiffness=stiffness, masses=MASS * grains.mass
         )
 
 
@@ -223,7 +207,7 @@ def test_scene_of_unlike_grains():
     stiffness = dl.law("hertz", contact).stiffness(dl.law("hertz", contact).overlap(100.0))
     grains = packing("bcc")  # with large grains on one of its two lattices
     masses = MASS * np.where(np.arange(len(grains.radius)) < len(grains.radius) // 2, 1.0, 27.0)
-    exact = from_contacts(grains.pairs, grains.normals, stiffness, shear_stiffness=0.857 * stiffness, masses=masses).exact
+    exact = from_contacts(grains.pairs, grains.normals, stiffness, shear_stiffness=0.857 * stiffness, masses=masses)
     assert 0.4 * exact < step < STEP_SAFETY * exact
     assert stable_step(scene.__class__(**{**vars(scene), "walls": True}), lambda c: dl.law("hertz", c)) < step
 
@@ -242,9 +226,8 @@ def test_scene_of_unlike_grains():
         lambda: from_contacts([[0, 1]], [X], 1.0, shear_stiffness=1.0, masses=[1.0, 1.0], blocked=np.ones((2, 6))),
         lambda: from_contacts([[0, 1]], [X], 1.0, shear_stiffness=1.0, masses=[1.0, 1.0], blocked=np.zeros((2, 3))),
         lambda: pair_limit(1.0, 1.0, shear_ratio=1.34),
-        lambda: packing_limit(1.0, 1.0, 6, shear_ratio=-0.1),
+        lambda: packing_estimate(1.0, 1.0, 6, shear_ratio=-0.1),
         lambda: dl.timestep(LAW, 1.0, 1.0, shear_ratio=1.34),
-        lambda: packing_limit(1.0, 1.0, 0),
     ],
 )
 def test_bad_calls(call):

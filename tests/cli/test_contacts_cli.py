@@ -9,8 +9,8 @@ import pytest
 
 import demlaws as dl
 from demlaws.cli import main
+from demlaws.cli.dumps import LAMMPS_CASE, LIGGGHTS_CASE
 from demlaws.cli.output import Output
-from demlaws.cli.timestep import LAMMPS_CASE, LIGGGHTS_CASE
 from demlaws.errors import DemlawsError
 from demlaws.responses.contacts import Contacts
 
@@ -78,10 +78,10 @@ def test_wrong_columns_are_refused(tmp_path, capsys):
     files = lammps(tmp_path, largest=1.5e-6)
     assert main(["contacts", *files]) == 2
     assert "below the present ones" in capsys.readouterr().err
-    assert main(["contacts", *files, "--columns", *"23456", "--plastic-overlap", "12"]) == 2
-    assert "has 10 columns" in capsys.readouterr().err
+    assert main(["contacts", *files, "--columns", *"23456", "7", "12"]) == 2
+    assert "the 10 columns" in capsys.readouterr().err
     assert main(["contacts", files[0], str(tmp_path / "none.txt")]) == 2
-    assert "does not exist" in capsys.readouterr().err
+    assert "cannot read" in capsys.readouterr().err
 
 
 def test_lines(tmp_path, capsys):

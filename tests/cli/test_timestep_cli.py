@@ -1,4 +1,4 @@
-"""`demlaws timestep` on dumps of LIGGGHTS and LAMMPS; saved scenes are read in tests/engines/yade."""
+"""`demlaws timestep` on dumps of LIGGGHTS and LAMMPS."""
 
 import json
 import math
@@ -34,7 +34,6 @@ def test_limit_of_a_lattice(tmp_path, capsys, engine):
     mass, stiffness = 4 / 3 * math.pi * RADIUS**3 * 2680, law.stiffness(law.overlap(FORCE))
     limit = 2.0 / math.sqrt(20 * 1.5 / 1.75 * stiffness / mass)
     assert values["exact limit"] == pytest.approx(limit, rel=1e-3)
-    assert values["rigorous bound"] == pytest.approx(limit, rel=1e-3)
     assert values["recommended step"] == pytest.approx(0.8 * limit, rel=1e-3)
     rayleigh = math.pi * RADIUS * math.sqrt(2680 * 2.5 / 60.6e9) / (0.1631 * 0.25 + 0.8766)
     assert values["Rayleigh step"] == pytest.approx(rayleigh, rel=1e-3)
@@ -42,9 +41,7 @@ def test_limit_of_a_lattice(tmp_path, capsys, engine):
     exact = []
     for rule in ("elastic", "hertz"):
         assert main(["timestep", *files, *surface, "--unloading", rule]) == 0
-        text = capsys.readouterr().out
-        assert "exact limit" in text and "safe limit" not in text  # a Hertz curve's stiffness follows from the force
-        exact.append(float(text.splitlines()[1].split()[2]))
+        exact.append(float(capsys.readouterr().out.splitlines()[1].split()[2]))  # a Hertz curve needs no history
     assert exact[1] < 0.95 * exact[0]
 
 
@@ -86,19 +83,11 @@ def test_contact_that_carried_more(tmp_path, capsys, name):
     true = 2.0 / math.sqrt(stiffness * 2.0 / mass * 3.5 * 1.5 / 1.75)
     words = ["--law", name, *GRANITE[2:], *(word for text in HISTORIES[name] for word in ("--option", text))]
 
-    def limit(digits, *more, largest=()):
-        files = two_grains(tmp_path, overlap, force, digits, largest)
-        assert main(["timestep", *files, *words, "--columns", *"23456", *more, "--json"]) == 0
-        return json.loads(capsys.readouterr().out)
-
-    found = limit(14)
-    assert found["history"] == "stiffest" and 0.95 * true < found["exact"] <= true * (1.0 + 1e-6)
-    assert limit(6)["exact"] <= true * (1.0 + 1e-6)
-    found = limit(6, "--largest-overlap", "7", largest=[9e-6])
-    assert found["history"] == "known" and found["exact"] == pytest.approx(true, rel=1e-6)
-    assert main(["timestep", *two_grains(tmp_path, overlap, force, 14), *words, "--columns", *"23456"]) == 0
-    text = capsys.readouterr().out
-    assert "safe limit" in text and "exact limit" not in text and "histories" in text
+    files = two_grains(tmp_path, overlap, force, 6, [9e-6])
+    assert main(["timestep", *files, *words, "--columns", *"234567", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["exact"] == pytest.approx(true, rel=1e-6)
+    assert main(["timestep", *files, *words, "--columns", *"23456"]) == 2
+    assert "lacks the largest overlap" in capsys.readouterr().err
 
 
 def test_largest_overlap_of_an_exported_case(tmp_path, capsys):
@@ -107,10 +96,9 @@ def test_largest_overlap_of_an_exported_case(tmp_path, capsys):
     names = "c_ids[1] c_ids[2] " + " ".join(f"c_contacts[{k}]" for k in range(1, 8))
     for largest in (4e-6, 8e-6, 0.0):
         files = two_grains(tmp_path, 1e-6, 5.0, 14, [largest, 1e-6, 0.0, 0.0], names)
-        assert main(["timestep", *files, *words]) == 0
-        found.append(json.loads(capsys.readouterr().out))
-    assert [result["history"] for result in found] == ["known", "known", "stiffest"]
-    assert found[1]["exact"] < 0.9 * found[0]["exact"]
+        status = main(["timestep", *files, *words])
+        found.append(json.loads(capsys.readouterr().out)["exact"] if status == 0 else None)
+    assert found[1] < 0.9 * found[0] and found[2] is None  # a run without unloading keeps no history
 
 
 def test_friction_rotation_and_shear_ratio(tmp_path, capsys):
@@ -123,15 +111,14 @@ def test_friction_rotation_and_shear_ratio(tmp_path, capsys):
 
     default, ratio = exact()["exact"], 1.5 / 1.75
     for more, square in (
-        (["--friction", "0.5"], 5 * ratio),
-        (["--friction", "0"], 1.0),
+        (["--shear-ratio", "0"], 1.0),
         (["--no-rotation"], 1 + 2 * ratio),
         (["--shear-ratio", "0.3"], 1.6),
         (["--shear-ratio", "1.3"], 6.5),
     ):
         assert exact(*more)["exact"] == pytest.approx(default * math.sqrt(5 * ratio / square), rel=1e-3)
-    assert exact("--friction", "0")["motion"] == "without friction"
-    for more in (["--shear-ratio", "0"], ["--shear-ratio", "1.34"], ["--friction", "-0.1"]):
+    assert exact("--shear-ratio", "0")["motion"] == "without friction"
+    for more in (["--shear-ratio", "-0.1"], ["--shear-ratio", "1.34"]):
         assert main(["timestep", *files, *GRANITE, *more]) == 2
 
 
@@ -210,10 +197,6 @@ def test_overlaps_that_are_not_the_laws_are_refused(tmp_path, capsys, wrong):
         scaled(files[1], "ENTRIES", 1 / 180, (3, 4, 5))
     assert main(["timestep", *files, *words]) == 2
     assert "times those of this law at its forces" in capsys.readouterr().err
-    files = dumps(tmp_path, "lammps")
-    words[3] = "90GPa"
-    assert main(["timestep", *files, *words]) == 0
-    assert "1.3 times those of this law" in " ".join(capsys.readouterr().out.split())
 
 
 @pytest.mark.parametrize("sign", ["mol", "place"])
@@ -239,5 +222,5 @@ def test_members_of_clumps_are_refused(tmp_path, capsys, sign):
 def test_what_is_missing_is_refused(tmp_path):
     files = dumps(tmp_path, "lammps")
     columns = ["--columns", "2", "3", "4", "5", "60"]
-    for arguments in ([files[0]], files, [*files, *GRANITE, *columns], ["none.txt"], [*files, "--law", "hertz"]):
+    for arguments in (files, [*files, *GRANITE, *columns], ["none.txt", *files[1:], *GRANITE], [*files, "--law", "hertz"]):
         assert main(["timestep", *arguments]) == 2

@@ -1,7 +1,6 @@
 """Packings at the advised time step keep their energy in YADE, and explode beyond the exact limit."""
 
 import itertools
-import json
 import math
 
 import numpy as np
@@ -10,7 +9,6 @@ from yade_scenes import advance, engine_list, interaction_loop, yade
 
 import demlaws as dl
 from demlaws.advice.scene import Scene, stable_step
-from demlaws.cli import main
 from demlaws.timestep import from_contacts
 
 RADIUS, FORCE = 0.01, 500.0
@@ -63,47 +61,16 @@ def test_energy_is_bounded_at_the_advised_step(omega, kind):
 
 def limits_of(omega):
     """Exact limit [s] of the contacts as they are; equal to the closed form of the lattice."""
-    from demlaws.yade.snapshot import snapshot
-
-    scene = snapshot()
-    normal, shear = np.transpose(scene["springs"])
-    found = from_contacts(scene["pairs"], scene["normals"], normal, shear_stiffness=shear, masses=scene["masses"])
+    contacts = [contact for contact in omega.interactions if contact.isReal]
+    found = from_contacts(
+        [(contact.id1, contact.id2) for contact in contacts],
+        [tuple(contact.geom.normal) for contact in contacts],
+        [contact.phys.kn for contact in contacts],
+        shear_stiffness=[contact.phys.ks for contact in contacts],
+        masses=[body.state.mass for body in omega.bodies],
+    )
     stiffness = 1.5 * FORCE / HERTZ.overlap(FORCE)
     mass = 4.0 / 3.0 * math.pi * RADIUS**3 * GRANITE.density
-    number = 2.0 * len([i for i in omega.interactions if i.isReal]) / len(omega.bodies)
-    assert found.exact == pytest.approx(2.0 / math.sqrt(10.0 / 3.0 * number * 1.5 / 1.75 * stiffness / mass), rel=1e-3)
-    return found.exact
-
-
-def test_command_reads_a_saved_scene(omega, tmp_path, capfd):
-    exact = limits_of(lattice("sc"))
-    omega.dt = 2.0 * exact
-    omega.save(str(tmp_path / "sc.yade.gz"))
-    assert main(["timestep", str(tmp_path / "sc.yade.gz")]) == 0
-    lines = capfd.readouterr().out.splitlines()
-    (limit,) = [float(line.split()[2]) for line in lines if line.startswith("exact limit")]
-    assert limit == pytest.approx(exact, rel=1e-3) and lines[-1].endswith("2 of the exact limit: unstable")
-    (tmp_path / "bad.yade.gz").write_bytes(b"no scene")
-    assert main(["timestep", str(tmp_path / "bad.yade.gz")]) == 2
-
-
-def test_scenes_without_friction_or_rotation(omega, tmp_path, capfd):
-    """ω² of the simple cubic lattice is 2/3 Z K/m times max(1 + 2r, 5r), 1 without friction, 1 + 2r without rotation."""
-    exact = limits_of(lattice("sc"))
-    ratio = 1.5 / 1.75
-
-    def found():
-        omega.save(str(tmp_path / "sc.yade.gz"))
-        assert main(["timestep", str(tmp_path / "sc.yade.gz"), "--json"]) == 0
-        return json.loads(capfd.readouterr().out)["exact"]
-
-    for body in omega.bodies:
-        body.state.blockedDOFs = "XYZ"
-    assert found() == pytest.approx(exact * math.sqrt(5 * ratio / (1 + 2 * ratio)), rel=1e-3)
-    for contact in omega.interactions:
-        contact.phys.tangensOfFrictionAngle = 0.0
-    assert found() == pytest.approx(exact * math.sqrt(5 * ratio), rel=1e-3)
-    next(iter(omega.interactions)).phys.kr = 1.0
-    omega.save(str(tmp_path / "rolling.yade.gz"))
-    assert main(["timestep", str(tmp_path / "rolling.yade.gz")]) == 2
-    assert main(["timestep", str(tmp_path / "sc.yade.gz"), "--friction", "0"]) == 2
+    number = 2.0 * len(contacts) / len(omega.bodies)
+    assert found == pytest.approx(2.0 / math.sqrt(10.0 / 3.0 * number * 1.5 / 1.75 * stiffness / mass), rel=1e-3)
+    return found
