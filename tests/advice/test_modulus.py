@@ -165,7 +165,7 @@ def test_the_step_of_softer_grains_is_stable_at_their_own_density(kind):
     ratio = shear_ratio(GRANITE, GRANITE)
     assert (
         advice.dt
-        < from_contacts(grains.pairs, grains.normals, stiffness, shear_stiffness=ratio * stiffness, masses=masses).exact
+        < from_contacts(grains.pairs, grains.normals, stiffness, shear_stiffness=ratio * stiffness, masses=masses)
         < 2.5 * advice.dt
     )
 
