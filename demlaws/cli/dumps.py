@@ -49,7 +49,9 @@ class Dumped(NamedTuple):
     @property
     def radius(self):
         """Effective radius [m]."""
-        return 1.0 / (1.0 / self.atoms["radius"][self.pairs]).sum(axis=1)
+        from demlaws.contact import effective_radius
+
+        return effective_radius(*self.atoms["radius"][self.pairs].T)
 
 
 class _Frame(NamedTuple):
