@@ -26,8 +26,6 @@ __all__ = ["UNITS", "HeightMap", "box_correction", "read", "self_affine", "write
 
 LARGEST_PIXEL = 1e-2
 """Pixel [m] above which a plain number is refused: 0.8 is 0.8 m, and mostly meant as 0.8 µm."""
-WIDEST_NMS = 1.0
-"""Field of view [m] above which SurfaceTopography has read the steps of an .nms file, which are in nm, as mm."""
 
 
 def read(
@@ -98,13 +96,11 @@ def read_unchecked(path, pixel=None, unit="m", *, missing=None, channel=None):
     pixels = None if pixel is None else _pixel_pair(pixel)
     if suffix in (".npy", ".npz"):
         heights, header = _read_numpy(path, channel)
-        channel = None if suffix == ".npz" else channel
-    elif suffix in (".csv", ".txt", ".tsv", ".asc"):
+    elif suffix not in (".csv", ".txt", ".tsv", ".asc"):
+        heights, header = _read_instrument(path, channel, pixels, unit)
+    elif channel is None:
         heights, header = _read_text(path)
     else:
-        heights, header = _read_instrument(path, channel, pixels, unit)
-        channel = None
-    if channel is not None:
         raise DemlawsError(f"channel = {channel!r}: {path.name} has one channel only")
     plausibility.refuse_other_arrays(heights, path)
     _refuse_contradiction(path, header, pixels, unit)
@@ -112,11 +108,7 @@ def read_unchecked(path, pixel=None, unit="m", *, missing=None, channel=None):
     if pixels is None:
         raise DemlawsError(_NO_PIXEL.format(path))
     scale = header.get("scale", UNITS[unit])
-    return _map(np.asarray(heights, float), pixels, scale, filler)
-
-
-def _map(heights, pixels, scale, filler):
-    """`HeightMap` of heights in a unit of `scale` metres, in which `filler` is a missing pixel; and the scale."""
+    heights = np.asarray(heights, float)
     if filler is not None:
         heights = np.where(heights == filler, np.nan, heights)
     return HeightMap(heights * scale, *pixels), scale
@@ -155,18 +147,14 @@ def _read_numpy(path, channel):
     """Heights and header of an .npy or .npz file."""
     try:
         content = np.load(path, allow_pickle=False)
-        arrays = {"heights": content} if isinstance(content, np.ndarray) else {name: content[name] for name in content.files}
+        arrays = {"heights": content} if isinstance(content, np.ndarray) else dict(content)
     except (ValueError, OSError, EOFError, zipfile.BadZipFile, zlib.error) as error:
         raise DemlawsError(f"{path} is not a numpy array file: {error}") from None
-    maps = [name for name, array in arrays.items() if array.ndim >= 2] or list(arrays)
-    name = channel if channel is not None and path.suffix.lower() == ".npz" else "heights"
-    name = maps[0] if len(maps) == 1 and channel is None else name
+    name = channel or "heights"
     if name not in arrays:
         raise DemlawsError(f"{path} has the arrays {', '.join(arrays)}: give the one of heights as channel (--channel)")
     if arrays[name].dtype.kind not in "fiu":
         raise DemlawsError(f"{path} holds {arrays[name].dtype} values: heights must be real numbers")
-    if "contact" in arrays:
-        warn(f"{path} is a map after a contact: its heights are read, not what the contact has left in them", MapWarning)
     pixel = arrays.get("pixel")  # of `write`
     return arrays[name], {} if pixel is None else {"pixel": tuple(np.ravel(pixel).tolist()), "scale": 1.0}
 
@@ -281,9 +269,6 @@ def _read_instrument(path, channel, pixels, unit):
     # their first axis is x
     heights = heights.T
     header = {"scale": UNITS[unit]}
-    if sizes is not None and path.suffix.lower() == ".nms" and max(sizes) * UNITS[unit] > WIDEST_NMS:
-        warn(f"{path}: its pixel size is read as nm, not as SurfaceTopography's mm", MapWarning)
-        sizes = [1e-6 * size for size in sizes]
     if sizes is not None:
         header["pixel"] = tuple(size * UNITS[unit] / n for size, n in zip(sizes, heights.shape[::-1], strict=True))
     return heights, header

@@ -28,14 +28,6 @@ compliance = _quantity("m/N", "a compliance")
 plain = _quantity("", "this")
 
 
-def share(text):
-    """A number above 0, at most 1."""
-    value = plain(text)
-    if not 0.0 < value <= 1.0:
-        raise argparse.ArgumentTypeError(f"{text} must be above 0 and at most 1")
-    return value
-
-
 def whole(low=1, high=10_000_000):
     """A whole number from `low` to `high`; 1e5 is one, too."""
 

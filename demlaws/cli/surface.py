@@ -3,25 +3,11 @@
 import math
 
 from demlaws.cli import example
-from demlaws.cli.arguments import force, length, plain, share, whole
+from demlaws.cli.arguments import force, length, plain, whole
 from demlaws.cli.contact import add_contact_arguments, contact_from, draw
-from demlaws.cli.output import Output, output
+from demlaws.cli.output import output
 from demlaws.errors import DemlawsError
 from demlaws.laws import ASPERITY
-
-MICRO_CONTACTS = (
-    "x",
-    "y",
-    "cut_area",
-    "volume",
-    "length_long",
-    "length_short",
-    "angle",
-    "indentation",
-    "force",
-    "area",
-    "state",
-)
 
 
 def register(add):
@@ -49,11 +35,7 @@ def register(add):
     surface.add_argument("--channel", help="name of the channel of an instrument's file (default: the first with heights)")
     surface.add_argument("--despike", action="store_true", help="treat spikes and fillers as missing pixels (5 x 5 median)")
     surface.add_argument("--form", type=whole(-1, 8), help="order of the subtracted polynomial (default 2; -1: none)")
-    surface.add_argument(
-        "--crop",
-        metavar="W[,H[,X,Y]]",
-        help="field to use, in the middle or about x, y from the first pixel: 0.2mm or 0.2mm,0.1mm,1mm,1mm",
-    )
+    surface.add_argument("--crop", type=length, metavar="WIDTH", help="use the square of this side in the middle of the map")
     surface.add_argument(
         "--wavelengths",
         type=length,
@@ -61,29 +43,27 @@ def register(add):
         metavar=("SHORTEST", "LONGEST"),
         help="wavelengths used to fit the fractal dimension",
     )
-    surface.add_argument("--out", type=output, help="file for the map: levelled, synthetic, or after the contact (.npz)")
+    surface.add_argument("--out", type=output, help="file for the map: levelled, synthetic, or the heights after the contact")
     surface.add_argument("--figure", type=output, help="picture to draw")
     add_contact_arguments(surface, test=False, modulus=False)
     contact = surface.add_argument_group("contact of a ball (the first body) with the map (the second body)")
     contact.add_argument("--load", type=force, help="normal force in N (--force overwrites files)")
     contact.add_argument("--cycles", type=whole(1, 1000), default=1, help="times that the load is applied (default 1)")
-    contact.add_argument("--load-rtol", type=share, default=0.01, help="relative tolerance of the load (default 0.01)")
     contact.add_argument(
         "--plastic-factor", type=plain, help="c_h: fully plastic pressure over hardness (default: that of aluminium)"
     )
     contact.add_argument("--plastic-ratio", type=plain, help="c_A: 2 ω2/ω1 of a sphere (default: that of aluminium)")
-    contact.add_argument("--csv", type=Output(MICRO_CONTACTS), help="CSV file of the micro-contacts under load")
-    contact.add_argument("--table", type=output, help="file for the law of the map as a table for YADE, LIGGGHTS and LAMMPS")
-    contact.add_argument("--unloading", default="hertz", help="unloading rule of the table (default hertz)")
-    contact.add_argument("--max-force", type=force, help="end of the computed curve in N")
-    contact.add_argument("--rtol", type=plain, default=1e-5, help="relative tolerance of the table (default 1e-5)")
+    contact.add_argument(
+        "--table",
+        type=output,
+        help="file for the law of the map as a table with `hertz` unloading, for YADE, LIGGGHTS and LAMMPS (others: "
+        "demlaws table --law asperity --option surface=FILE)",
+    )
     synthetic = surface.add_argument_group("synthetic map; --roughness is its Sq (default 1um)")
     synthetic.add_argument("--size", type=whole(4, 8192), default=512, help="pixels along each side (default 512)")
     synthetic.add_argument("--hurst", type=plain, default=0.8, help="Hurst exponent H = 3 - Df (default 0.8)")
     synthetic.add_argument("--seed", type=whole(0, 2**63), default=1, help="seed of the random numbers (default 1)")
-    synthetic.add_argument("--shortest", type=length, default=0.0, help="shortest wavelength (default: two pixels)")
     synthetic.add_argument("--longest", type=length, default=float("inf"), help="longest wavelength (default: no roll-off)")
-    synthetic.add_argument("--anisotropy", type=plain, default=1.0, help="ratio of the wavelengths along x and y (default 1)")
     surface.set_defaults(func=run_surface)
 
 
@@ -118,7 +98,7 @@ def _cropped(arguments, result, path):
         path, arguments.pixel, arguments.unit, missing=arguments.missing, channel=arguments.channel
     )
     if arguments.crop is not None:
-        heights = _field(arguments, heights)
+        heights = heights.cropped(arguments.crop)
     if arguments.despike:
         clean = heights.despiked()
         count = round((clean.missing - heights.missing) * heights.heights.size)
@@ -136,15 +116,6 @@ def _warn(result, found):
     result.values["doubts"] = [*result.values.get("doubts", []), *found]
     for text in found:
         warn(f"height map: {text}", MapWarning)
-
-
-def _field(arguments, heights):
-    from demlaws.units import number
-
-    sides = [number(part.strip(), "--crop", "m") for part in arguments.crop.split(",")]
-    if len(sides) not in (1, 2, 4):
-        raise DemlawsError(f"--crop {arguments.crop}: give width, width and height, or these and x and y of the middle")
-    return heights.cropped(*sides[:2], centre=tuple(sides[2:]) or None)
 
 
 def _levelled(arguments, result, path):
@@ -244,9 +215,7 @@ def _synthetic(arguments, result):
         arguments.hurst,
         roughness=(arguments.roughness or [1e-6])[0],
         seed=arguments.seed,
-        shortest=arguments.shortest,
         longest=arguments.longest,
-        anisotropy=arguments.anisotropy,
     )
     _describe(result, heights, arguments.wavelengths)
     _write(result, arguments.out, heights)
@@ -256,18 +225,16 @@ def _synthetic(arguments, result):
 
 def _contact(arguments, result, name):
     from demlaws.regime import assess
+    from demlaws.solvers.contact import RoughContact
     from demlaws.surfaces.plausibility import resolution_doubts
 
     if arguments.young is None or arguments.poisson is None:
         raise DemlawsError("--young and --poisson missing: give those of the ball and of the map's body")
     if arguments.load is None and arguments.table is None:
         raise DemlawsError("--load missing: the load in N (or --table, for the law alone)")
-    if arguments.out is not None and arguments.out.suffix.lower() != ".npz":
-        raise DemlawsError(
-            f"--out {arguments.out}: only an .npz file contains what the next contact needs, the pressures that were carried; "
-            "then `demlaws surface FILE.npz --form -1 --out FILE.asc` writes the heights alone"
-        )
-    contact = _rough_contact(arguments, result, name)
+    heights = _levelled(arguments, result, name)
+    material = arguments.poisson[-1], arguments.plastic_factor, arguments.plastic_ratio
+    contact = RoughContact(heights, contact_from(arguments, roughness=heights.sq), *material)
     if arguments.table is not None:
         _table(arguments, result, contact)
     if arguments.load is None:
@@ -279,34 +246,16 @@ def _contact(arguments, result, name):
     result.print(step)
     result.values |= {"contact": contact.pair, "force": arguments.load, "text": str(step).splitlines()}
     result.values["micro_contacts"] = len(step.micro)
-    if arguments.csv is not None:
-        columns = (map(float, getattr(step.micro, name)) for name in MICRO_CONTACTS)
-        result.write_csv(arguments.csv, MICRO_CONTACTS, zip(*columns, strict=True))
-    if arguments.out is not None:
-        result.print(worn.save(arguments.out))
+    _write(result, arguments.out, worn.heights)
     draw(result, arguments.figure, lambda plots: plots.contact_figure(contact, step))
     return 0
-
-
-def _rough_contact(arguments, result, name):
-    """The contact of the ball with the map of a file, or the one that an earlier command left in it."""
-    from demlaws.solvers.contact import RoughContact, has_memory
-
-    material = arguments.poisson[-1], arguments.plastic_factor, arguments.plastic_ratio
-    if not has_memory(name):
-        heights = _levelled(arguments, result, name)
-        return RoughContact(heights, contact_from(arguments, roughness=heights.sq), *material)
-    for option in ("form", "crop", "despike", "pixel", "missing", "channel"):
-        if getattr(arguments, option) not in (None, False):
-            raise DemlawsError(f"--{option}: {name} is a map after a contact, which is continued as it is: leave it out")
-    return RoughContact.resume(name, contact_from(arguments, roughness=0.0), *material)
 
 
 def _cycles(arguments, result, contact):
     """The step of the first loading of the command, and the contact after the last; prints how much each cycle changes."""
     steps, changes = [], []
     for _ in range(arguments.cycles):
-        steps.append(contact.load(arguments.load, arguments.load_rtol, steps[-1].overlap if steps else None))
+        steps.append(contact.load(arguments.load))
         worn = contact.unload(steps[-1])
         changes.append(worn.change_from(contact))
         contact = worn
@@ -322,22 +271,20 @@ def _cycles(arguments, result, contact):
 def _table(arguments, result, contact):
     from demlaws.make import law
 
-    options = {} if arguments.max_force is None else {"max_force": arguments.max_force}
     bound = law(
         ASPERITY,
         contact.pair,
-        arguments.unloading,
+        "hertz",
         surface=contact.heights,
         poisson=contact.poisson,
         plastic_factor=contact.plastic_factor,
         plastic_ratio=contact.plastic_ratio,
-        **options,
     )
-    table = bound.tabulate(arguments.rtol)
+    table = bound.tabulate()
     table.save(arguments.table)
     result.values |= {name: getattr(table, name) for name in ("force_error", "stiffness_error")}
     result.values["table"] = str(arguments.table)
     result.print(
-        f"{arguments.table}: law asperity ({arguments.unloading} unloading), {table.nodes.u.size} rows, "
+        f"{arguments.table}: law asperity (hertz unloading), {table.nodes.u.size} rows, "
         f"error of force {table.force_error:.1e}, of stiffness {table.stiffness_error:.1e}"
     )

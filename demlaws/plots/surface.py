@@ -149,7 +149,7 @@ def ellipses(ax, step):
             units="xy",
             offsets=np.column_stack([micro.x, micro.y]) * MICRO,
             transOffset=ax.transData,
-            facecolors=[STATE_COLOURS[s] for s in micro.state],
+            facecolors=[STATE_COLOURS[int(s)] for s in micro.state],
         )
     )
 

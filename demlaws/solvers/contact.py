@@ -8,22 +8,16 @@ the papers.
     contact = RoughContact(heights, pair, poisson=0.34)
     step = contact.load(0.2)                    # LoadStep: area, micro-contacts and their states
     worn = contact.unload(step)                 # RoughContact of the deformed map
-    worn.save("worn.npz")                       # RoughContact.resume reads it: the map and its memory
 """
 
-import io
 import math
-import zipfile
-import zlib
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from demlaws.contact import smooth_overlap
 from demlaws.core.numba_compat import kernel, loop
 from demlaws.errors import Argument, DemlawsError, MapWarning, warn
-from demlaws.files import as_path, write_atomically
 from demlaws.solvers.ellipsoid import (
     ALUMINIUM_FACTOR,
     ALUMINIUM_RATIO,
@@ -35,18 +29,8 @@ from demlaws.solvers.ellipsoid import (
     residual,
 )
 from demlaws.solvers.scan import AREA, EDGE, LIMIT, SPREAD, VOLUME, X0, Y0, X, Y, gather_patches, paraboloid, scan
-from demlaws.surfaces.heightmap import HeightMap
 from demlaws.surfaces.plausibility import field_doubts
 from demlaws.units import number
-
-MEMORIES = ("pressure", "blunting", "none")
-"""What a pixel remembers of a contact that has yielded (`RoughContact.memory`)."""
-
-REMEMBERED = {
-    "pressure": "how blunt its patch has become and the pressure it has carried",
-    "blunting": "how blunt its patch has become",
-    "none": "nothing: geometry alone",
-}
 
 
 @kernel
@@ -149,31 +133,15 @@ def _deform(h, cut, labels, patch_of, table, heights, spread, limit):
                 spread[i, j] = table[patch, 12]
 
 
-class MicroContacts:
-    """Micro-contacts, one entry each: x, y [m] from the map's first pixel, cut_area and volume above the cut [m², m³],
-    length_long, length_short, angle of the ellipse, indentation ω, force, contact area, state, edge (touches the map's edge).
-    """
-
-    def __init__(self, table):
-        self.table = table
-
-    def __len__(self):
-        return len(self.table)
-
-    def __getattr__(self, name):
-        if name in _COLUMNS:
-            column = self.table[:, _COLUMNS.index(name)]
-            return column.astype(int) if name == "state" else column
-        raise AttributeError(f"micro-contacts have {', '.join(_COLUMNS)}, not {name!r}")
-
-
 @dataclass(frozen=True)
 class LoadStep:
     """A rough contact under load. SI units.
 
     force; separation of ball apex or flat from the mean plane of the map; overlap since first touch; contact_area (real);
-    cut_area and volume of the map above the cut; counts: number of micro-contacts that are elastic, elastic-plastic, plastic;
-    micro: `MicroContacts`; evaluations: cuts of the map that the iteration took.
+    cut_area of the map above the cut; counts: number of micro-contacts that are elastic, elastic-plastic, plastic;
+    micro: an array of records, one per micro-contact: x, y [m] from the map's first pixel, cut_area and volume above the cut
+    [m², m³], length_long, length_short, angle of the ellipse, indentation ω, force, contact area, state, edge (touches the
+    map's edge).
     """
 
     force: float
@@ -181,10 +149,8 @@ class LoadStep:
     overlap: float
     contact_area: float
     cut_area: float
-    volume: float
     counts: tuple
-    micro: MicroContacts
-    evaluations: int
+    micro: np.recarray
     cut: float
     touches_edge: bool
 
@@ -209,13 +175,14 @@ class RoughContact:
     poisson: ν of the rough body; flat=True: the counter-body is a flat; centre: (x, y) [m] of the ball's axis from the first
     pixel (default the middle). Missing pixels never touch; fill them first if they should. Without a hardness the asperities
     are elastic. plastic_factor, plastic_ratio: c_h and c_A of the material; default: those of aluminium,
-    with a ValidityWarning. memory: what unloading leaves in a pixel besides its height, an assumption that the papers do
-    not name: "pressure" (how much blunter its patch is than its outline tells, and the pressure that it has carried, up to
-    which it stays elastic: work hardening, residual stress), "blunting" (the first alone), "none" (geometry alone). Only with
-    "pressure" does the same load change nothing the second time, and does loading beyond the largest overlap so far continue
-    the curve of first loading [our derivation]: there every patch is wider than the area that it has carried, so that its
-    memory ends, and the map is `before`, that of the contact before it was unloaded from the overlap `reached`. At another
-    place of the map, or for another pair, what pixels remember stays alone.
+    with a ValidityWarning.
+
+    Unloading leaves in a pixel, besides its height, how much blunter its patch is than its outline tells (`spread`) and the
+    pressure that it has carried (`limit`), up to which it stays elastic: work hardening, residual stress. This memory is an
+    assumption that the papers do not name. With it the same load changes nothing the second time, and loading beyond the
+    largest overlap so far continues the curve of first loading [our derivation]: there every patch is wider than the area
+    that it has carried, so that its memory ends, and the map is `before`, that of the contact before it was unloaded from the
+    overlap `reached`. At another place of the map, or for another pair, what pixels remember stays alone.
     """
 
     heights: object
@@ -225,7 +192,6 @@ class RoughContact:
     plastic_ratio: float | None = None
     flat: bool = False
     centre: tuple | None = None
-    memory: str = "pressure"
     spread: np.ndarray | None = field(default=None, repr=False)
     limit: np.ndarray | None = field(default=None, repr=False)
     origin: float | None = None
@@ -235,8 +201,6 @@ class RoughContact:
     def __post_init__(self):
         if self.pair.size is not None:
             raise DemlawsError("a height map belongs to one contact; this pair is an array of contacts")
-        if self.memory not in MEMORIES:
-            raise DemlawsError(f"memory = {self.memory!r}: choose one of {', '.join(map(repr, MEMORIES))}")
         hardness = math.inf if self.pair.hardness is None else self.pair.hardness
         if self.pair.hardness is not None and None in (self.plastic_factor, self.plastic_ratio):
             warn(
@@ -257,7 +221,7 @@ class RoughContact:
             self.centre = (0.5 * (columns - 1) * px, 0.5 * (rows - 1) * py)
         x, y = np.arange(columns) * px - self.centre[0], np.arange(rows)[:, None] * py - self.centre[1]
         self.gap = self.heights.heights - (0.0 if self.flat else (x * x + y * y) / (2.0 * self.pair.radius))
-        if self.before is not None and not (self.memory == "pressure" and self._numbers() == self.before._numbers()):
+        if self.before is not None and self._conditions() != self.before._conditions():
             self.before, self.reached = None, -math.inf
         self.highest = float(np.nanmax(self.gap))
         if self.origin is None:
@@ -266,167 +230,126 @@ class RoughContact:
         self._parent = np.zeros(1024, np.int32)
         self._stats = np.zeros((1024, 12))
         self._rows = np.zeros((2, columns), np.int32)
-        self._warned = set()
 
-    def _patches(self, cut, window, labels=None):
+    def _patches(self, cut, labels=None):
         none = np.empty((0, 0))
         spread, limit = (none, none) if self.spread is None else (self.spread, self.limit)
         buffer, mask = (self._rows, 1) if labels is None else (labels, -1)
-        start = window.copy()
         while True:
-            count = scan(self.gap, cut, window, buffer, mask, self._parent, self._stats, spread, limit)
+            count = scan(self.gap, cut, buffer, mask, self._parent, self._stats, spread, limit)
             if count >= 0:
-                break
-            window[:] = start
+                return gather_patches(self._parent, self._stats, count)
             size = min(4 * self._parent.size, self.gap.size // 2 + 2)
             self._parent, self._stats = np.zeros(size, np.int32), np.zeros((size, 12))
-        return gather_patches(self._parent, self._stats, count)
 
-    def _numbers(self):
-        """Numbers of the pair, its place and its material: those for which `before` counts."""
-        hardness = math.inf if self.pair.hardness is None else self.pair.hardness
-        values = (self.pair.radius, self.pair.modulus, hardness, self.poisson, self.plastic_factor, self.plastic_ratio)
-        return (*values, float(self.flat), *self.centre)
+    def _conditions(self):
+        """The pair, its place and its material: those for which `before` counts."""
+        return self.pair, self.poisson, self.plastic_factor, self.plastic_ratio, self.flat, self.centre
 
     def _is_past(self, overlap):
         """Whether an overlap lies beyond all that the surface has carried."""
         return self.before is not None and overlap > self.reached
 
-    def _whole(self):
-        return np.array([0, self.gap.shape[0] - 1, 0, self.gap.shape[1] - 1])
-
     def carried(self, overlap):
         """Force [N], contact area [m²] and whether the contact reaches the edge of the map, at an overlap [m] as in `at`."""
-        return self._force(self.origin - overlap, self._whole())
-
-    def _force(self, cut, window):
-        if self._is_past(self.origin - cut):
-            return self.before._force(cut, window)
-        patches = self._patches(cut, window)
+        if self._is_past(overlap):
+            return self.before.carried(overlap)
+        patches = self._patches(self.origin - overlap)
         px, py = self.heights.pixel_x, self.heights.pixel_y
         return _carry(self.material, self._stats, patches, px, py, self.spread is not None)
 
-    def at(self, overlap, labels=None, evaluations=1):
+    def at(self, overlap, labels=None):
         """The `LoadStep` at a given overlap [m] since first touch of the virgin surface."""
         if self._is_past(overlap):
-            return self.before.at(overlap, labels, evaluations)
+            return self.before.at(overlap, labels)
         cut = self.origin - overlap
-        window = self._whole()
-        patches = self._patches(cut, window, labels)
+        patches = self._patches(cut, labels)
         table = np.empty((patches, len(_COLUMNS)))
         px, py = self.heights.pixel_x, self.heights.pixel_y
         remembers = self.spread is not None
         _describe(self.material, self._stats, patches, px, py, remembers, table)
         rows = table if labels is not None else table[table[:, 8] > 0]
-        micro = MicroContacts(rows[rows[:, 8] > 0])
+        micro = np.rec.fromarrays(rows[rows[:, 8] > 0].T, names=_COLUMNS)
         step = LoadStep(
             force=float(rows[:, 8].sum()),
             separation=cut - self.mean,
             overlap=overlap,
             contact_area=float(rows[:, 9].sum()),
             cut_area=float(rows[:, 2].sum()),
-            volume=float(rows[:, 3].sum()),
             counts=tuple(int((micro.state == s).sum()) for s in range(3)),
             micro=micro,
-            evaluations=evaluations,
             cut=cut,
             touches_edge=bool(rows[:, 14].any()),
         )
         return (step, table) if labels is not None else step
 
-    def _solve(self, load, rtol, guess=None):
-        """Overlap at which the patches carry `load` within `rtol`, and how many cuts that took.
+    def _solve(self, load, rtol):
+        """Overlap at which the patches carry `load` within `rtol`.
 
-        The force falls in jumps where patches merge, and rises continuously between: a bracket whose upper end carries
-        less than the load and whose lower end carries more closes on a continuous crossing.
+        The force falls in jumps where patches merge, and rises continuously between: a bracket whose upper end carries more
+        than the load and whose lower end carries less closes on a continuous crossing.
         """
+        from scipy.optimize import brentq
+
         base = self.origin - self.highest  # below this overlap nothing touches (a worn surface)
         scale = max(self.heights.sq, 1e-15 * abs(self.highest), 1e-300)
-        guess = self.reached if guess is None else guess  # the load of the last cycle is met at once
-        if guess <= base:
-            hertz = 0.0 if self.flat else smooth_overlap(self.pair, load)
-            guess = base + max(hertz, 0.5 * scale)
-        deepest = None
-        window = self._whole()
-        low, high = base, math.inf
-        low_f, high_f = -math.inf, math.inf
-        x, evaluations, side, high_window = guess, 0, 0, window
-        while evaluations < 300:
-            trial = high_window.copy()
-            force, _, _ = self._force(self.origin - x, trial)
-            evaluations += 1
-            if abs(force - load) <= rtol * load:
-                return x, evaluations
-            f = math.log(force / load) if force > 0 else -math.inf
-            if f < 0:
-                if side < 0 and high < math.inf:
-                    high_f *= 0.5
-                low, low_f, side = x, f, -1
-            else:
-                if side > 0 and low_f > -math.inf:
-                    low_f *= 0.5
-                high, high_f, side = x, f, 1
-                high_window = trial
-            if high == math.inf:
-                if deepest is None:
-                    deepest = self.origin - float(np.nanmin(self.gap)) + 10 * scale
-                if x > deepest:
-                    raise DemlawsError(
-                        f"force = {load:g} N brings the whole map into contact, at {force:.3g} N: use a smaller force or a "
-                        "larger map"
-                    )
-                x = base + (x - base) * (4.0 if f == -math.inf else min(max(math.exp(-0.6 * f), 1.2), 8.0))
-            elif low_f == -math.inf:
-                x = base + (x - base) * (min(max(math.exp(-0.6 * f), 0.05), 0.8) if side > 0 else 1.5)
-                if x >= high or x <= low:
-                    x = 0.5 * (low + high)
-            else:
-                # secant in log-log of the interference, kept off the ends; every sixth step halves
-                a, b = math.log(low - base), math.log(high - base)
-                share = -low_f / (high_f - low_f) if evaluations % 6 else 0.5
-                x = base + math.exp(a + min(max(share, 0.02), 0.98) * (b - a))
-                if not low < x < high:
-                    break
-        raise DemlawsError(
-            f"no separation carries {load:g} N within rtol = {rtol:g}: the force is discontinuous above "
-            f"{math.exp(low_f) * load:g} N; give a larger one or a map with more pixels in contact"
-        )
 
-    def load(self, force, rtol=0.01, guess=None):
+        def excess(logarithm):
+            """Ln of the force over the load, at an overlap of e^logarithm past `base`; 0 within the tolerance."""
+            force = self.carried(base + math.exp(logarithm))[0]
+            return 0.0 if abs(force - load) <= rtol * load else math.log(max(force, 1e-300) / load)
+
+        if self.reached > base and abs(self.carried(self.reached)[0] - load) <= rtol * load:
+            return self.reached  # the load of the last cycle
+        hertz = 0.0 if self.flat else smooth_overlap(self.pair, load)
+        low = high = math.log(max(hertz, 0.5 * scale))
+        deepest = math.log(self.highest - float(np.nanmin(self.gap)) + 10 * scale)
+        while excess(high) < 0.0:
+            if high > deepest:
+                raise DemlawsError(f"force = {load:g} N brings the whole map into contact: use a smaller force or a larger map")
+            high += 1.0
+        while excess(low) > 0.0:
+            low -= 1.0
+        root = brentq(excess, low, high, xtol=1e-14, maxiter=300)
+        if excess(root) != 0.0:
+            raise DemlawsError(
+                f"no separation carries {load:g} N within rtol = {rtol:g}: the force is discontinuous there; give a larger one "
+                "or a map with more pixels in contact"
+            )
+        return base + math.exp(root)
+
+    def load(self, force, rtol=0.01):
         """Press until the micro-contacts carry `force` [N] within a relative tolerance: a `LoadStep`.
 
         Warns (ValidityWarning) where the regime criterion says that the bulk yields too, and where the contact reaches
         the edge of the map.
         """
         force = number(force, "force", "N")
-        overlap, evaluations = self._solve(force, number(rtol, "rtol", high=1.0), guess)
-        step = self.at(overlap, evaluations=evaluations)
+        step = self.at(self._solve(force, number(rtol, "rtol", high=1.0)))
         self.advise(step)
         return step
 
     def advise(self, step):
-        """Warn, once for each reason, where the model leaves out what happens at this step."""
+        """Warn where the model leaves out what happens at this step."""
         from demlaws.solvers import criterion
 
         if self.flat:
             return
-        if self.pair.hardness is not None and "bulk" not in self._warned:
+        if self.pair.hardness is not None:
             ratio = criterion.pressure_ratio(self.pair.with_values(roughness=self.heights.sq), step.force)
             if ratio >= criterion.YIELD_RATIO:
-                self._warned.add("bulk")
                 warn(
                     f"asperity: at {step.force:.3g} N p(0)/H_m = {ratio:.2f} ≥ {criterion.YIELD_RATIO}: the bulk also yields, "
                     "which this model neglects"
                 )
-        if step.touches_edge and "edge" not in self._warned:
-            self._warned.add("edge")
+        if step.touches_edge:
             warn(
                 f"asperity: at {step.force:.3g} N the contact reaches the edge of the map: its load is a lower bound; "
                 "measure a larger area"
             )
 
     def unload(self, step):
-        """The `RoughContact` that `step` leaves behind: plastic patches lowered, with what `memory` says that pixels keep.
+        """The `RoughContact` that `step` leaves behind: plastic patches lowered, with the memory of their pixels.
 
         A plastic patch of indentation ω keeps ω' = 3P γ̄^1.5/(4√2 E* √g), g = A γ̄/(2π ᾱβ̄): the height of the ellipsoid that
         carries the same force elastically over the same area A [our derivation].
@@ -440,10 +363,6 @@ class RoughContact:
         limit = np.full(self.gap.shape, self.material.yield_factor) if self.limit is None else self.limit.copy()
         _deform(self.gap, step.cut, labels, self._parent, table, heights, spread, limit)
         del labels
-        if self.memory == "none":
-            spread = limit = None
-        elif self.memory == "blunting":
-            limit[:] = self.material.yield_factor
         return RoughContact(
             self.heights.with_heights(heights),
             self.pair,
@@ -452,7 +371,6 @@ class RoughContact:
             self.plastic_ratio,
             self.flat,
             self.centre,
-            self.memory,
             spread,
             limit,
             self.origin,
@@ -464,55 +382,3 @@ class RoughContact:
         """Volume ∫|Δz| [m³] by which the map differs from that of an earlier contact."""
         change = np.abs(self.heights.heights - earlier.heights.heights)
         return float(np.nansum(change)) * self.heights.pixel_x * self.heights.pixel_y
-
-    def save(self, path):
-        """Write the map and its memory to an .npz file, which `resume` and `demlaws surface contact` continue."""
-        path = as_path(path)
-        if path.suffix.lower() != ".npz":
-            raise DemlawsError(f"cannot write {path}: the memory of a contact needs a file with the suffix .npz")
-        heights = self.heights
-        arrays = {"heights": heights.heights, "pixel": (heights.pixel_x, heights.pixel_y), "contact": self._numbers()}
-        arrays |= {"origin": self.origin, "reached": self.reached, "memory": self.memory}
-        arrays |= {name: getattr(self, name) for name in ("spread", "limit") if getattr(self, name) is not None}
-        if self.before is not None:
-            arrays["before"] = self.before.heights.heights
-            earlier = {f"before_{name}": getattr(self.before, name) for name in ("spread", "limit")}
-            arrays |= {name: array for name, array in earlier.items() if array is not None}
-        buffer = io.BytesIO()
-        np.savez_compressed(buffer, **arrays)
-        return write_atomically(path, buffer.getvalue())
-
-    @classmethod
-    def resume(cls, path, pair, poisson=0.3, plastic_factor=None, plastic_ratio=None):
-        """The contact that `save` wrote; DemlawsError if it is that of another pair or material.
-
-        The roughness of the pair becomes that of the map before the contact.
-        """
-        try:
-            with np.load(as_path(path), allow_pickle=False) as content:
-                arrays = {name: content[name] for name in content.files}
-            *numbers, flat, x, y = arrays["contact"].tolist()
-            heights = HeightMap(arrays["heights"], *arrays["pixel"].tolist())
-            whole = {"origin": float(arrays["origin"]), "memory": str(arrays["memory"]), "flat": bool(flat), "centre": (x, y)}
-        except (KeyError, TypeError, ValueError, OSError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-            raise DemlawsError(f"{path} is not a map with the memory of a contact: {error}") from None
-        pair = pair.with_values(roughness=float(np.nanstd(arrays.get("before", arrays["heights"]))))
-        contact = cls(heights, pair, poisson, plastic_factor, plastic_ratio, **whole)
-        names = "effective radius", "E*", "hardness", "Poisson's ratio", "plastic_factor", "plastic_ratio"
-        for name, old, new in zip(names, numbers, contact._numbers(), strict=False):
-            if not math.isclose(old, new, rel_tol=1e-6):
-                raise DemlawsError(f"{path} was pressed with {name} = {old:g}, now it is {new:g} (SI): give the same contact")
-        memory = {name: arrays.get(name) for name in ("spread", "limit")}
-        if "before" in arrays:
-            earlier = {name: arrays.get(f"before_{name}") for name in memory}
-            before = replace(contact, heights=heights.with_heights(arrays["before"]), **earlier)
-            memory |= {"before": before, "reached": float(arrays["reached"])}
-        return replace(contact, **memory)
-
-
-def has_memory(path):
-    """Whether a file is that of a contact with its memory (`RoughContact.save`)."""
-    if Path(path).suffix.lower() != ".npz" or not zipfile.is_zipfile(path):
-        return False
-    with zipfile.ZipFile(path) as content:
-        return "contact.npy" in content.namelist()

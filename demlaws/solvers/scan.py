@@ -107,28 +107,23 @@ def _add_memory(stats, patch, area, spread, limit):
 
 
 @loop
-def scan(h, cut, window, labels, mask, parent, stats, spread, limit):
-    """Label the patches of h > cut inside the window and gather area, volume and moments of each, in one pass.
+def scan(h, cut, labels, mask, parent, stats, spread, limit):
+    """Label the patches of h > cut and gather area, volume and moments of each, in one pass.
 
-    window: [top, bottom, left, right], inclusive, shrunk to the pixels above the cut. labels: two rows (mask = 1) or the
+    labels: two rows (mask = 1) or the
     whole map (mask = -1) for provisional labels. parent, stats: room for them; returns their number, or -1 if the room
     does not do. spread, limit: memory of earlier contact, or arrays of shape (0, 0).
     Neighbours are those joined by an edge of the triangulation: left, up, and up-left.
     """
-    top, bottom, left, right = window[0], window[1], window[2], window[3]
     rows, columns = h.shape
     remembers = spread.shape[0] > 0
-    new_top, new_bottom, new_left, new_right = bottom + 1, top - 1, right + 1, left - 1
     count = 0
-    # one ring outside the window belongs to the cells that the contour crosses
-    first_row, last_row = max(top - 1, 0), min(bottom + 1, rows - 1)
-    first_column, last_column = max(left - 1, 0), min(right + 1, columns - 1)
-    for i in range(first_row, last_row + 1):
+    for i in range(rows):
         row, previous = i & mask, (i - 1) & mask
         north_west = west = 0
-        for j in range(first_column, last_column + 1):
+        for j in range(columns):
             here = h[i, j]
-            north = labels[previous, j] if i > first_row else 0
+            north = labels[previous, j] if i > 0 else 0
             label = 0
             if here > cut:
                 label = north_west if north_west else (north if north else west)
@@ -140,12 +135,10 @@ def scan(h, cut, window, labels, mask, parent, stats, spread, limit):
                     _begin(parent, stats, label, i, j)
                 elif north and west and not north_west:
                     _join(parent, north, west)
-                new_top, new_bottom = min(new_top, i), i
-                new_left, new_right = min(new_left, j), max(new_right, j)
                 if i == 0 or j == 0 or i == rows - 1 or j == columns - 1:
                     stats[label, EDGE] = 1.0
             labels[row, j] = label
-            if i > first_row and j > first_column and (label or north or west or north_west):
+            if i > 0 and j > 0 and (label or north or west or north_west):
                 u1, u2, u3, u4 = h[i - 1, j - 1] - cut, h[i - 1, j] - cut, h[i, j - 1] - cut, here - cut
                 upper = north_west if north_west else (north if north else label)
                 lower = north_west if north_west else (west if west else label)
@@ -166,7 +159,6 @@ def scan(h, cut, window, labels, mask, parent, stats, spread, limit):
                     _add_memory(stats, upper, upper_area, s + s_upper, m + m_upper)
                     _add_memory(stats, lower, lower_area, s + s_lower, m + m_lower)
             north_west, west = north, label
-    window[0], window[1], window[2], window[3] = new_top, new_bottom, new_left, new_right
     return count
 
 

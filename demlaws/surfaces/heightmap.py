@@ -155,29 +155,17 @@ class HeightMap:
             coefficients[j, i] = c
         return self.with_heights(self.heights - offset - y @ coefficients @ x.T, form_order=order)
 
-    def cropped(self, width, height=None, centre=None):
-        """The part of the map that a field of view of `width` by `height` [m] shows (default: square, about the middle).
-
-        centre: x, y [m] from the map's first pixel. Raises DemlawsError where the field reaches beyond the map.
-        """
+    def cropped(self, width, height=None):
+        """The middle of the map, a field of view of `width` by `height` [m] (default: square)."""
         width = units.number(width, "width", "m")
         height = width if height is None else units.number(height, "height", "m")
-        whole = self.field_of_view
-        middle = units.as_float((0.5 * whole[0], 0.5 * whole[1]) if centre is None else centre, "centre", "m", array=True)
-        if middle.shape != (2,) or not np.all(np.isfinite(middle)):
-            raise DemlawsError(f"centre = {centre!r:.60}: give x and y in m")
-        edges = []
-        for name, size, at, pixel, count in zip(
-            "xy", (width, height), middle.tolist(), (self.pixel_x, self.pixel_y), self.shape[::-1], strict=True
-        ):
-            first, number = round((at - 0.5 * size) / pixel), round(size / pixel)
-            if first < 0 or first + number > count or number < 4:
-                raise DemlawsError(
-                    f"a field of view of {size:g} m about {name} = {at:g} m does not lie in this map of {count * pixel:g} m, "
-                    "or is below 4 pixels: give a smaller one, or another centre"
-                )
-            edges.append(slice(first, first + number))
-        return self.with_heights(self.heights[edges[1], edges[0]])
+        rows, columns = round(height / self.pixel_y), round(width / self.pixel_x)
+        if not (4 <= rows <= self.shape[0] and 4 <= columns <= self.shape[1]):
+            whole = " x ".join(f"{side:g}" for side in self.field_of_view)
+            raise DemlawsError(f"a field of view of {width:g} x {height:g} m is below 4 pixels or beyond the map of {whole} m")
+        top = round(0.5 * (self.shape[0] - height / self.pixel_y))
+        left = round(0.5 * (self.shape[1] - width / self.pixel_x))
+        return self.with_heights(self.heights[top : top + rows, left : left + columns])
 
     def radii_of_curvature(self):
         """Principal radii [m] of the paraboloid that fits best, the smaller radius first; negative: a hollow.

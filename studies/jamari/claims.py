@@ -56,8 +56,7 @@ def jamari_claims():
 
 
 def _repeated():
-    from demlaws.solvers.contact import MEMORIES
-    from studies.jamari.cycles import MAPS, second_changes
+    from studies.jamari.cycles import MAPS, MEMORIES, second_changes
 
     change = {memory: second_changes(memory) for memory in MEMORIES}
     text = ", ".join(f"{name} {100 * min(values):.3g} to {100 * max(values):.3g} %" for name, values in change.items())

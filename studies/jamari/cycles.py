@@ -9,7 +9,7 @@ import numpy as np
 from demlaws import plots, regime
 from demlaws.plots import figure
 from demlaws.plots.surface import MICRO, circle, ellipses, show
-from demlaws.solvers.contact import MEMORIES, REMEMBERED, LoadStep, RoughContact
+from demlaws.solvers.contact import LoadStep, RoughContact
 from studies.jamari.published import LOAD, published_contact
 
 
@@ -27,23 +27,36 @@ RUN_IN = 0.01
 """ε_r: change of the map in a cycle over that in the first one, below which it has run in."""
 SHOWN = (1, 2, 3, 10, 20)
 """Cycles whose profiles the paper of 2008 draws."""
+MEMORIES = {
+    "pressure": "how blunt its patch has become and the pressure it has carried",
+    "blunting": "how blunt its patch has become",
+    "none": "nothing: geometry alone",
+}
+"""What a pixel remembers of a contact that has yielded; the package has the first."""
 
 
-def repeat(contact, load, cycles=20, tolerance=1e-4, keep=SHOWN):
+def reduced(worn, memory):
+    """A contact after unloading that keeps no more than this memory."""
+    if memory == "pressure":
+        return worn
+    if memory == "none":
+        return dataclasses.replace(worn, spread=None, limit=None, before=None)
+    return dataclasses.replace(worn, limit=np.full_like(worn.limit, worn.material.yield_factor), before=None)
+
+
+def repeat(contact, load, cycles=20, tolerance=1e-3, keep=SHOWN, memory="pressure"):
     """Load to `load` [N] and unload, `cycles` times, each time on the map that the last one left: list of `Cycle`.
 
-    keep: numbers of the cycles whose maps are kept; others hold contact=None.
+    keep: numbers of the cycles whose maps are kept; others hold contact=None. memory: of `MEMORIES`.
     """
     history = []
     first = None
     for n in range(1, cycles + 1):
-        # starting where the last cycle ended, a map that has run in meets the load at once
-        step = contact.load(load, tolerance, guess=history[-1].step.overlap if history else None)
-        worn = contact.unload(step)
+        step = contact.load(load, tolerance)
+        worn = reduced(contact.unload(step), memory)
         change = worn.change_from(contact)
         first = change if first is None else first
         relative = change / first if first > 0 else 0.0
-        worn._warned = contact._warned
         history.append(Cycle(n, step, worn if n in keep else None, change, relative))
         contact = worn
     return history
@@ -56,8 +69,8 @@ MAPS = 10
 @functools.cache
 def second_changes(memory):
     """Change of each of `MAPS` isotropic maps in cycle 2 over that in cycle 1, by what a pixel remembers."""
-    contacts = (published_contact("isotropic", seed=seed, memory=memory) for seed in range(MAPS))
-    return tuple(repeat(contact, LOAD, cycles=2, keep=())[1].relative_change for contact in contacts)
+    contacts = (published_contact("isotropic", seed=seed) for seed in range(MAPS))
+    return tuple(repeat(contact, LOAD, cycles=2, keep=(), memory=memory)[1].relative_change for contact in contacts)
 
 
 def print_memories():
@@ -78,17 +91,13 @@ def press(contact, load, picture, name):
     """Press a ball on a map 20 times, print what each cycle does and draw it to `picture` (None: nowhere)."""
     print(regime.assess(contact.pair, load))
     history = repeat(contact, load, tolerance=0.01)
-    others = {
-        memory: repeat(dataclasses.replace(contact, memory=memory), load, 5, 0.01, keep=())
-        for memory in MEMORIES
-        if memory != contact.memory
-    }
+    others = {memory: repeat(contact, load, 5, 0.01, keep=(), memory=memory) for memory in MEMORIES if memory != "pressure"}
     for cycle in history:
         if cycle.number in SHOWN:
             print(f"cycle {cycle.number}: {cycle.step}; change of the map {cycle.relative_change:.3g} of the first")
     print(
         f"run in after cycle {run_in_cycle(history)} (ε_r = {RUN_IN:g}), on the assumption that a pixel "
-        f"remembers {REMEMBERED[contact.memory]} (memory {contact.memory})"
+        f"remembers {MEMORIES['pressure']} (memory pressure)"
     )
     for memory, few in others.items():
         print(f"  with memory {memory} cycle 2 changes the map by {100 * few[1].relative_change:.2g} % of cycle 1's change")
@@ -166,7 +175,7 @@ def _draw_run_in(ax, contact, history, others):
         number,
         [max(c.relative_change, 1e-6) for c in history],
         "o-",
-        label=f"change of the map / first, memory: {contact.memory}",
+        label="change of the map / first, memory: pressure",
     )
     for memory, few in others.items():
         ax.semilogy([c.number for c in few], [max(c.relative_change, 1e-6) for c in few], "x:", label=f"memory: {memory}")

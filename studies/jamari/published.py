@@ -84,7 +84,7 @@ def swaps(rows, column):
     return sum(a > b for a, b in itertools.pairwise(seen))
 
 
-def published_contact(kind, seed=2, memory="pressure"):
+def published_contact(kind, seed=2):
     """The contact of the 2008 paper on a synthetic map: kind "isotropic" (Sq = 1.3 µm) or "anisotropic" (1.4 µm).
 
     SiC ball, R = 3.175 mm, on aluminium; the measured maps are not public, so a self-affine map of the paper's roughness and
@@ -108,4 +108,4 @@ def published_contact(kind, seed=2, memory="pressure"):
         longest=40e-6,
         anisotropy=8.0 if kind == "anisotropic" else 1.0,
     )
-    return RoughContact(heights, test.contact, 0.34, ALUMINIUM_FACTOR, ALUMINIUM_RATIO, memory=memory)
+    return RoughContact(heights, test.contact, 0.34, ALUMINIUM_FACTOR, ALUMINIUM_RATIO)

@@ -55,8 +55,8 @@ def test_summits_and_a_field_of_view(capsys, tmp_path, map_file):
     )
     text = capsys.readouterr().out
     assert "nine-point summits on 200 x 200 µm" in text and "for R = 5 mm" in text and figure.stat().st_size > 10000
-    assert cli.main(["surface", map_file, "--crop", "200um,160um,120um,110um"]) == 0
-    assert "100 x 80 pixels" in capsys.readouterr().out
+    assert cli.main(["surface", map_file, "--crop", "160um"]) == 0
+    assert "80 x 80 pixels" in capsys.readouterr().out
 
 
 def test_synthetic_map_has_the_roughness_asked_for(capsys, tmp_path):
@@ -68,35 +68,22 @@ def test_synthetic_map_has_the_roughness_asked_for(capsys, tmp_path):
 
 
 def test_from_a_map_to_a_table(capsys, tmp_path, map_file):
-    table, worn, figure = (tmp_path / n for n in ("map.tbl", "worn.npz", "contact.png"))
+    table, worn, figure = (tmp_path / n for n in ("map.tbl", "worn.npy", "contact.png"))
     arguments = ["surface", "contact", map_file, *ALUMINIUM, "--load", "0.05", "--table", str(table)]
-    assert cli.main([*arguments, "--out", str(worn), "--figure", str(figure), "--load-rtol", "0.02"]) == 0
+    assert cli.main([*arguments, "--out", str(worn), "--figure", str(figure)]) == 0
     text, warned = capsys.readouterr()
     assert "give --plastic-factor and --plastic-ratio" in warned  # warnings name options, as errors do
     assert "micro-contacts" in text and "hertz unloading" in text
     assert dl.Table.load(table).force(1e-7) > 0
-    assert np.load(worn)["heights"].shape == (128, 128) and figure.stat().st_size > 10000
+    assert np.load(worn).shape == (128, 128) and figure.stat().st_size > 10000
 
 
-def test_cycles_in_one_command_and_in_several(capsys, tmp_path, map_file):
-    """Before: a chain of commands lost the memory, as the file had the heights alone."""
+def test_cycles(capsys, map_file):
+    """The same load changes the map in the first cycle only."""
     press = [*ALUMINIUM, "--load", "0.05", "--plastic-factor", "0.71", "--plastic-ratio", "160", "--json"]
-    worn = str(tmp_path / "worn.npz")
-
-    def cycles(path, *words):
-        assert cli.main(["surface", "contact", path, *press, *words]) == 0
-        return json.loads(capsys.readouterr().out)["cycles"]
-
-    first, second, third = cycles(map_file, "--cycles", "3")
+    assert cli.main(["surface", "contact", map_file, *press, "--cycles", "3"]) == 0
+    first, second, third = json.loads(capsys.readouterr().out)["cycles"]
     assert first["change"] > 0.0 and max(second["change"], third["change"]) < 1e-3 * first["change"]
-    assert cycles(map_file, "--out", worn) == [first]
-    (again,) = cycles(worn, "--out", str(tmp_path / "twice.npz"))
-    assert again["change"] < 1e-3 * first["change"] and again["area"] == pytest.approx(second["area"], rel=1e-6)
-    for words in (["--out", str(tmp_path / "worn.asc")], ["--form", "2"], ["--crop", "10um"]):
-        assert cli.main(["surface", "contact", worn, *press, *words]) == 2, words
-    assert not (tmp_path / "worn.asc").exists()
-    harder = ["1e9" if word == "0.24e9" else word for word in press]
-    assert cli.main(["surface", "contact", worn, *harder]) == 2
 
 
 def test_options_that_are_refused_are_not_offered(capsys):
@@ -104,4 +91,4 @@ def test_options_that_are_refused_are_not_offered(capsys):
     with pytest.raises(SystemExit):
         cli.main(["surface", "--help"])
     text = capsys.readouterr().out
-    assert "--young" in text and "--modulus" not in text and "--load-rtol" in text
+    assert "--young" in text and "--modulus" not in text and "--load" in text
