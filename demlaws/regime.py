@@ -1,6 +1,6 @@
 """Which part of a rough contact deforms plastically, the asperities or the bulk (Jamari & Schipper 2006, 2008).
 
-The criterion itself is in `criterion`; here are its answer for one contact (`assess`), a map of it, and which laws fit
+The criterion itself is in `criterion`; here are its answer for one contact (`assess`), and which laws fit
 (`advise`). The papers' own tests are in studies/jamari.
 """
 
@@ -18,17 +18,14 @@ from demlaws.solvers.criterion import (
     FIT_LIMIT,
     YIELD_RATIO,
     central_pressure,
-    checked_forces,
     deforming_part,
-    hardness_of,
     hertz_pressure,
-    lowest_transition_force,
     pressure_drop,
     pressure_ratio,
     transition_force,
     transition_roughness,
 )
-from demlaws.units import as_float, check_overlaps, number
+from demlaws.units import check_overlaps, number
 
 __all__ = [
     "BAND",
@@ -40,9 +37,7 @@ __all__ = [
     "central_pressure",
     "deforming_part",
     "hertz_pressure",
-    "lowest_transition_force",
     "pressure_drop",
-    "pressure_map",
     "pressure_ratio",
     "transition_force",
     "transition_roughness",
@@ -143,7 +138,7 @@ def assess(contact: Contact, force: Any, mu: float | None = None, *, yield_press
     _check_load(contact, force)
     p0, alpha = float(hertz_pressure(contact, force)), float(contact.roughness_parameter(force))
     if yield_pressure is not None:
-        limit = _yield_pressure(yield_pressure)
+        limit = number(yield_pressure, "yield_pressure", "Pa", 1.0, 1e15)
         ratio = p0 / limit
         deforms = deforming_part(YIELD_RATIO * ratio)
         yields = float(math.pi**3 * contact.radius**2 * limit**3 / (6.0 * contact.modulus**2))
@@ -162,37 +157,6 @@ def assess(contact: Contact, force: Any, mu: float | None = None, *, yield_press
         transition_roughness=transition_roughness(contact, force, mu=mu),
         mu=mu,
     )
-
-
-def _yield_pressure(value: Any) -> float:
-    """Pressure [Pa] at which a smooth contact yields."""
-    return number(value, "yield_pressure", "Pa", 1.0, 1e15)
-
-
-def pressure_map(contact: Contact, forces: Any, roughnesses: Any) -> np.ndarray:
-    """Largest pressure over hardness, p(0)/H_m, as a map over force and roughness.
-
-    Parameters
-    ----------
-    contact : Contact
-        The other quantities of the contact.
-    forces : array_like
-        Loads [N].
-    roughnesses : array_like
-        Combined roughnesses σ [m].
-
-    Returns
-    -------
-    ndarray
-        One row per roughness, one column per force.
-    """
-    forces = np.atleast_1d(checked_forces(as_float(forces, "forces", "N", array=True)))
-    heights = np.atleast_1d(as_float(roughnesses, "roughnesses", "m", array=True))
-    if not np.all(np.isfinite(heights) & (heights >= 0.0)):
-        raise DemlawsError(f"roughnesses must be finite and not negative, in m, got {roughnesses!r}")
-    as_contact(contact)
-    alpha = heights[:, None] * np.asarray(contact.with_values(roughness=1e-9).roughness_parameter(forces))[None, :] / 1e-9
-    return hertz_pressure(contact, forces)[None, :] * pressure_drop(alpha.ravel()).reshape(alpha.shape) / hardness_of(contact)
 
 
 class Advice(NamedTuple):
@@ -237,7 +201,8 @@ def advise(contact: Contact, force: Any, yield_pressure: Any = None, *, mu: floa
     _check_load(contact, force)
     alpha = float(np.max(contact.roughness_parameter(FIRST * force)))
     if yield_pressure is not None:
-        ratio = float(np.max(hertz_pressure(contact, force))) / _yield_pressure(yield_pressure)
+        limit = number(yield_pressure, "yield_pressure", "Pa", 1.0, 1e15)
+        ratio = float(np.max(hertz_pressure(contact, force))) / limit
         yields, state = ratio > 1.0, f"p0/p_y = {ratio:.2f}"
     elif contact.hardness is None:
         yields, state = False, "no hardness: bulk yield unknown"

@@ -83,14 +83,11 @@ def test_the_ratio_rises_with_load_and_falls_with_roughness(contact, load1, load
     assert regime.pressure_ratio(rougher, low) <= regime.pressure_ratio(contact, low) * (1 + 1e-12)
 
 
-def test_arrays_and_map_agree_with_single_calls():
+def test_arrays_agree_with_single_calls():
     contact = TESTS[0].contact
     loads, roughnesses = np.array([0.1, 1.0, 10.0]), np.array([1e-7, 1e-6])
-    grid = regime.pressure_map(contact, loads, roughnesses)
-    assert grid.shape == (2, 3)
-    for i, roughness in enumerate(roughnesses):
-        one = contact.with_values(roughness=roughness)
-        np.testing.assert_allclose(grid[i], regime.pressure_ratio(one, loads), rtol=1e-12)
+    singles = [regime.pressure_ratio(contact, load) for load in loads]
+    np.testing.assert_allclose(regime.pressure_ratio(contact, loads), singles, rtol=1e-12)
     many = contact.with_values(roughness=roughnesses)
     singles = [regime.transition_force(contact.with_values(roughness=r)) for r in roughnesses]
     np.testing.assert_allclose(regime.transition_force(many), singles, rtol=1e-12)
@@ -154,8 +151,6 @@ def test_laws_warn_where_the_bulk_yields():
         dl.law("hertz", pair.with_values(roughness=0.0)).overlap(2.0 * load)
     yielding = dl.law("rough-plastic", pair, yield_pressure=1.66e9)
     assert not any("bulk yields" in limit.reason for limit in yielding.limits())
-    many = pair.with_values(radius=np.linspace(1e-3, 2e-3, 1000))
-    assert regime.lowest_transition_force(many) <= regime.transition_force(many).min()
 
 
 @pytest.mark.parametrize("largest", [6e3, 1e7])

@@ -28,10 +28,11 @@ def bulk_yield(contact: Contact, **options: Any) -> list[Limit]:
     """Where the contact's hardness is known: the load at which p(0), lowered by roughness, reaches 0.6 H_m (`criterion`)."""
     if contact.hardness is None:
         return []
-    from demlaws.solvers.criterion import lowest_transition_force
+    from demlaws.solvers.criterion import transition_force
 
     reason = "the central pressure passes 0.6 H_m, so that the bulk yields; this law keeps it elastic (see rough-plastic)"
-    return [Limit(0.0, lowest_transition_force(contact), reason, pressure=True)]
+    yields = np.min(transition_force(contact.with_values(roughness=contact.sigma)))
+    return [Limit(0.0, float(yields), reason, pressure=True)]
 
 
 def no_kinks(params: Any, **options: Any) -> list[float]:

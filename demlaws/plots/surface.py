@@ -37,7 +37,7 @@ def regime_figure(contact, force=None, title=None):
 
 def regime_axis(ax, contact, forces, roughness):
     """The map of p(0)/H_m on axes, with its contours; returns the image."""
-    ratio = regime.pressure_map(contact, forces, roughness)
+    ratio = np.array([regime.pressure_ratio(contact.with_values(roughness=sigma), forces) for sigma in roughness])
     plain(ax).set(
         xscale="log", yscale="log", xlabel="force (N)", ylabel="roughness σ (µm)"
     )  # labels break contours at this scale

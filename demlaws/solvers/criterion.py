@@ -11,7 +11,6 @@ not known. Both papers print 16 in place of the 6 and one loses the cube root; w
 is reproduced (studies/jamari).
 """
 
-import functools
 import math
 
 import numpy as np
@@ -78,86 +77,57 @@ def deforming_part(ratio):
     return "asperities" if ratio < YIELD_RATIO - BAND else "bulk" if ratio > YIELD_RATIO + BAND else "both"
 
 
-def transition_force(contact, ratio=YIELD_RATIO, mu=None):
-    """Force [N] at which p(0)/H_m reaches `ratio`; below it only asperities deform.
+def transition_force(contact, mu=None):
+    """Force [N] at which p(0)/H_m reaches `YIELD_RATIO`; below it only asperities deform.
 
     p(0) rises with the force at every roughness, as P^0.733 where roughness rules and as P^(1/3) without it, so there is
     one such force. One number, or one entry per contact. mu: see `central_pressure`; of one contact, to 1e-5.
     """
-    hardness, ratio = hardness_of(contact), _ratio(ratio)
+    limit = YIELD_RATIO * hardness_of(contact)
     if mu is not None:
-        return _root(
-            lambda force: pressure_ratio(contact, force, mu) - ratio, transition_force(_single_contact(contact), ratio)
-        )
-    log = np.log(math.pi**3 * np.square(contact.radius) * (ratio * hardness) ** 3 / (6.0 * np.square(contact.modulus)))
+        return _root(lambda force: pressure_ratio(contact, force, mu) - YIELD_RATIO, transition_force(contact))
+    log = np.log(math.pi**3 * np.square(contact.radius) * limit**3 / (6.0 * np.square(contact.modulus)))
     scale = contact.roughness_parameter(1.0)  # α = scale / P^(2/3)
     # Newton's method in ln P from the smooth contact: ln p(0) is concave, its slope 1/3 to 0.733, so that no step is too long
     for _ in range(100):
         drop = pressure_drop(scale * np.exp(-2.0 / 3.0 * log))
         with np.errstate(divide="ignore"):
             exponent = np.minimum(-np.log1p(-np.minimum(drop, 1.0 - 1e-16)), 700.0)
-        value = np.log(hertz_pressure(contact, np.exp(log)) * drop / (ratio * hardness))
+        value = np.log(hertz_pressure(contact, np.exp(log)) * drop / limit)
         step = value / (1.0 / 3.0 + 0.4 * exponent / np.expm1(exponent))
         log = log - step
         if np.any(log > 600.0):
             raise DemlawsError(
-                f"no force below 1e260 N brings p(0)/H_m to {ratio:g}: check roughness, radius and hardness units"
+                f"no force below 1e260 N brings p(0)/H_m to {YIELD_RATIO:g}: check roughness, radius and hardness units"
             )
         if np.max(np.abs(step)) < 1e-14:
             break
     return as_given(np.exp(log))
 
 
-def lowest_transition_force(contact):
-    """Lowest `transition_force` [N] of an array of contacts; of many, the bound from their extremes, which is not above it."""
-    if as_contact(contact).size is not None and contact.size > 64:
-        extremes = {
-            "radius": np.min(contact.radius),
-            "modulus": np.max(contact.modulus),
-            "roughness": np.min(contact.sigma),
-        }
-        contact = contact.with_values(**{name: float(value) for name, value in extremes.items()})
-    return float(np.min(transition_force(contact.with_values(roughness=contact.sigma))))
-
-
-def transition_roughness(contact, force, ratio=YIELD_RATIO, *, mu=None):
-    """Combined roughness σ [m] at which p(0)/H_m equals `ratio` under `force` [N]; 0 where no roughness is needed.
+def transition_roughness(contact, force, *, mu=None):
+    """Combined roughness σ [m] at which p(0)/H_m equals `YIELD_RATIO` under `force` [N]; 0 where no roughness is needed.
 
     mu: see `central_pressure`; of one contact and one force, to 1e-5."""
-    if mu is not None:
-        start = transition_roughness(_single_contact(contact), float(checked_forces(force)), ratio)
-        share, hertz = ratio * hardness_of(contact) / hertz_pressure(contact, force), smooth_overlap(contact, force)
-        # what differs from the smooth contact by less than the solution resolves needs no roughness either
-        return _root(lambda sigma: share - central_pressure(sigma / hertz, mu), start) if share < 0.999 else 0.0
     force = checked_forces(force)
-    share = _ratio(ratio) * hardness_of(contact) / hertz_pressure(contact, force)
+    share, hertz = YIELD_RATIO * hardness_of(contact) / hertz_pressure(contact, force), smooth_overlap(contact, force)
     with np.errstate(divide="ignore", invalid="ignore"):
         alpha = np.where(share < 1.0, (-2.0 / (3.0 * np.log1p(-np.minimum(share, 1.0)))) ** (1 / 0.6), 0.0)
-    return as_given(alpha * smooth_overlap(contact, force))
+    roughness = as_given(alpha * hertz)
+    # what differs from the smooth contact by less than the solution resolves needs no roughness either
+    if mu is None or np.all(share >= 0.999):
+        return roughness if mu is None else 0.0
+    return _root(lambda sigma: share - central_pressure(sigma / hertz, mu), roughness)
 
 
-def _root(function, start):
-    """Where a function that rises is 0, looked for from `start` by factors of 2."""
+def _root(function, near):
+    """Where a function that rises is 0, within a factor of 1000 of a number."""
     from scipy.optimize import brentq
 
-    @functools.cache  # a solved curve takes long: the ends of the bracket are known when brentq asks for them
-    def of_logarithm(logarithm):
-        return function(math.exp(logarithm))
-
-    low = high = math.log(start)
-    while of_logarithm(low) > 0.0:
-        low -= math.log(2.0)
-    while of_logarithm(high) < 0.0:
-        high += math.log(2.0)
-    if low == high:
-        return start
-    return math.exp(brentq(of_logarithm, low, high, xtol=1e-6))
-
-
-def _single_contact(contact):
-    if as_contact(contact).size is not None:
-        raise DemlawsError("Greenwood & Tripp's solution needs one contact, got an array of contacts")
-    return contact
+    if np.ndim(near):
+        raise DemlawsError("Greenwood & Tripp's solution needs one contact and one force, got an array")
+    middle = math.log(near)
+    return math.exp(brentq(lambda log: function(math.exp(log)), middle - math.log(1e3), middle + math.log(1e3), xtol=1e-6))
 
 
 def hardness_of(contact):
@@ -165,10 +135,6 @@ def hardness_of(contact):
     if as_contact(contact).hardness is None:
         raise MissingQuantity("the criterion", "hardness")
     return contact.hardness
-
-
-def _ratio(value):
-    return number(value, "ratio", "", 1e-6, 1e3)
 
 
 def checked_forces(force):
