@@ -118,12 +118,13 @@ class HeightMap:
 
     @property
     def slope(self):
-        """Rms slope √⟨|∇z|²⟩ from differences of the nearest pixels; depends on the pixel size of a fractal surface."""
-        squares = 0.0
-        for axis, pixel in enumerate((self.pixel_y, self.pixel_x)):
-            step, lag = plausibility.differences(self.heights, axis)
-            squares += float(np.nanmean((step / (lag * pixel)) ** 2))
-        return math.sqrt(squares)
+        """Rms slope √⟨|∇z|²⟩ from differences of neighbours; depends on the pixel size of a fractal surface."""
+        return math.sqrt(sum(float(np.mean(slope**2)) if slope.size else math.nan for slope in self.slopes()))
+
+    def slopes(self):
+        """Slopes along y and along x between neighbours of which both were measured."""
+        steps = np.diff(self.heights, axis=0) / self.pixel_y, np.diff(self.heights, axis=1) / self.pixel_x
+        return [step[np.isfinite(step)] for step in steps]
 
     def with_heights(self, heights, **changes):
         """The same grid with other heights."""
@@ -207,10 +208,11 @@ class HeightMap:
         return heights.with_heights(np.where(difference > threshold * spread, np.nan, heights.heights))
 
     def filled(self):
-        """Missing pixels replaced by smooth averages of their surroundings (coarse to fine); others untouched."""
-        if not np.isnan(self.heights).any():
-            return self
-        return self.with_heights(_fill(self.heights))
+        """Missing pixels as their nearest measured neighbour; others untouched."""
+        from scipy.ndimage import distance_transform_edt
+
+        nearest = distance_transform_edt(np.isnan(self.heights), return_distances=False, return_indices=True)
+        return self.with_heights(self.heights[tuple(nearest)])
 
     def spectrum(self, bins=60):
         """Radially averaged power spectral density: q [rad/m], C(q) [m⁴], number of wavevectors averaged; ∫C d²q = Sq².
@@ -363,42 +365,14 @@ def box_correction(hurst, sizes):
 def _mean_range(z, n, tilted=True):
     """Mean of max - min over the n by n boxes of the map, each less its least-squares plane if `tilted`."""
     rows, boxes = z.shape[0] // n, z.shape[1] // n
-    t = np.arange(n) - 0.5 * (n - 1)
-    scale = n * (t @ t)
-    total = 0.0
-    strip = max(1, 2**18 // (n * z.shape[1]))
-    for start in range(0, rows, strip):
-        count = min(strip, rows - start)
-        part = z[start * n : (start + count) * n, : boxes * n].reshape(count, n, boxes, n)
-        if tilted:
-            slope_x = part.sum(axis=1) @ t / scale
-            slope_y = np.einsum("aibj,i->ab", part, t) / scale
-            part = part - slope_x[:, None, :, None] * t - slope_y[:, None, :, None] * t[:, None, None]
-        total += float((part.max(axis=(1, 3)) - part.min(axis=(1, 3))).sum())
-    return total / (rows * boxes)
-
-
-def _fill(z):
-    """Pull-push: average valid pixels two by two down to one that is whole, then fill upwards."""
-    from scipy.ndimage import zoom
-
-    rows, columns = z.shape
-    there = np.isfinite(z)
-    if there.all():
-        return z.copy()
-    if max(rows, columns) <= 2:
-        return np.where(there, z, z[there].mean())
-    even = ((rows + 1) // 2 * 2, (columns + 1) // 2 * 2)
-    values, weights = np.zeros(even), np.zeros(even)
-    values[:rows, :columns] = np.where(there, z, 0.0)
-    weights[:rows, :columns] = there
-    half = (even[0] // 2, 2, even[1] // 2, 2)
-    count = weights.reshape(half).sum(axis=(1, 3))
-    with np.errstate(invalid="ignore"):
-        coarse = values.reshape(half).sum(axis=(1, 3)) / count
-    # linear between coarse centres, which lie at 1/2, 5/2, 9/2 … of the fine grid's pixel centres
-    smooth = zoom(_fill(coarse), 2, order=1, mode="nearest", grid_mode=True)[:rows, :columns]
-    return np.where(there, z, smooth)
+    part = z[: rows * n, : boxes * n].reshape(rows, n, boxes, n)
+    if tilted:
+        t = np.arange(n) - 0.5 * (n - 1)
+        scale = n * (t @ t)
+        slope_x = part.sum(axis=1) @ t / scale
+        slope_y = np.einsum("aibj,i->ab", part, t) / scale
+        part = part - slope_x[:, None, :, None] * t - slope_y[:, None, :, None] * t[:, None, None]
+    return float((part.max(axis=(1, 3)) - part.min(axis=(1, 3))).mean())
 
 
 def self_affine(shape, pixel, hurst, *, roughness, seed, shortest=0.0, longest=math.inf, anisotropy=1.0, periodic=False):

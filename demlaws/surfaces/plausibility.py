@@ -68,42 +68,27 @@ def doubts(heights, scale: float = 1.0) -> list[str]:
                 f"spikes or pits: the largest height is {highest:.3g} times the robust Sq {robust:.4g} m, kurtosis "
                 f"{kurtosis:.3g} (Gaussian: 3); Sq = {sq:.4g} m contains them; use despiked() (--despike), or robust_sq"
             )
-    found += _doubts_of_lengths(heights, z, scale)
-    return found
+    return found + _doubts_of_lengths(heights, z)
 
 
-def _doubts_of_lengths(heights, z, scale):
+def _doubts_of_lengths(heights, z):
     """Slopes, gaps and a field of view that no instrument has; z: heights without form."""
-    found = []
-    pixels = (heights.pixel_y, heights.pixel_x)
-    steps = [differences(z, axis) for axis in (0, 1)]
-    lag = max(lag for _, lag in steps)
-    if lag > 1:
-        found.append(f"no two neighbours were measured, as of interlaced lines: slopes are those over {lag} pixels")
-    # robust, too: spikes are no wrong unit
-    slope = math.hypot(*(robust_sq(step) / (lag * pixel) for (step, lag), pixel in zip(steps, pixels, strict=True)))
-    remedy = "check unit (--unit) and pixel (--pixel)"
-    if slope > STEEP:
-        units = [unit for unit, factor in (("mm", 1e-3), ("um", 1e-6), ("nm", 1e-9)) if 1e-3 < slope * factor / scale < STEEP]
-        found.append(
-            f"slope {slope:.4g} (robust rms), above 45 degrees: are heights or pixels in another unit than read? "
-            + (f"check unit (--unit), perhaps {units[0]}" if units and slope > 10.0 else remedy)
-        )
-    elif 0.0 < slope < FLAT and robust_sq(z) > 1e-9 * np.nanmax(np.abs(heights.heights)):  # no rounding of a plane
-        found.append(f"slope {slope:.4g} (robust rms), flatter than polished optics: are units as meant? {remedy}")
+    found, remedy = [], "check unit (--unit) and pixel (--pixel)"
+    slopes = heights.with_heights(z).slopes()
+    if all(slope.size for slope in slopes):
+        slope = math.hypot(*map(robust_sq, slopes))  # robust, too: spikes are no wrong unit
+        is_rounding = robust_sq(z) <= 1e-9 * np.nanmax(np.abs(heights.heights))  # of a plane
+        if slope > STEEP or (0.0 < slope < FLAT and not is_rounding):
+            found.append(
+                f"slope {slope:.4g} (robust rms), {'above 45 degrees' if slope > STEEP else 'flatter than polished optics'}: "
+                f"are heights or pixels in another unit than read? {remedy}"
+            )
+    else:
+        found.append("no two neighbours were measured, as of interlaced lines: there is no slope")
     width = max(heights.field_of_view)
     if width > WIDEST:
         found.append(f"a field of view of {width:.4g} m, above {WIDEST:g} m: is the pixel size in another unit? {remedy}")
     return found
-
-
-def differences(z: np.ndarray, axis: int) -> tuple[np.ndarray, int]:
-    """Differences along an axis of the nearest pixels of which both were measured, and how many pixels they are apart."""
-    for lag in range(1, z.shape[axis]):
-        step = np.subtract(np.roll(z, -lag, axis), z).take(range(z.shape[axis] - lag), axis)
-        if np.isfinite(step).any():
-            return step, lag
-    return np.zeros((1, 1)), 1
 
 
 def field_doubts(heights, radius: float) -> list[str]:
