@@ -4,7 +4,6 @@ heights = read("scan.csv", pixel=0.8e-6, unit="um").without_form(2)
 surface = heights.surface()                       # a demlaws.Surface: Sq and fractal dimension, ready for any law
 """
 
-import contextlib
 import math
 import os
 import re
@@ -19,7 +18,7 @@ from demlaws import units
 from demlaws.errors import DemlawsError, MapWarning, did_you_mean, warn
 from demlaws.files import as_path, read_text, write_atomically
 from demlaws.surfaces import plausibility
-from demlaws.surfaces.cells import Decimals, is_missing, separator, split
+from demlaws.surfaces.cells import decimal_mark, is_missing, separator, split, value_of
 from demlaws.surfaces.heightmap import UNITS, HeightMap, box_correction, self_affine
 
 __all__ = ["UNITS", "HeightMap", "box_correction", "read", "self_affine", "write"]
@@ -42,8 +41,8 @@ def read(
     ----------
     path : str or os.PathLike
         .npy, .npz, or text (.csv, .txt, .tsv, .asc) with columns split by commas, semicolons, tabs or blanks; an empty cell,
-        NaN, #N/A, Bad or asterisks are a missing pixel; decimal commas and thousands separators are read where the file
-        decides which is which. Any other suffix is read by SurfaceTopography (pip install "demlaws[surfaces]").
+        NaN, #N/A, Bad or asterisks are a missing pixel; decimal commas are read where the file decides that they are, numbers
+        with thousands separators are refused. Any other suffix is read by SurfaceTopography (pip install "demlaws[surfaces]").
     pixel : float, str or pair, optional
         Pixel size [m], or text with a unit, or a pair for x and y. ESRI (ncols, cellsize, NODATA_value) and Gwyddion
         (# Width: 1.6 mm) headers contain it.
@@ -161,8 +160,7 @@ def _read_numpy(path, channel):
 
 def _read_text(path):
     lines = read_text(path).splitlines()
-    header, esri, rows, ends, width, first = {}, {}, [], set(), None, 0
-    decimals, unread = Decimals(), []
+    header, esri, rows, first = {}, {}, [], 0
     for number, line in enumerate(lines, 1):
         text = line.strip()
         if text.startswith("#") and not is_missing(split(text, separator(text))[0]):  # "#N/A" of a spreadsheet
@@ -177,24 +175,19 @@ def _read_text(path):
             esri[key[1]] = key[2]
             continue
         cells = split(text, separator(text))
-        decimals.see(cells, f"{path}, line {number}")
-        if width not in (None, len(cells)):
-            raise DemlawsError(f"{path}, line {number}: {len(cells)} columns, but line {first} has {width}")
-        width, first = len(cells), first or number
-        ends.add("" if cells[-1].strip() == "" else "height")
-        if decimals.is_decided(text):
-            rows.append(_row(cells, decimals, path, number))
-        else:
-            unread.append((len(rows), number, cells))
-            rows.append(None)
+        if rows and len(rows[0]) != len(cells):
+            raise DemlawsError(f"{path}, line {number}: {len(cells)} columns, but line {first} has {len(rows[0])}")
+        first = first or number
+        rows.append(cells)
     if not rows:
         raise DemlawsError(f"{path} holds no heights")
-    decimals.decide()
-    for place, number, cells in unread:
-        rows[place] = _row(cells, decimals, path, number)
-    heights = np.array(rows)
-    if len(ends) == 1 and ends.pop() == "" and heights.shape[1] > 1:
-        heights = heights[:, :-1]  # every line ends in a separator
+    if len(rows[0]) > 1 and all(cells[-1].strip() == "" for cells in rows):
+        rows = [cells[:-1] for cells in rows]  # every line ends in a separator
+    mark = decimal_mark([cell for cells in rows for cell in cells], path)
+    try:
+        heights = np.array([[value_of(cell, mark) for cell in cells] for cells in rows])
+    except ValueError as error:
+        raise DemlawsError(f"{path}: a height is not a number: {error}") from None
     for name, entry, count in zip(("columns", "rows"), ("ncols", "nrows"), heights.shape[::-1], strict=True):
         if entry in esri and units.as_float(esri[entry], f"{path}: {entry}") != count:
             raise DemlawsError(
@@ -220,18 +213,6 @@ def _gwyddion(text, header, where):
         raise DemlawsError(f"{where}: heights in {match[1]!r}; export them in one of {', '.join(UNITS)}")
     if match:
         header["scale"] = UNITS[match[1]]
-
-
-def _row(cells, decimals, path, number):
-    """Heights of the cells of a line."""
-    with contextlib.suppress(ValueError):
-        return list(map(float, cells)) if not decimals.thousands else [decimals.number(cell) for cell in cells]
-    for cell in cells:
-        try:
-            decimals.number(cell)
-        except ValueError:
-            raise DemlawsError(f"{path}, line {number}: {cell.strip()!r} is not a height") from None
-    return [decimals.number(cell) for cell in cells]
 
 
 def _read_instrument(path, channel, pixels, unit):

@@ -11,7 +11,7 @@ import numpy as np
 
 from demlaws.errors import DemlawsError, warn
 from demlaws.files import read_text
-from demlaws.surfaces.cells import Decimals, is_missing, is_number, separator, split
+from demlaws.surfaces.cells import decimal_mark, is_missing, is_number, separator, split, value_of
 from demlaws.units import LARGEST_OVERLAP, UNITS, plain_unit, unmasked
 
 UNLOADED = 0.02
@@ -213,12 +213,12 @@ def _rows(lines, table, places, path):
 def read_points(path):
     """Measured points from a text file: a line of titles with units, then numbers.
 
-    Columns are split by commas, semicolons, tabs or blanks; decimal commas and thousands separators are read where the file
-    decides which is which. Lines that begin with #, % or // are comments (the titles may be in one). Words before the titles
-    and after the last row, results of one or two rows, empty rows and further columns are left aside; rows at the end that
-    lack one of the two values are left out with a warning. Of several columns that may be the force or the displacement the
-    one named so alone is taken. A line below the titles may contain the units. "-" is standard input. Raises DemlawsError
-    that names the file and the line.
+    Columns are split by commas, semicolons, tabs or blanks; decimal commas are read where the file decides that they are,
+    numbers with thousands separators are refused. Lines that begin with #, % or // are comments (the titles may be in one).
+    Words before the titles and after the last row, results of one or two rows, empty rows and further columns are left aside;
+    rows at the end that lack one of the two values are left out with a warning. Of several columns that may be the force or
+    the displacement the one named so alone is taken. A line below the titles may contain the units. "-" is standard input.
+    Raises DemlawsError that names the file and the line.
     """
     path = Path(path)
     text = read_text(path, "points ")
@@ -228,13 +228,10 @@ def read_points(path):
     table = _header(lines, path)
     columns = {column: _place(table.titles, column, f"{path}, line {table.line}") for column in _COLUMNS}
     rows = _rows(lines, table, [place for place, _ in columns.values()], path)
-    decimals, values = Decimals(), []
-    for where, cells, _ in rows:
-        decimals.see(cells, where)
-    decimals.decide()
+    mark, values = decimal_mark([cell for _, cells, _ in rows for cell in cells], path), []
     for where, _, pair in rows:
         try:
-            values.append([decimals.number(cell) * unit for cell, (_, unit) in zip(pair, columns.values(), strict=True)])
+            values.append([value_of(cell, mark) * unit for cell, (_, unit) in zip(pair, columns.values(), strict=True)])
         except ValueError:
             raise DemlawsError(f"{where}: two numbers are needed, got {' and '.join(pair)[:60]!r}") from None
     displacement, force = _without_tail(np.array(values).reshape(-1, 2), rows, path).T
