@@ -28,17 +28,20 @@ gc.set_threshold(100_000, 20, 20)
 MPI_FOLDER = contextlib.ExitStack()
 
 
-def pytest_configure():
-    """Each process of the tests has a folder for the files of MPI: tests that start an engine's command themselves need it.
+def _remove_shared_memory():
+    """Remove what processes of MPICH that were killed left: no later process of the same number could start."""
+    for file in Path("/dev/shm").glob("mpich_shm_*_*"):
+        with contextlib.suppress(OSError, ValueError):  # of another user, or removed by another process of the tests
+            number = int(file.name.split("_")[2], 16)  # of several ranks a checksum, nearly always a larger number
+            if number < 2**22 and not Path(f"/proc/{number}").exists():
+                file.unlink()
 
-    A process of MPICH that was killed has left its file, with which no later process of the same number can start.
-    """
+
+def pytest_configure():
+    """Each process of the tests has a folder for the files of MPI: tests that start an engine's command themselves need it."""
     from demlaws.plugins.engines import own_session
 
-    for file in Path("/dev/shm").glob("mpich_shm_*_*"):
-        number = int(file.name.split("_")[2], 16)  # of several ranks a checksum, nearly always a larger number
-        if number < 2**22 and not Path(f"/proc/{number}").exists():
-            file.unlink(missing_ok=True)
+    _remove_shared_memory()
     os.environ.update(MPI_FOLDER.enter_context(own_session({})))
 
 
@@ -104,6 +107,7 @@ def pytest_runtest_logreport(report):
 def pytest_sessionfinish(session, exitstatus):
     """In CI a test that needs an engine and did not run is a failure: there the engines can be installed."""
     MPI_FOLDER.close()
+    _remove_shared_memory()
     if os.environ.get("CI") and _skipped_engines and exitstatus == 0:
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
