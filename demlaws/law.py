@@ -194,7 +194,7 @@ def composed(contact: Contact, curve: "ClosedForm | TableCurve", unloading: Unlo
     return (Table if curve.tabulated else Law)(contact, curve, unloading)
 
 
-def join(contact: Contact, curve: "ClosedForm | TableCurve", unloading: "str | os.PathLike | Law") -> Law:
+def join(contact: Contact, curve: "ClosedForm | TableCurve", unloading: "str | os.PathLike | Law") -> Any:
     """A curve of first loading joined with the unloading that a user named; NotPassive where the pair returns work."""
     law = composed(contact, curve, _adapted(resolve(unloading, curve.definition), contact, curve))
     refuse_unless_passive(law)
@@ -400,21 +400,22 @@ class Table(Law):
     ) -> "Table":
         """The smallest `Table` of a rising force(overlap), within `rtol` of it and of its derivative.
 
+        The function is called some 50,000 times, with one number each.
+
         Parameters
         ----------
         force : callable
-            Force [N] of one overlap or an array [m]; 0 at overlap 0, where it rises as δ or a higher power.
+            Force [N] of one overlap [m]; 0 at overlap 0, where it rises as δ or a higher power.
         contact : Contact
             The contact that the function describes.
         largest_overlap : float, optional
             End of the table [m]; default: a tenth of R. The last cell may continue a little, as a power law.
         stiffness : callable, optional
             Derivative of the force [N/m], which is checked; default: computed from the force.
-        unloading : str, Law or callable
-            A rule, a law or a `Table` as for `demlaws.law`, or a function of the overlap past the plastic overlap, along
-            which the contact unloads.
+        unloading : str or Law
+            A rule, a law or a `Table` as for `demlaws.law`.
         kinks : array_like
-            Overlaps [m] where the stiffness is discontinuous; others are detected.
+            Overlaps [m] where the stiffness or its derivative is discontinuous.
         scales_with : {"radius", "roughness"}, optional
             The table serves other contacts, too: P/(E* R²) is a function of δ/R, or P/(E* √R σ^1.5) one of δ/σ.
         rtol : float
@@ -431,21 +432,20 @@ class Table(Law):
         DemlawsError
             If the function raises, is not finite, is negative, falls, jumps, or has another derivative; with the overlap.
         """
-        from demlaws.curves.user_curves import from_function
+        from demlaws.curves.user_curves import curve_of_function
 
-        parts = from_function(
+        curve = curve_of_function(
             force,
             contact,
             largest_overlap,
             stiffness=stiffness,
-            unloading=unloading,
             kinks=kinks,
             scales_with=scales_with,
             rtol=rtol,
             name=name,
             description=description,
         )
-        return cls._from_parts(*parts)
+        return join(contact, curve, unloading)
 
     @classmethod
     def from_points(
@@ -455,7 +455,6 @@ class Table(Law):
         unloading: Any = "elastic",
         *,
         uncertainty: ArrayLike | None = None,
-        plastic_overlap: float | None = None,
         scales_with: str | None = None,
         rtol: float = 1e-3,
         name: str = "points",
@@ -469,16 +468,13 @@ class Table(Law):
         Parameters
         ----------
         points : array_like, shape (n, 2), or Points
-            Overlap [m] and force [N] of first loading, in any order; also a DataFrame, as for `demlaws.fit`.
+            At least six overlaps [m] and forces [N] of first loading, in any order; also a DataFrame, as for `demlaws.fit`.
         contact : Contact
             The contact that was measured.
-        unloading : str, Law or points
-            A rule, a law or a `Table` as for `demlaws.law`, or points measured after the largest force: the contact unloads
-            along their curve past the plastic overlap, from any largest force.
+        unloading : str or Law
+            A rule, a law or a `Table` as for `demlaws.law`.
         uncertainty : float or array_like, optional
             Standard uncertainty of the forces [N]; default: from the scatter.
-        plastic_overlap : float, optional
-            Plastic overlap [m] of the measured unloading; default: extrapolated.
         scales_with : {"radius", "roughness"}, optional
             As in `from_function`.
         rtol : float
@@ -493,31 +489,17 @@ class Table(Law):
         Raises
         ------
         DemlawsError
-            If points do not follow a rising curve, or unloading does not begin where loading ends; with overlap and force.
+            If points do not follow a rising curve, or are fewer than six; with overlap and force.
         """
-        from demlaws.curves.user_curves import along_points, from_points
+        from demlaws.curves.user_curves import curve_of_points
 
-        parts = from_points(
+        curve = curve_of_points(
             points,
             contact,
-            unloading,
             uncertainty=uncertainty,
-            plastic_overlap=plastic_overlap,
             scales_with=scales_with,
             rtol=rtol,
             name=name,
             description=description,
         )
-        with along_points(parts[2]):
-            return cls._from_parts(*parts)
-
-    @classmethod
-    def _from_parts(cls, contact, curve, unloading):
-        """A table of a user's curve, and its unloading: a table of a second curve, or what `law` takes."""
-        from demlaws.curves.table import TableCurve
-
-        if not isinstance(unloading, TableCurve):
-            return join(contact, curve, unloading)
-        law = join(contact, curve, cls(contact, unloading))
-        along = law.unloading_parts.curve.with_errors_of(unloading)
-        return cls(contact, curve, law.unloading_parts._replace(curve=along))
+        return join(contact, curve, unloading)

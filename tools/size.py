@@ -30,7 +30,7 @@ MECHANISMS = {
     "tables: cells, files, certificates": "core/curve.py core/grid.py curves/t*.py",
     "curves of Gaussian asperities": "laws/family.py solvers/master_curves.py",
     "measured points as a law": "curves/points.py curves/user_curves.py",
-    "functions as a law": "curves/function.py user_laws/*.py laws/registry.py curves/soundness.py",
+    "functions as a law": "user_laws/*.py laws/registry.py curves/soundness.py",
     "user rules in engines": "curves/rule_object.py",
     "shear: levels, partial slip": "core/shear.py core/levels.py core/slip.py yade/shear.py yade/slip.py",
     "YADE: native bridge": "yade/native.py yade/search.py yade/obj*.py yade/rec*.py yade/tup*.py yade/layout.py yade/kernel.py",

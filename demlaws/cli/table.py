@@ -7,7 +7,6 @@ from demlaws.cli.arguments import force, length, plain
 from demlaws.cli.contact import add_law_arguments, contact_from, describe, law_from, unloads
 from demlaws.cli.output import output
 from demlaws.errors import DemlawsError
-from demlaws.files import names_a_file
 
 
 def register(add):
@@ -18,15 +17,13 @@ def register(add):
         **example(
             '  demlaws table --law pohrt-popov --unloading hertz --test "SS(18-18)" --out granite.tbl --figure granite.png\n'
             '  demlaws table --law pohrt-popov --test "SS(18-18)" --out both.tbl --unloading-law hertz\n'
-            "  demlaws table --points test.csv --unloading test.csv --radius 8mm --modulus 32GPa --out measured.tbl\n\n"
+            "  demlaws table --points test.csv --unloading hertz --radius 8mm --modulus 32GPa --out measured.tbl\n\n"
             "test.csv: two columns with units in the header, for instance\n"
             "  overlap (um),force (N)"
         ),
     )
     add_law_arguments(table, law_required=False)
-    points = table.add_argument_group(
-        "measured points in place of --law; --unloading then also accepts a file with the measured points of unloading"
-    )
+    points = table.add_argument_group("measured points in place of --law")
     points.add_argument(
         "--points",
         type=Path,
@@ -39,9 +36,6 @@ def register(add):
     points.add_argument(
         "--force-noise", type=force, metavar="N", help="standard uncertainty of the force in N (default: from the scatter)"
     )
-    points.add_argument(
-        "--plastic-overlap", type=length, help="plastic overlap in m after unloading (default: from the points)"
-    )
     table.add_argument(
         "--rtol",
         type=plain,
@@ -53,18 +47,8 @@ def register(add):
     table.set_defaults(func=run)
 
 
-def _is_table(path):
-    from demlaws.curves.table_grammar import FORMAT
-
-    try:
-        with open(path, "rb") as file:
-            return file.read(len(FORMAT)).startswith(FORMAT[:-1].encode())  # of any format: the reader refuses the others
-    except OSError as error:
-        raise DemlawsError(f"cannot read {path}: {error.strerror or error}") from error
-
-
 def measured_table(arguments, result):
-    """The table of the points, and the (overlap, force) of first loading and unloading for a figure."""
+    """The table of the points, and their (overlap, force) for a figure."""
     import numpy as np
 
     from demlaws.curves.point_files import read_points
@@ -74,23 +58,14 @@ def measured_table(arguments, result):
         raise DemlawsError("--points replaces --law, --option and --max-force: give one or the other")
     test = read_points(arguments.points)
     first = test.loading_mask()
-    curves = [(test.displacement[first] - arguments.zero, test.force[first])]
-    unloading = "elastic" if arguments.unloading is None else arguments.unloading
+    points = test.displacement[first] - arguments.zero, test.force[first]
     if arguments.unloading_law is not None:
-        raise DemlawsError("--unloading-law needs --law; with --points give --unloading FILE, a table or points")
-    text = str(unloading)
-    if names_a_file(text) and not _is_table(text):
-        back = read_points(Path(text))
-        peak = int(np.argmax(back.force))
-        end = peak + int(np.argmin(back.force[peak:])) + 1
-        unloading = (back.displacement[peak:end] - arguments.zero, back.force[peak:end])
-        curves.append(unloading)
+        raise DemlawsError("--unloading-law needs --law; with --points give --unloading, a rule or a table")
     table = Table.from_points(
-        np.column_stack(curves[0]),
+        np.column_stack(points),
         contact_from(arguments),
-        unloading=unloading if isinstance(unloading, str) else np.column_stack(unloading),
+        unloading="elastic" if arguments.unloading is None else arguments.unloading,
         uncertainty=arguments.force_noise,
-        plastic_overlap=None if arguments.plastic_overlap is None else arguments.plastic_overlap - arguments.zero,
         rtol=1e-3 if arguments.rtol is None else arguments.rtol,
         description=f"points of {arguments.points.name}",
     )
@@ -100,27 +75,24 @@ def measured_table(arguments, result):
         f"{arguments.points}: {knots.points} points of first loading; smoothing: {knots.smoothing}; points deviate by up to "
         f"{knots.departure:.3g} N from the curve"
     )
-    if rest and len(curves) == 1:
-        result.say(
-            f"{rest} points of unloading and reloading are not used: give --unloading {arguments.points} to unload along them"
-        )
-    if not np.isnan(knots.uncertainty).all():
-        k = int(np.nanargmax(knots.uncertainty / knots.force))
-        result.print(
-            f"standard uncertainty of the force: at most {100 * knots.uncertainty[k] / knots.force[k]:.2g} % "
-            f"(at {knots.force[k]:.3g} N)"
-        )
-    return table, curves
+    if rest:
+        result.say(f"{rest} points of unloading and reloading are not used: demlaws fit takes them, too")
+    k = int(np.argmax(knots.uncertainty / knots.force))
+    result.print(
+        f"standard uncertainty of the force: at most {100 * knots.uncertainty[k] / knots.force[k]:.2g} % "
+        f"(at {knots.force[k]:.3g} N)"
+    )
+    return table, points
 
 
 def run(arguments, result):
     """Do what the command's arguments ask."""
     from demlaws import plots
 
-    curves = law = None
+    points = law = None
     if arguments.points is not None:
         result.print(describe(contact_from(arguments)))
-        table, curves = measured_table(arguments, result)
+        table, points = measured_table(arguments, result)
     elif arguments.law is None:
         raise DemlawsError("give --law NAME, or measured points with --points FILE")
     else:
@@ -149,5 +121,5 @@ def run(arguments, result):
     if not table.collapses:
         result.say(f"the curve of {table.name!r} depends on the radius or modulus: this table is valid for this contact only")
     if arguments.figure is not None:
-        picture = plots.table_figure(table, law) if curves is None else plots.points_figure(table, curves)
+        picture = plots.table_figure(table, law) if points is None else plots.points_figure(table, *points)
         result.print(plots.save(picture, arguments.figure))

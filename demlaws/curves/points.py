@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from demlaws.errors import Argument, DemlawsError
-from demlaws.units import as_float, number
+from demlaws.errors import DemlawsError
+from demlaws.units import as_float
 
 FEWEST = 6
-"""Overlaps from which on a curve is smoothed; fewer are interpolated."""
+"""Overlaps from which on a curve is smoothed."""
 MOST_PLACES = 160
 """More overlaps are averaged to so many before they are smoothed."""
 SHOWN = 24
@@ -23,16 +23,15 @@ class Knots(NamedTuple):
 
     overlap: np.ndarray  # [m]
     force: np.ndarray  # [N]
-    uncertainty: np.ndarray  # standard uncertainty of the force [N]; NaN where nothing tells it
+    uncertainty: np.ndarray  # standard uncertainty of the force [N]
     points: int
     departure: float  # largest distance of a point's force from the curve [N]
     smoothing: str
 
     def text(self) -> str:
         """As one line of a table file."""
-        values = [None if isinstance(v, float) and v != v else v for v in self.uncertainty.tolist()]
-        columns = {"overlap": self.overlap.tolist(), "force": self.force.tolist(), "uncertainty": values}
-        return json.dumps({**columns, "points": self.points, "departure": self.departure, "smoothing": self.smoothing})
+        columns = {name: getattr(self, name).tolist() for name in ("overlap", "force", "uncertainty")}
+        return json.dumps({**self._asdict(), **columns})
 
     @classmethod
     def from_text(cls, text: str) -> "Knots":
@@ -43,83 +42,65 @@ class Knots(NamedTuple):
 
 
 class MeasuredCurve:
-    """Rising curve of measured points: a smoothing spline in ln δ, ln P (`_smooth`).
+    """Rising curve of measured points of first loading: a smoothing spline in ln δ, ln P (`_smooth`).
 
-    Fewer than 6 overlaps are interpolated, by Fritsch and Carlson's monotone cubics: points of one overlap become their mean,
-    neighbours whose forces fall are averaged (pool adjacent violators). Points whose force is further from the curve than 25 %
-    (of it, or of a twentieth of the largest) and 4 to 6 standard uncertainties are refused, also those without an overlap or
-    without a force. Below the first knot the curve is a power law with the
-    exponent there, from 1 to 4; beyond the last, one with the exponent there.
+    Points whose force is further from the curve than 25 % (of it, or of a twentieth of the largest) and 4 to 6 standard
+    uncertainties are refused, also those without an overlap or without a force. Below the first place the curve is a power law
+    with the exponent there, from 1 to 4; beyond the last, one with the exponent there.
     """
 
     FURTHEST = 0.25
     LARGEST_NOISE = 0.02
     """Most constant noise of the force that is estimated from the points and allowed for, over the largest force."""
-    MOST = 0.05
-    """Difference of the forces with which loading ends and unloading begins, relative."""
 
-    def __init__(self, overlap: Any, force: Any, uncertainty: Any = None, what: str = "first loading"):
-        (overlap, force, sigma), without = _columns(overlap, force, uncertainty, what)
+    def __init__(self, overlap: Any, force: Any, uncertainty: Any = None):
+        (overlap, force, sigma), without = _columns(overlap, force, uncertainty)
         order = np.argsort(overlap, kind="stable")
         overlap, force, sigma = overlap[order], force[order], sigma[order]
-        groups, fit = self._set_curve(overlap, force, sigma, what)
+        fit = self._set_curve(overlap, force, sigma)
         departure = np.abs(self.evaluate(overlap)[0] - force)
-        most, noise, at_touch = self.LARGEST_NOISE * float(force.max()), 0.0, 0.0
-        if fit is not None:
-            noise = min(fit.noise, most)
-            at_touch = min(max(1.5 * noise, float(np.sqrt(np.mean(departure**2)))), 1.5 * most)
-        self._check_touch((*without[:2], np.fmax(without[2], at_touch)), force.max(), what)
+        most = self.LARGEST_NOISE * float(force.max())
+        noise = min(fit.noise, most)
+        at_touch = min(max(1.5 * noise, float(np.sqrt(np.mean(departure**2)))), 1.5 * most)
+        self._check_touch((*without[:2], np.fmax(without[2], at_touch)), force.max())
         allowed = np.maximum(self._allowed(force, sigma, force.max()), 6.0 * noise)
         worst = int(np.argmax(departure / allowed))
         if departure[worst] > allowed[worst]:
             raise DemlawsError(
-                f"{what}: at overlap {overlap[worst]:.6g} m the force is {force[worst]:.6g} N, {departure[worst]:.3g} N from "
-                f"a rising curve through the points: give points of {what} only, in m and N, or their uncertainty [N]"
+                f"first loading: at overlap {overlap[worst]:.6g} m the force is {force[worst]:.6g} N, {departure[worst]:.3g} N "
+                "from a rising curve through the points: give points of first loading only, in m and N, or their uncertainty"
             )
-        self.knots = self._knots(groups, fit, sigma, departure)
+        at = np.unique(np.linspace(0, self.x.size - 1, min(self.x.size, SHOWN)).round().astype(int))
+        curve = np.exp(fit.values)
+        text = f"smoothing spline by restricted likelihood, {fit.freedom:.1f} degrees of freedom"
+        sigmas = (fit.relative_error * curve)[at]
+        self.knots = Knots(np.exp(self.x[at]), curve[at], sigmas, int(sigma.size), float(departure.max()), text)
 
-    def _set_curve(self, overlap, force, sigma, what):
-        """Set the curve through points in the order of their overlaps; returns the points of each place, and the smoothing."""
-        smooth, groups, fit = np.unique(overlap).size >= FEWEST, _equal_groups(overlap), None
-        x = np.array([np.mean(np.log(overlap[g])) for g in groups])
-        if smooth:
-            means = np.array([np.mean(force[g]) for g in groups])
-            errors = np.array([math.sqrt(float(np.sum(sigma[g] ** 2))) / g.size for g in groups])
-            fit = _smooth(x, means, errors, np.array([g.size for g in groups]))
-        else:
-            x, y, groups = _rising(x, np.array([np.mean(np.log(force[g])) for g in groups]), groups)
-        if x.size < 2 or (smooth and fit is None):
+    def _set_curve(self, overlap, force, sigma):
+        """Set the curve through points in the order of their overlaps; returns the smoothing."""
+        groups = _equal_groups(overlap)
+        self.x = np.array([np.mean(np.log(overlap[g])) for g in groups])
+        means = np.array([np.mean(force[g]) for g in groups])
+        errors = np.array([math.sqrt(float(np.sum(sigma[g] ** 2))) / g.size for g in groups])
+        fit = _smooth(self.x, means, errors, np.array([g.size for g in groups]))
+        if fit is None:
             raise DemlawsError(
-                f"{what}: the forces do not rise with the overlap (from {force[0]:.6g} N at {overlap[0]:.6g} m to "
+                f"first loading: the forces do not rise with the overlap (from {force[0]:.6g} N at {overlap[0]:.6g} m to "
                 f"{force[-1]:.6g} N at {overlap[-1]:.6g} m)"
             )
-        self.x, self._spline = x, _monotone(x, y) if fit is None else fit.spline
-        self._slope = float(self._spline(x[0], 1))
+        self._spline = fit.spline
+        self._slope = float(self._spline(self.x[0], 1))
         self.first = min(max(1.0, self._slope), 4.0)
-        self.last = max(float(self._spline(x[-1], 1)), 1e-3)
+        self.last = max(float(self._spline(self.x[-1], 1)), 1e-3)
         self.largest = float(overlap[-1])
-        return groups, fit
-
-    def _knots(self, groups, fit, sigma, departure):
-        """What a table keeps of the points."""
-        overlap, force = np.exp(self.x), np.exp(self._spline(self.x))
-        if fit is not None:
-            at = np.unique(np.linspace(0, self.x.size - 1, min(self.x.size, SHOWN)).round().astype(int))
-            text = f"smoothing spline by restricted likelihood, {fit.freedom:.1f} degrees of freedom"
-            sigmas = fit.relative_error * force
-            return Knots(overlap[at], force[at], sigmas[at], int(sigma.size), float(departure.max()), text)
-        averaged = len(groups) < sigma.size
-        sigmas = np.array([_uncertainty(sigma[g], departure[g], averaged) for g in groups])
-        points = f"{sigma.size} points averaged to {len(groups)} knots"
-        text = points if averaged else f"none: one knot per point ({len(groups)})"
-        return Knots(overlap, force, sigmas, int(sigma.size), float(departure.max()), text)
+        return fit
 
     def _allowed(self, force, sigma, largest):
         """How far points may lie from the curve [N]."""
         widths = max(4.0, math.sqrt(2.0 * math.log(1e3 * max(sigma.size, 1))))  # of one in a thousand sets of so many points
         return np.maximum(self.FURTHEST * np.maximum(force, 0.05 * largest), widths * np.nan_to_num(sigma))
 
-    def _check_touch(self, points, largest, what):
+    def _check_touch(self, points, largest):
         """Points without overlap carry no force, and those without force lie where it has none."""
         overlap, force, sigma = points
         expected = np.zeros(overlap.size)
@@ -128,8 +109,8 @@ class MeasuredCurve:
         if bad.size:
             k = bad[np.argmax(np.abs(overlap[bad]))]
             raise DemlawsError(
-                f"{what}: at overlap {overlap[k]:.6g} m the force is {force[k]:.6g} N: overlaps count from where the bodies "
-                "touch; subtract the displacement at which they do (demlaws table: --zero)"
+                f"first loading: at overlap {overlap[k]:.6g} m the force is {force[k]:.6g} N: overlaps count from where the "
+                "bodies touch; subtract the displacement at which they do (demlaws table: --zero)"
             )
 
     def evaluate(self, overlap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -224,7 +205,7 @@ def _equal_groups(overlap):
     return [np.concatenate(groups[a:b]) for a, b in itertools.pairwise(bounds)]
 
 
-def _columns(overlap, force, uncertainty, what):
+def _columns(overlap, force, uncertainty):
     """Overlaps, forces and uncertainties of points with an overlap and a force above 0, and those of the others."""
     sigma = np.full(force.size, np.nan)
     if uncertainty is not None:
@@ -238,67 +219,11 @@ def _columns(overlap, force, uncertainty, what):
             bad = float(sigma[int(np.argmin(good))])
             raise DemlawsError(f"uncertainty = {bad:g} N: must be from 0 to a thousand times the largest force, {highest:g} N")
     keep = (overlap > 0.0) & (force > 0.0)
-    if np.unique(overlap[keep]).size < 2:
+    places = len(_equal_groups(np.sort(overlap[keep])))
+    if places < FEWEST:
         raise DemlawsError(
-            f"{what}: {np.unique(overlap[keep]).size} points with an overlap and a force above 0; at least 2 are needed"
+            f"first loading: {places} overlaps above 0 with a force above 0; at least {FEWEST} are needed: measure more, or "
+            "give a function through them to Table.from_function (scipy.interpolate.PchipInterpolator)"
         )
     columns = (overlap, force, sigma)
     return tuple(one[keep] for one in columns), tuple(one[~keep] for one in columns)
-
-
-def _rising(x, y, groups):
-    """Neighbours whose forces do not rise, joined into one knot (pool adjacent violators)."""
-    blocks = []
-    for one in zip(x, y, groups, strict=True):
-        blocks.append(one)
-        while len(blocks) > 1 and not blocks[-1][1] > blocks[-2][1] + 1e-12:
-            (xb, yb, gb), (xa, ya, ga) = blocks.pop(), blocks.pop()
-            a, b = ga.size / (ga.size + gb.size), gb.size / (ga.size + gb.size)
-            blocks.append((a * xa + b * xb, a * ya + b * yb, np.concatenate([ga, gb])))
-    return np.array([b[0] for b in blocks]), np.array([b[1] for b in blocks]), [b[2] for b in blocks]
-
-
-def _monotone(x, y):
-    """Monotone cubics through rising knots (`scipy.interpolate.PchipInterpolator`), the slopes at the ends kept positive."""
-    from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
-
-    slopes, chords = PchipInterpolator(x, y).derivative()(x), np.diff(y) / np.diff(x)
-    for end in (0, -1):
-        slopes[end] = np.clip(slopes[end], 0.5 * chords[end], 2.0 * chords[end])
-    return CubicHermiteSpline(x, y, slopes)
-
-
-def _uncertainty(sigma, departure, smoothed):
-    """Standard uncertainty [N] of a knot: given, or from the scatter of the points that it is the mean of."""
-    n = sigma.size
-    value = math.sqrt(float(np.sum(sigma**2))) / n
-    if value == value or not smoothed or n < 3:
-        return value
-    return float(np.sqrt(np.mean(departure**2) / (n - 1)))
-
-
-def past_plastic_overlap(overlap: Any, force: Any, plastic_overlap: Any = None) -> tuple[np.ndarray, np.ndarray, float]:
-    """Unloading points as overlaps past their foot δp [m], forces [N], and δp.
-
-    δp is given, or the largest overlap without force, or where Hertz's straight line in P^(2/3) through the two lowest points
-    with a force meets 0.
-    """
-    order = np.argsort(overlap, kind="stable")
-    overlap, force = overlap[order], force[order]
-    carries = force > 0.0
-    if np.unique(overlap[carries]).size < 2:
-        raise DemlawsError(f"unloading: {np.unique(overlap[carries]).size} points with a force above 0; at least 2 are needed")
-    lowest = float(overlap[carries][0])
-    if plastic_overlap is not None:
-        foot = number(plastic_overlap, "plastic_overlap", "m", -math.inf)
-    elif np.any(~carries & (overlap < lowest)):
-        foot = float(np.max(overlap[~carries & (overlap < lowest)]))
-    else:
-        (d0, d1), (s0, s1) = overlap[carries][:2], np.cbrt(force[carries][:2]) ** 2
-        foot = float(d0 - s0 * (d1 - d0) / (s1 - s0)) if s1 > s0 and d1 > d0 else lowest - 1e-3 * float(np.ptp(overlap))
-    if not foot < lowest:
-        raise DemlawsError(
-            Argument("plastic_overlap"),
-            f" = {foot:g} m: unloading still carries {force[carries][0]:g} N at overlap {lowest:g} m",
-        )
-    return overlap[carries] - foot, force[carries], foot

@@ -4,7 +4,7 @@
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -145,8 +145,3 @@ class TableCurve:
     def floor(self) -> float | None:
         """s where the power law of this curve ends below: an unloading curve's ends there, too, and stays the stiffer one."""
         return None if self.starts_from_force else float(self.shape.grid.cells[0, 1])
-
-    def with_errors_of(self, other: "TableCurve") -> "TableCurve":
-        """This table of the table `other`, certified against the curve of that."""
-        errors = zip(self.certificate, other.certificate, strict=True)
-        return replace(self, certificate=Certificate(*(a + b for a, b in errors)))

@@ -69,7 +69,6 @@ def compose(contact: Contact, curve: TableCurve, unloading: Unloading, collapses
             "options": json.dumps(along.options, default=lambda value: value.record()),
             **table_grammar.describe_contact(along.made_for),
             **table_grammar.describe_rows(along.rows, along.certificate),
-            **({} if along.knots is None else {"points": along.knots.text()}),
         }
         header |= {UNLOADING + key: value for key, value in about.items()}
     return table_grammar.compose(header, curve.rows, None if along is None else along.rows)
@@ -94,7 +93,7 @@ def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
         certificate = Certificate(values[f"{prefix}force_error"], values[f"{prefix}stiffness_error"])
         definition = _definition(file, rule, prefix, collapses)
         options = definition.read(values[f"{prefix}options"])
-        knots = _knots(file.header.get(f"{prefix}points"), path)
+        knots = _knots(file.header.get("points"), path) if prefix == "" else None
         made_for = values[f"{prefix}contact"]
         collapses = collapses or (prefix == "" and file.unloading is not None and definition.collapses)
         return TableCurve(definition, options, shape, rows.nodes, certificate, values["rtol"], made_for, collapses, knots)

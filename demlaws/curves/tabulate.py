@@ -102,7 +102,7 @@ def _smallest_table(source, contact, lengths, *, rtol, name, span, first_bits=1,
             return shape, nodes, certificate
     raise DemlawsError(
         f"rtol = {rtol:g} cannot be reached: with {2**MOST_BITS} cells per octave the table of {name!r} errs by "
-        f"{max(certificate):.2g}; use a larger tolerance"
+        f"{max(certificate):.2g}; use a larger tolerance, or name the overlaps of its kinks (kinks=...)"
     )
 
 
@@ -183,11 +183,8 @@ def rescaled(table: TableCurve, contact: Contact, unloading: Unloading) -> Table
         straight=curve.starts_from_force,
         floor=table.floor,
     )
-    made_for: Any = unloading.contact
-    knots = None
-    if curve.tabulated:
-        made_for, knots = curve.made_for, curve.knots
-    return TableCurve(curve.definition, curve.options, shape, nodes, certificate, table.rtol, made_for, curve.collapses, knots)
+    made_for: Any = curve.made_for if curve.tabulated else unloading.contact
+    return TableCurve(curve.definition, curve.options, shape, nodes, certificate, table.rtol, made_for, curve.collapses)
 
 
 def tabulate_given(curve: Any, definition: Definition, contact: Contact, rtol: float) -> TableCurve:

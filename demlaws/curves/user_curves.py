@@ -1,9 +1,9 @@
-"""Tables of users' curves: the parts of the law of a function, or of measured points."""
+"""Curves of first loading of a user: a function force(overlap), or measured points, as the parts of a `Table`."""
 
-import contextlib
+import itertools
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -11,42 +11,38 @@ import numpy as np
 
 from demlaws.contact import Contact
 from demlaws.core.loops import bind_params
-from demlaws.curves.function import Called, GivenCurve
-from demlaws.curves.point_files import Points, columns_of
-from demlaws.curves.points import MeasuredCurve, past_plastic_overlap
+from demlaws.curves.point_files import columns_of
+from demlaws.curves.points import MeasuredCurve
+from demlaws.curves.soundness import fault_of_slope, fault_of_values
 from demlaws.curves.table import TableCurve
 from demlaws.curves.table_file import definition_of_table
 from demlaws.curves.tabulate import tabulate_given, tolerance
-from demlaws.errors import DemlawsError, NotPassive, warn
+from demlaws.errors import DemlawsError, warn
 from demlaws.laws.registry import registry
-from demlaws.units import SMALL_OVERLAP, check_overlaps, number
+from demlaws.units import SMALL_OVERLAP, check_overlaps, number, positive
 
-_REACH = 3.2  # of an unloading curve beyond its table's end, whose last cells are wide where the table is rough
+_STEP = 5e-4
+"""Distance of the samples of a function in ln δ."""
+_SMOOTH = 1e-8
+"""Relative distance of a sample from a spline through its neighbours from which on there is a kink, or noise."""
+_SCAN = 1500
 
 
-def from_function(
-    force, contact, largest_overlap, *, stiffness, unloading, kinks, scales_with, rtol, name, description
-) -> tuple[Contact, TableCurve, Any]:
-    """(contact, curve, unloading) of `Table.from_function`; the unloading is a `TableCurve` where it is a function."""
+def curve_of_function(force, contact, largest_overlap, *, stiffness, kinks, scales_with, rtol, name, description) -> TableCurve:
+    """The curve of `Table.from_function`."""
     definition = _definition(contact, name, description, scales_with)
     end = SMALL_OVERLAP * float(contact.radius)
     if largest_overlap is not None:
         end = number(largest_overlap, "largest_overlap", "m", 1e-9 * float(contact.radius), float(contact.radius))
     tolerance(rtol)
     length = float(contact.sigma if definition.length == "roughness" else contact.radius)
-    table = tabulate_given(GivenCurve(force, end, stiffness, kinks, length), definition, contact, rtol)
+    table = tabulate_given(FunctionCurve(force, end, stiffness, kinks, length), definition, contact, rtol)
     _warn_of_other_units(table, contact, end)
-    if callable(unloading):
-        force_of = Called(unloading, "unloading", "N", np.array([end]))
-        reach = _overlap_of(lambda d: force_of(np.array([d]))[0], _REACH * _largest_force(table, contact), end)
-        unloading = _unloading_table(GivenCurve(unloading, reach, length=length), table, contact)
-    return contact, table, unloading
+    return table
 
 
-def from_points(
-    points, contact, unloading, *, uncertainty, plastic_overlap, scales_with, rtol, name, description
-) -> tuple[Contact, TableCurve, Any]:
-    """(contact, curve, unloading) of `Table.from_points`; the unloading is a `TableCurve` where it is points."""
+def curve_of_points(points, contact, *, uncertainty, scales_with, rtol, name, description) -> TableCurve:
+    """The curve of `Table.from_points`."""
     definition = _definition(contact, name, description, scales_with)
     overlap, force = columns_of(points)
     _check_loading_alone(overlap, force)
@@ -54,21 +50,7 @@ def from_points(
     check_overlaps(curve.largest, contact.radius)
     table = replace(tabulate_given(curve, definition, contact, rtol), knots=curve.knots)
     _warn_of_other_units(table, contact, curve.largest)
-    if _are_points(unloading):
-        overlap, force = columns_of(unloading)
-        past, back, foot = past_plastic_overlap(overlap, force, plastic_overlap)
-        other = MeasuredCurve(past, back, None, "unloading")
-        top, peak = float(past.max() + foot), float(back.max())
-        expected = float(curve.evaluate(np.array([min(top, curve.largest)]))[0][0])
-        if abs(peak / expected - 1.0) > MeasuredCurve.MOST:
-            raise DemlawsError(
-                f"unloading begins at overlap {top:.6g} m with {peak:.6g} N, where loading has {expected:.6g} N: "
-                "both must come from one test, with the same zero of the overlap"
-            )
-        most = _REACH * _largest_force(table, contact)
-        other.largest = max(other.largest, _overlap_of(lambda d: other.evaluate(np.array([d]))[0][0], most, float(past.max())))
-        unloading = replace(_unloading_table(other, table, contact), knots=other.knots)
-    return contact, table, unloading
+    return table
 
 
 def _check_loading_alone(overlap, force):
@@ -86,29 +68,8 @@ def _check_loading_alone(overlap, force):
         peak = int(np.argmax(force))
         raise DemlawsError(
             f"points: the overlap rises and falls (the largest force, {force[peak]:.6g} N, is point {peak}): give those of "
-            f"first loading alone, and those of unloading as unloading=points[{peak}:]; dl.fit takes the whole test"
+            "first loading alone; dl.fit takes the whole test"
         )
-
-
-def _are_points(value):
-    """Whether an unloading is neither a rule (a tuple with fields), a law nor a table."""
-    plain = isinstance(value, Points | Mapping | np.ndarray | list) or type(value) is tuple
-    return plain or hasattr(value, "to_numpy")
-
-
-@contextlib.contextmanager
-def along_points(unloading) -> Iterator[None]:
-    """A refusal of measured points of unloading names what helps, beside elastic unloading."""
-    try:
-        yield
-    except NotPassive as error:
-        if not isinstance(unloading, TableCurve):
-            raise
-        raise NotPassive(
-            error.args[0],  # without its remedy
-            ". If this is noise: fit laws to all points (demlaws fit), whose loading and unloading belong together, and "
-            "tabulate the best; or take 'elastic' unloading",
-        ) from None
 
 
 def _definition(contact, name, description, scales_with):
@@ -130,16 +91,10 @@ def _definition(contact, name, description, scales_with):
     return definition_of_table(name, "user-defined", description, length, scales_with is not None, unloading=("elastic",))
 
 
-def _unloading_table(curve, table, contact):
-    """`TableCurve` of a second curve of the user's to unload along, finer than the first."""
-    name = table.definition.name
-    definition = table.definition._replace(name=f"{name}-unloading", description=f"unloading of {name}")
-    return tabulate_given(curve, definition, contact, max(0.1 * table.rtol, 1e-11))
-
-
 def _warn_of_other_units(table, contact, overlap):
     """Warn where the largest force is far from Hertz's, as by a unit."""
-    force, hertz = _largest_force(table, contact), 4.0 / 3.0 * contact.modulus * math.sqrt(contact.radius * overlap**3)
+    force = table.largest_force(bind_params(table.shape, contact))
+    hertz = 4.0 / 3.0 * contact.modulus * math.sqrt(contact.radius * overlap**3)
     if not 1.0 / 300.0 < force / hertz < 30.0:
         warn(
             f"at the largest overlap, {overlap:.3g} m, the force is {force:.3g} N, {force / hertz:.2g} of Hertz's: forces are "
@@ -147,16 +102,99 @@ def _warn_of_other_units(table, contact, overlap):
         )
 
 
-def _largest_force(table, contact):
-    return table.largest_force(bind_params(table.shape, contact))
+# --- a function
 
 
-def _overlap_of(function, force, start):
-    """An overlap [m] at which a user's rising function carries `force` [N], or as near as it comes."""
-    overlap = start
-    for _ in range(200):
-        value = float(np.asarray(function(overlap)).ravel()[0])
-        if not value < force:
-            break
-        overlap *= 1.1
-    return overlap
+def _refuse(fault):
+    """Raise DemlawsError where there is a fault (text)."""
+    if fault is not None:
+        raise DemlawsError(f"the force function cannot be used: {fault}")
+
+
+class FunctionCurve:
+    """force(overlap) with its stiffness, given or derived, up to `largest` [m]; beyond, a power law with the exponent there.
+
+    The derivative is that of splines of degree 5 over ln δ, one between any two kinks, from 2^-31 of `largest` or of the
+    table's `length` [m] on.
+    """
+
+    def __init__(
+        self,
+        force: Callable,
+        largest: float,
+        stiffness: Callable | None = None,
+        kinks: Any = (),
+        length: float = math.inf,
+    ):
+        self.largest, self._force, self._stiffness = largest, force, stiffness
+        for what, function in (("force", force), ("stiffness", stiffness)):
+            if not callable(function) and (function is not None or what == "force"):
+                raise DemlawsError(f"{what} must be a function of the overlap in m, got {function!r:.60}")
+        scan = largest * np.geomspace(2.0**-30, 1.0, _SCAN)
+        values = _called(force, "force", scan)
+        _refuse(fault_of_values(scan, values, None if stiffness is None else _called(stiffness, "stiffness", scan)))
+        if values[0] == 0.0:
+            _refuse(f"at overlap {scan[0]:.3g} m the force is 0 N: it must be 0 N at overlap 0 only")
+        lowest = 2.0**-31 * min(largest, length)
+        self.kinks = sorted(float(k) for k in np.atleast_1d(positive(kinks, "kinks", "m")) if lowest < k < largest)
+        pieces = itertools.pairwise([lowest, *self.kinks, largest])
+        self._splines = [self._spline(a, b) for a, b in pieces] if stiffness is None else []
+        _refuse(fault_of_slope(self.evaluate, scan[:: 5 if stiffness is None else 1]))
+        last, tangent = (float(v[0]) for v in self._inside(np.array([largest])))
+        self._end = last, tangent * largest / last
+
+    def _spline(self, a, b):
+        """The force between two overlaps over ln δ; smooth where one through every second sample meets all."""
+        from scipy.interpolate import make_interp_spline
+
+        count = max(8, math.ceil(math.log(b / a) / (2.0 * _STEP)))
+        x = np.linspace(math.log(a), math.log(b), 2 * count + 1)
+        overlap = np.clip(np.exp(x), a, b)
+        force = _called(self._force, "force", overlap)
+        _refuse(fault_of_values(overlap, force))
+        missed = np.abs(make_interp_spline(x[::2], force[::2], 5)(x[1::2]) / force[1::2] - 1.0)
+        worst = int(np.argmax(missed))
+        if missed[worst] > _SMOOTH:
+            raise DemlawsError(
+                f"the force function has no derivative to be found at overlap {overlap[2 * worst + 1]:.6g} m (it is "
+                f"{missed[worst]:.1g} off a curve through its neighbours): it jumps, is noisy or has a kink there; give "
+                "kinks=[...] or stiffness=..."
+            )
+        return make_interp_spline(x, force, 5)
+
+    def _inside(self, overlap):
+        force = _called(self._force, "force", overlap)
+        if self._stiffness is not None:
+            return force, _called(self._stiffness, "stiffness", overlap)
+        x, exponent = np.log(overlap), np.empty(overlap.size)
+        piece = np.searchsorted(self.kinks, overlap, side="left")  # on a kink: the part below it
+        for n, spline in enumerate(self._splines):
+            here = np.maximum(x[piece == n], spline.t[0])  # a power law below the samples
+            exponent[piece == n] = spline(here, 1) / spline(here)
+        return force, exponent * force / overlap
+
+    def evaluate(self, overlap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Force [N] and stiffness [N/m] at overlaps [m] > 0."""
+        overlap = np.asarray(overlap, float)
+        inside = np.minimum(overlap, self.largest)
+        force, stiffness = self._inside(inside)
+        order = np.argsort(inside, kind="stable")
+        _refuse(fault_of_values(inside[order], force[order]))
+        last, exponent = self._end if np.any(overlap > self.largest) else (0.0, 0.0)
+        beyond = last * (overlap / self.largest) ** exponent
+        above = overlap > self.largest
+        return np.where(above, beyond, force), np.where(above, exponent * beyond / overlap, stiffness)
+
+
+def _called(function, what, overlap):
+    """Values of a user's function at overlaps [m], one call for each."""
+    values = np.empty(overlap.size)
+    for n, one in enumerate(overlap):
+        try:
+            values[n] = np.asarray(function(float(one))).item()
+        except Exception as error:  # whatever a user's function raises, and a value that is not one number
+            text = " ".join(str(error).split())
+            raise DemlawsError(
+                f"the {what} function does not give a number at overlap {one:.6g} m: {type(error).__name__}: {text}"
+            ) from error
+    return values

@@ -166,27 +166,19 @@ def table_figure(table, law):
     return fig
 
 
-def points_figure(table, measured):
-    """Measured points with the table's curve, its 95 % band and, where it has one, an unloading from the largest force.
-
-    measured: (overlaps [m], forces [N]) of first loading, and of unloading.
-    """
+def points_figure(table, overlap, load):
+    """Measured points of first loading, overlaps [m] and forces [N], with the table's curve and its 95 % band."""
     fig, (left, right) = figure(columns=2)
     knots = table.knots
     at = np.linspace(0.0, knots.overlap[-1], 600)[1:]
     with quiet():
         force, band = table.force(at), 1.96 * table.uncertainty(at)
-        for axes, name in ((left, "points"), (right, None)):
-            for (overlap, load), colour in zip(measured, ("k", "tab:blue"), strict=False):
-                axes.plot(overlap * 1e6, load, ".", ms=3, color=colour, label=name)
-                name = name and "unloading"
+        for axes in (left, right):
+            axes.plot(overlap * 1e6, load, ".", ms=3, color="k", label="points")
             axes.plot(at * 1e6, force, "-", color="tab:red", lw=1.0, label="table")
             axes.fill_between(at * 1e6, force - band, force + band, color="tab:red", alpha=0.25, lw=0.0)
             axes.plot(knots.overlap * 1e6, knots.force, "o", ms=4, mfc="none", color="tab:red", label="knots")
             axes.set(xlabel="overlap (µm)", ylabel="force (N)")
-        if len(measured) > 1:
-            back = table.follow(np.append(measured[1][0].max(), np.linspace(measured[1][0].max(), 0.0, 400)[1:]))
-            left.plot(back.overlap * 1e6, back.force, "--", color="tab:blue", lw=1.0, label="table, unloading")
     right.set(xscale="log", yscale="log", title=f"stiffness within {table.stiffness_error:.1e} of the curve's")
     left.set_title(f"{table.definition.description}: {knots.points} points")
     left.legend(fontsize=8)

@@ -96,10 +96,6 @@ ERRORS = [
     (["fit", "FILE", *CONTACT, "--law", "hertz", "--force-noise", "0.1N"], ("--force-noise", "--displacement-noise")),
     (["fit", "FILE", *CONTACT, "--law", "hertz", "--displacement-noise", "1m"], ("--displacement-noise",)),
     (["fit", "FILE", *CONTACT, "--law", "rough-plastic", "--free", "yield_pressure"], ("--fractal-dimension",)),
-    (
-        ["table", "--points", "FILE", *CONTACT, "--out", "t.tbl", "--unloading", "FILE", "--plastic-overlap", "1mm"],
-        ("--plastic",),
-    ),
 ]
 
 
@@ -110,7 +106,7 @@ def test_errors_name_options(words, options, file, capsys, tmp_path, monkeypatch
     assert main([str(file) if word == "FILE" else word for word in words]) == 2
     text = capsys.readouterr().err
     assert all(option in text for option in options)
-    assert "_noise" not in text and "Contact(" not in text and "plastic_overlap" not in text
+    assert "_noise" not in text and "Contact(" not in text
 
 
 SCENE = """

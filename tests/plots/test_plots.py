@@ -70,7 +70,7 @@ def test_points_figure():
     force = np.geomspace(0.5, 50.0, 15)
     overlap = dl.law("rms", PAIR).overlap(force)
     table = dl.Table.from_points(np.column_stack([overlap, force]), PAIR)
-    left, right = plots.points_figure(table, [(overlap, force)]).axes
+    left, right = plots.points_figure(table, overlap, force).axes
     assert labels(left) == ["points", "table", "knots"] and right.get_xscale() == "log"
     np.testing.assert_allclose(lines(left)[0], np.column_stack([overlap * 1e6, force]))
     _, (at, curve), *_ = (xy.T for xy in lines(left))
