@@ -12,7 +12,6 @@ import demlaws as dl
 from demlaws.core.unloading import GIVEN
 from demlaws.laws.registry import registry
 from demlaws.make import example
-from demlaws.user_laws.check import overlaps  # noqa: F401  for the tests
 
 GRANITE = dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22, hardness=6.266e9)
 SMOOTHER = dl.Contact(radius=4.04e-3, modulus=32.32e9, roughness=0.15e-6, fractal_dimension=2.075, hardness=6.266e9)
@@ -46,6 +45,16 @@ def make(name, unloading="elastic", contact="granite"):
     """The law of this name for an example contact; made once in a test session."""
     one = CONTACTS[contact]
     return example(name, one, unloading, **options_of(name, one))
+
+
+def overlaps(law, points=60):
+    """Overlaps [m] from 1e-8 σ (1e-9 R of a smooth contact) to a tenth of the radius, less where the law's kinks lie."""
+    contact = law.contact
+    low = 1e-9 * contact.radius if contact.is_smooth else 1e-8 * contact.sigma
+    values = np.geomspace(low, 0.1 * contact.radius, points)
+    for kink in law.kinks():
+        values = values[np.abs(values / kink - 1.0) > 1e-6]
+    return values
 
 
 @functools.cache
