@@ -26,7 +26,7 @@ BEHIND = r"\bos\.fork\b|[\"']fork[\"']|\brmtree\(|\bputenv\(|\benviron(\[[^]]+\]
 
 MECHANISMS = {
     "dispatch on types": "core/dispatch.py",
-    "machine code on disk": "core/cache.py core/content.py",
+    "machine code on disk": "core/cache.py",
     "tables: cells, files, certificates": "core/curve.py core/grid.py curves/t*.py",
     "curves of Gaussian asperities": "laws/family.py solvers/master_curves.py",
     "measured points as a law": "curves/points.py curves/user_curves.py",

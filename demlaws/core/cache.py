@@ -9,16 +9,26 @@ any time.
 
 import contextlib
 import functools
+import itertools
 import os
 import sys
 import tempfile
+from hashlib import sha256
 from pathlib import Path
 from types import FunctionType
 
 import llvmlite.binding
 import numba
+import numpy as np
 
-from demlaws.core.content import UNKNOWN, digest, digest_of_loop, shared_digest
+_PACKAGE = Path(__file__).parents[1]
+_SHARED = ("core", "laws", "solvers", "curves")
+"""Folders of the package whose functions are compiled into those of others."""
+_KNOWN = {"demlaws", "numba", "numpy", "math", "cmath", "builtins", "operator", "typing"}
+"""Packages whose functions are identified by their names: the digest of its files, or numba's version, stands for the rest."""
+UNKNOWN = "unknown"
+"""In the names of types that each process compiles again."""
+_count = itertools.count(1)
 
 
 @functools.cache
@@ -47,7 +57,7 @@ def _is_writable(folder):
 def folder_of(function, kinds, constants):
     """Folder for the machine code of a function for arguments of these numba types, with these values (a dict) of its globals;
     None if the code must be compiled in every process: something that it depends on is unknown, or no folder may be written.
-    The names of users' types contain what their kernels depend on (`content.tag_of`).
+    The names of users' types contain what their kernels depend on (`tag_of`).
     """
     loop, arguments = digest_of_loop(function), repr((kinds, constants))
     if loop is None or UNKNOWN in arguments or _common_folder() is None:
@@ -55,13 +65,9 @@ def folder_of(function, kinds, constants):
     return _common_folder() / f"{function.__qualname__}-{digest(loop, arguments)[:24]}"
 
 
-def _file_of(function, folder):
-    return folder / f"{function.__name__}.py"
-
-
 def is_placed(function, folder):
     """Whether a process has placed the function in this folder before: its machine code is there, or being compiled."""
-    return _file_of(function, folder).exists()
+    return (folder / f"{function.__name__}.py").exists()
 
 
 def placed(function, folder):
@@ -69,7 +75,7 @@ def placed(function, folder):
 
     The file is the same wherever it is made, so that code which another process kept is found again.
     """
-    file = _file_of(function, folder)
+    file = folder / f"{function.__name__}.py"
     if not file.exists():
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile("w", dir=folder, delete=False) as temporary:
@@ -82,8 +88,102 @@ def placed(function, folder):
     return copy
 
 
-def discard(function):
-    """Remove the index of the machine code that numba kept of a function: it is compiled again."""
-    with contextlib.suppress(OSError, RuntimeError):
-        for index in Path(numba.njit(cache=True)(function).stats.cache_path).glob("*.nbi"):
-            index.unlink(missing_ok=True)
+# --- what machine code depends on
+
+
+def digest(*contents):
+    """SHA-256 of bytes, and of the text of anything else, in hexadecimal."""
+    return sha256(b"\0".join(c if isinstance(c, bytes) else repr(c).encode() for c in contents)).hexdigest()
+
+
+@functools.cache
+def shared_digest():
+    """Digest of the files of `_SHARED`: a process runs one version of them."""
+    return digest(*map(_folder_digest, (_PACKAGE / name for name in _SHARED)))
+
+
+def digest_of_loop(function):
+    """Digest of a function of the package with the files beside it, or of a user's function; None if it is unknown."""
+    if (function.__module__ or "").startswith("demlaws."):
+        return _folder_digest(Path(sys.modules[function.__module__].__file__).parent)
+    key = content_key(function)
+    return key and digest(key)
+
+
+@functools.cache
+def _folder_digest(folder):
+    return digest(*(part for file in sorted(folder.glob("*.py")) for part in (file.name, file.read_bytes())))
+
+
+def is_known(module):
+    """Whether functions of this module are identified by their names."""
+    return (module or "").partition(".")[0] in _KNOWN
+
+
+def tag_of(*things):
+    """Text for the name of a user's type, whose machine code on disk depends on these functions and values.
+
+    It is computed when the type is made: the file may be edited before a loop is compiled, and a notebook has none.
+    """
+    key = content_key(things)
+    return f"{UNKNOWN}{next(_count)}" if key is None else digest(key)[:16]
+
+
+def content_key(thing, visited=None):
+    """Text that identifies a value or a function, with all that it calls or uses, for compiled code; None if unknown."""
+    visited = set() if visited is None else visited
+    if isinstance(thing, (bool, int, float, complex, str, bytes, type(None), np.generic, np.dtype, numba.types.Type)):
+        return repr(thing)
+    if isinstance(thing, np.ndarray):
+        return None if thing.dtype.hasobject else digest(str(thing.dtype), thing.shape, np.ascontiguousarray(thing).tobytes())
+    if isinstance(thing, tuple | list | dict):
+        parts = [content_key(part, visited) for part in (thing.items() if isinstance(thing, dict) else thing)]
+        return None if None in parts else f"{type(thing).__qualname__}({','.join(parts)})"
+    function = getattr(thing, "py_func", None) or getattr(thing, "_defn", None) or thing  # of a dispatcher, an intrinsic
+    module, code = getattr(function, "__module__", None), getattr(function, "__code__", None)
+    if isinstance(thing, type):
+        file = None if is_known(module) else _file_digest(getattr(sys.modules.get(module), "__file__", None))
+        return f"{module}.{thing.__qualname__}{getattr(thing, '_fields', '')}{file}"
+    if isinstance(thing, np.ufunc) or (is_known(module) and not getattr(function, "__closure__", None)):
+        return f"{module}.{getattr(function, '__qualname__', repr(function))}"
+    if code is None or function in visited:
+        return None if code is None else "itself"
+    visited.add(function)
+    parts = _parts_of_function(function, code, visited)
+    key = None if None in parts else digest(*parts)
+    if hasattr(thing, "recompile"):  # a user's helper whose globals may have changed
+        if getattr(thing, "demlaws_key", key) != key:
+            thing.recompile()
+        thing.demlaws_key = key
+    return key
+
+
+def _parts_of_function(function, code, visited):
+    # the whole file as well: the code of a numba stub does not identify its implementation
+    parts = [_code_digest(code), _file_digest(code.co_filename), content_key(function.__defaults__, visited)]
+    parts += [content_key(cell.cell_contents, visited) for cell in function.__closure__ or ()]
+    names = sorted(_names(code))
+    for value in (function.__globals__[name] for name in names if name in function.__globals__):
+        if not isinstance(value, type(sys)):
+            parts.append(content_key(value, visited))
+        elif not is_known(value.__name__):
+            parts += [content_key(getattr(value, name), visited) for name in names if hasattr(value, name)]
+    return parts
+
+
+def _file_digest(file):
+    """Digest of a file, or a text for a missing file."""
+    try:
+        return digest(Path(file).read_bytes())
+    except (OSError, TypeError):
+        return "no file"
+
+
+def _names(code):
+    """Names of globals and attributes that a function, or one inside it, uses."""
+    return set(code.co_names).union(*(_names(constant) for constant in code.co_consts if isinstance(constant, type(code))))
+
+
+def _code_digest(code):
+    constants = [_code_digest(c) if isinstance(c, type(code)) else repr(c) for c in code.co_consts]
+    return digest(code.co_code, code.co_names, code.co_varnames, code.co_freevars, *constants)

@@ -14,7 +14,7 @@ import numpy as np
 from numba import types
 from numba.extending import overload
 
-from demlaws.core.content import is_known, tag_of
+from demlaws.core.cache import is_known, tag_of
 from demlaws.core.fastmath import read_only
 from demlaws.core.numba_compat import INLINED
 

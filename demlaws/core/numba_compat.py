@@ -3,7 +3,9 @@
 With NUMBA_DISABLE_JIT=1 nothing is compiled and a debugger steps through loops and kernels, except in YADE.
 """
 
+import contextlib
 import functools
+import sys
 import threading
 from types import FunctionType
 from typing import Any
@@ -12,7 +14,7 @@ import numba
 import numpy as np
 from numba.extending import lower_builtin, overload, register_jitable, type_callable
 
-from demlaws.core import cache, notice
+from demlaws.core import cache
 from demlaws.errors import DemlawsError, warn
 
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True, "no_cfunc_wrapper": True}
@@ -98,27 +100,42 @@ def callback(signature, function, constants):
 
 def _kept(function, folder, compiled):
     """compiled(function, keep): numba's dispatcher or callback, whose machine code is kept in this folder, if there is one."""
-    with _compiling:
-        known = folder is not None and cache.is_placed(function, folder)  # loading may take long, too, on a busy machine
-        if not known:
-            notice.begin()
-        try:
-            for attempt in (1, 2) if folder else ():
-                placed = None
-                try:
-                    placed = cache.placed(function, folder)
-                    return compiled(placed, True)
-                except numba.errors.NumbaError:
-                    raise
-                except Exception as error:  # whatever a corrupt file leads to, which is compiled again, or a full disk
-                    if attempt == 2:
-                        warn(f"machine code cannot be kept in {folder}, each process compiles it again: {error}", UserWarning)
-                    elif placed is not None:
-                        cache.discard(placed)
-            return compiled(function, False)
-        finally:
-            if not known:
-                notice.end()
+    known = folder is not None and cache.is_placed(function, folder)  # loading may take long, too, on a busy machine
+    with _compiling, contextlib.nullcontext() if known else announced():
+        if folder is not None:
+            try:
+                return compiled(cache.placed(function, folder), True)
+            except numba.errors.NumbaError:
+                raise
+            except Exception as error:  # whatever a corrupt file leads to, or a full disk
+                text = f"{folder} keeps no machine code, each process compiles it again; remove this folder: {error}"
+                warn(text, UserWarning)
+        return compiled(function, False)
+
+
+_said = False
+
+
+def _say_once() -> None:
+    global _said
+    if not _said:
+        _said = True
+        text = (
+            "demlaws: compiling these laws for this machine, some 2 to 10 s where nothing else runs; this is done once and kept"
+        )
+        print(text, file=sys.stderr, flush=True)
+
+
+@contextlib.contextmanager
+def announced():
+    """A line to the standard error, once in a process, if what is compiled within takes longer than a second."""
+    timer = threading.Timer(1.0, _say_once)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 def _stepped(function):

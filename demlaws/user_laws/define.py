@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from demlaws.contact import Contact
-from demlaws.core.content import tag_of
+from demlaws.core.cache import tag_of
 from demlaws.core.dispatch import bind, function_of_text, scalar
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel
 from demlaws.errors import DemlawsError

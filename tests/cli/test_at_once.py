@@ -12,7 +12,7 @@ import pytest
 import demlaws as dl
 from demlaws import cli
 from demlaws.cli import main
-from demlaws.core import notice
+from demlaws.core import numba_compat
 from demlaws.files import write_atomically
 
 BODIES = ["--young", "60GPa", "--poisson", "0.2", "--roughness", "1um", "--hardness", "6GPa"]
@@ -87,15 +87,15 @@ def test_an_old_python_is_named(monkeypatch, argv, error):
 
 def test_a_long_compilation_is_said_once(monkeypatch, capsys):
     """In a script as on the command line, with how long it takes; a short one is not said."""
-    monkeypatch.setattr(notice, "told", False)
-    notice.begin()
-    notice.end()
-    assert capsys.readouterr().err == "" and not notice.timers
+    monkeypatch.setattr(numba_compat, "_said", False)
+    with numba_compat.announced():
+        pass
+    assert capsys.readouterr().err == ""
     for _ in range(2):
-        notice.begin()
-        if notice.timers:
-            notice.timers[-1].join()
-        notice.end()
+        with numba_compat.announced():
+            for timer in threading.enumerate():
+                if isinstance(timer, threading.Timer):
+                    timer.join()
     said = capsys.readouterr().err
     assert said.count("compiling") == 1 and "10 s" in said
 
