@@ -120,7 +120,7 @@ SPRING = """
 @contextlib.contextmanager
 def restored():
     """Whatever is registered or loaded within goes again at its end."""
-    known = (registry._user_laws, registry._homes, registry._marks, registry._loaded)
+    known = (registry._user_laws, registry._homes, registry._checksums, registry._loaded)
     kept = [one.copy() for one in known]
     try:
         yield

@@ -1,6 +1,5 @@
 """The registry of laws: those of the package, and user-defined laws."""
 
-import contextlib
 import copyreg
 import importlib
 import importlib.util
@@ -9,9 +8,7 @@ import re
 import sys
 import traceback
 import zlib
-from collections import defaultdict
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 from demlaws.errors import DemlawsError, did_you_mean
@@ -20,9 +17,8 @@ from demlaws.laws.definition import Definition, check_name
 
 _user_laws: dict[str, Definition] = {}
 _homes: dict[str, str] = {}  # law → file or module that registered it
-_marks: dict[str, str] = defaultdict(str)  # law → check value of that file when it registered
-_loaded: dict[str, None] = {}  # files, in their order
-
+_checksums: dict[str, str] = {}  # law → that of this file when it registered
+_loaded: set[str] = set()  # files
 
 _BUILT_IN = {module.replace("_", "-"): module for module in MODULES}
 """Name of a law of the package → its module, which is imported when the law is needed."""
@@ -117,17 +113,10 @@ def _register(definition: Definition, home: str, replace: bool = False) -> Defin
             f"law {name!r} of {home} is already registered by {_homes[name]}: give one of them another name, or register "
             "with replace=True"
         )
-    others = (*map(_built_in, _BUILT_IN), *_user_laws.values()) if definition.advice.rank else ()
-    ranks = {d.advice.rank: d.name for d in others if d.advice.rank and d.name != name}
-    if definition.advice.rank in ranks:
-        raise DemlawsError(
-            f"law {name!r}: rank {definition.advice.rank} is that of {ranks[definition.advice.rank]!r}: give another, or 0"
-        )
     if _user_laws.get(name) != definition:
         _user_laws[name] = definition
     _homes[name] = home
-    with contextlib.suppress(OSError):
-        _marks[name] = _check_value(Path(home).read_bytes())
+    _checksums[name] = f"{zlib.crc32(Path(home).read_bytes()):08x}" if os.path.isfile(home) else ""
     return _user_laws[name]
 
 
@@ -139,48 +128,42 @@ def _check(definition: Any) -> None:
     if isinstance(name, str) and name in _BUILT_IN:
         raise DemlawsError(f"law {name!r} is a law of demlaws: use another name")
     check_name(name)
-    for field in ("equation", "source", "description"):
-        text = getattr(definition, field)
-        if not isinstance(text, str) or not text.isprintable():
-            raise DemlawsError(f"law {name!r}: {field} must be one line of text, got {text!r:.60}")
+    rules = definition.offered()
     functions = {field: getattr(definition, field) for field in ("prepare", "limits", "kinks")}
-    for field, function in (functions | {"advise": definition.advice.advise}).items():
-        if not callable(function):
-            raise DemlawsError(f"law {name!r}: {field} must be a function, got {function!r:.60}")
-    if definition.length not in ("roughness", "radius"):
-        raise DemlawsError(f"law {name!r}: length must be 'roughness' or 'radius', got {definition.length!r:.60}")
-    known_fields = ("roughness", "fractal_dimension", "hardness")
-    if wrong := [n for n in definition.needs if n not in known_fields]:
-        raise DemlawsError(f"law {name!r}: needs {', '.join(map(repr, wrong))}: a contact has {', '.join(known_fields)}")
-    if not definition.unloading or definition.unloading[0] != "elastic":
-        raise DemlawsError(f"law {name!r}: unloading = {definition.unloading!r:.60}: the first rule must be 'elastic'")
-    available = definition.offered()
-    if wrong := [rule for rule in (*definition.unloading, definition.default_rule()) if rule not in available]:
-        raise DemlawsError(f"law {name!r}: unloading {wrong[0]!r:.40} is none of its rules, {', '.join(available)}")
-    if wrong := sorted({*definition.fitting.free} - {"modulus", *definition.fitting.parameters}):
-        raise DemlawsError(f"law {name!r}: free names {', '.join(wrong)}, which fitted does not describe")
-
-
-def source_checksum(definition: Definition) -> str:
-    """Checksum of the functions or of the file of a definition, to distinguish edited versions."""
-    if not is_user_defined(definition):
-        return ""
-    return getattr(definition.prepare, "mark", None) or _marks[definition.name]
+    texts = {field: getattr(definition, field) for field in ("equation", "source", "description")}
+    fields = ("roughness", "fractal_dimension", "hardness")
+    free = ("modulus", *definition.fitting.parameters)
+    for field, value, right, needed in (
+        *((field, text, isinstance(text, str) and text.isprintable(), "one line of text") for field, text in texts.items()),
+        *((field, function, callable(function), "a function") for field, function in functions.items()),
+        ("advise", definition.advice.advise, callable(definition.advice.advise), "a function"),
+        ("rank", definition.advice.rank, definition.advice.rank == 0, "0: the references of choose are laws of the package"),
+        ("length", definition.length, definition.length in ("roughness", "radius"), "'roughness' or 'radius'"),
+        ("needs", definition.needs, set(definition.needs) <= set(fields), f"names of {', '.join(fields)}"),
+        ("unloading", definition.unloading, definition.unloading[:1] == ("elastic",), "rules, the first one 'elastic'"),
+        ("unloading", definition.unloading, set(definition.unloading) <= set(rules), f"names of {', '.join(rules)}"),
+        ("default_unloading", definition.default_rule(), definition.default_rule() in rules, f"one of {', '.join(rules)}"),
+        (
+            "free",
+            definition.fitting.free,
+            set(definition.fitting.free) <= set(free),
+            f"names of {', '.join(free)} (parameters)",
+        ),
+    ):
+        if not right:
+            raise DemlawsError(f"law {name!r}: {field} = {value!r:.60}: it must be {needed}")
 
 
 def _reduced(definition: Definition) -> tuple:
-    """Pickled by name and file: it holds functions that have no name, and a law that comes back is to be the same law."""
-    if definition.name in _BUILT_IN or definition.name in _user_laws:
-        home = home_of(definition.name)
-        return _of_name, (definition.name, source_checksum(definition), home if home in _loaded else "")
+    """Pickled by name: it holds functions that have no name, and a law that comes back is to be the same law."""
+    if definition.name in _BUILT_IN or is_user_defined(definition):
+        return _of_name, (definition.name, _checksums.get(definition.name, ""))
     return Definition, tuple(definition)  # of a table whose law is not here
 
 
-def _of_name(name: str, checksum: str = "", file: str = "") -> Definition:
-    if file and name not in laws() and os.path.isfile(file):  # a worker process
-        load_laws(file)
+def _of_name(name: str, checksum: str) -> Definition:
     definition = find(name)
-    if source_checksum(definition) != checksum:
+    if _checksums.get(name, "") != checksum:
         raise DemlawsError(f"law {name!r} differs from the law that was pickled: make it again")
     return definition
 
@@ -211,8 +194,8 @@ def load_laws(file: str | os.PathLike) -> list[str]:
 
     Notes
     -----
-    A file that is loaded or imported already is not run again; a copy of it is refused. Processes that unpickle its laws load
-    it, too. A script of YADE calls this function itself.
+    A file that is loaded already is not run again; a copy of it is refused. Another process, as a script of YADE or one that
+    unpickles a law, calls this function itself.
 
     Examples
     --------
@@ -226,76 +209,32 @@ def load_laws(file: str | os.PathLike) -> list[str]:
     from demlaws.files import as_path
 
     path = os.path.realpath(as_path(file))
-    module = _imported(path)
-    if path not in _loaded and module is not None:  # registered what it calls `register` with; a LAW waits to be
-        _register_law_of(module, path)
-    elif path not in _loaded:
-        _loaded[path] = None
-        try:
-            _run(path)
-        except BaseException:
-            _loaded.pop(path, None)
-            raise
+    if path not in _loaded:
+        _run(path)
+        _loaded.add(path)
     return [name for name, home in _homes.items() if home == path]
 
 
-def _check_value(content: bytes) -> str:
-    return f"{zlib.crc32(content):08x}"
-
-
-def _imported(path: str) -> ModuleType | None:
-    """The module that is this file; also one that is being run now."""
-    for module in list(sys.modules.values()):
-        if isinstance(module, ModuleType) and os.path.realpath(module.__dict__.get("__file__") or "/") == path:
-            return module
-    return None
-
-
 def _run(path: str) -> None:
-    if not os.path.isfile(path):
-        raise DemlawsError(f"no law file {path:.200}: give a Python file that registers laws")
-    # stable, so that machine code is found again, and different for files of one name
+    # the name is stable, so that machine code is found again, and different for files of one name
     name = f"demlaws_own_{re.sub(r'[^A-Za-z0-9]', '_', Path(path).stem)}_{zlib.crc32(path.encode()):08x}"
     spec = importlib.util.spec_from_file_location(name, path)
-    before = dict(_user_laws), dict(_homes)
-    if spec is None or spec.loader is None:
-        raise DemlawsError(f"{path} is not a Python file: the name of a law file ends in .py")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
+    if spec is None or spec.loader is None or not os.path.isfile(path):
+        raise DemlawsError(f"no law file {path:.200}: give a Python file (.py) that registers laws")
+    module = sys.modules[name] = importlib.util.module_from_spec(spec)
     folder = os.path.dirname(path)  # modules beside the file, as for a script
     sys.path.insert(0, folder)
     try:
         spec.loader.exec_module(module)
-        _register_law_of(module, path)
+        if isinstance(getattr(module, "LAW", None), Definition):
+            _register(module.LAW, path)
     except KeyboardInterrupt:
         raise
-    except BaseException as error:
-        sys.modules.pop(name, None)
-        for table in (_user_laws, _homes):
-            table.clear()
-        _user_laws.update(before[0])
-        _homes.update(before[1])
-        raise DemlawsError(_format_load_error(path, error)) from error
+    except BaseException as error:  # SystemExit, too
+        lines = [f", line {frame.lineno}" for frame in traceback.extract_tb(error.__traceback__) if frame.filename == path]
+        text = " ".join(f"{type(error).__name__}: {error}".split())
+        raise DemlawsError(f"{path}{''.join(lines[-1:])}: {text}") from error
     finally:
-        with contextlib.suppress(ValueError):
-            sys.path.remove(folder)
-    if not any(home == path for home in _homes.values()):
-        sys.modules.pop(name, None)
+        sys.path.remove(folder)
+    if path not in _homes.values():
         raise DemlawsError(f"{path} registers no law: call demlaws.register(...) in it")
-
-
-def _register_law_of(module: ModuleType, path: str) -> None:
-    """Register the definition that a module has as LAW, if it has one."""
-    law = getattr(module, "LAW", None)
-    if isinstance(law, Definition):
-        _register(law, path)
-
-
-def _format_load_error(path: str, error: BaseException) -> str:
-    """One line about what went wrong in a file of laws."""
-    if isinstance(error, SyntaxError) and error.filename == path:
-        return f"{path}, line {error.lineno}: {error.msg}"
-    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == path]
-    where = f"{path}, line {lines[-1]}" if lines else path
-    text = str(error) if isinstance(error, DemlawsError) else f"{type(error).__name__}: {error}"
-    return f"{where}: {' '.join(text.split())}"

@@ -108,7 +108,6 @@ def define(
 
     kind, required = inspect.Parameter.KEYWORD_ONLY, inspect.Parameter.empty
     parameters = [inspect.Parameter(n, kind, default=required if d is None else d) for n, d in defaults.items()]
-    prepare.mark = shape_type.__qualname__  # type: ignore[attr-defined]
     first = inspect.Parameter("contact", inspect.Parameter.POSITIONAL_OR_KEYWORD)
     prepare.__signature__ = inspect.Signature([first, *parameters])  # type: ignore[attr-defined]
     fallback = {"equation": "", "source": "", "description": "user-defined law", "collapses": False, "length": "radius"}
