@@ -16,9 +16,8 @@ struct Pair {
   double length = 0.;         // [m]; 0: length_per_radius * R
   double inverse_length = 0.; // [1/m]; where length is 0, of length_per_radius
   double length_per_radius = 0.;
-  double only_radius = 0.;        // > 0: the only R that the table is valid for (see checked)
-  double sigma = 0.;              // roughness [m]; of the table's contact by default
-  double metre = 1., pascal = 1.; // in the units of the lengths and moduli given here, for messages in SI
+  double only_radius = 0.; // > 0: the only R that the table is valid for (see checked)
+  double sigma = 0.;       // roughness [m]; of the table's contact by default
 
   Pair() {}
   // roughness: combined rms roughness sigma [m]; without it the length of the file is taken.
@@ -54,14 +53,6 @@ struct Pair {
     else if (roughness > 0.) what << ": for its own roughness; give no roughness with it";
     else return pair;
     throw std::runtime_error(what.str());
-  }
-  // The same in an engine's units, of which a metre and a pascal are so many; the modulus is given in them.
-  void in_units(double effective_modulus, double per_metre, double per_pascal) {
-    modulus = effective_modulus;
-    length *= metre = per_metre;
-    inverse_length = 1. / (length > 0. ? length : length_per_radius);
-    only_radius *= per_metre;
-    pascal = per_pascal;
   }
   inline bool serves(double radius, double tolerance) const {
     return !(only_radius > 0.) || fabs(radius - only_radius) <= tolerance * only_radius;

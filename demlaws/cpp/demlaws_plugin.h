@@ -85,59 +85,51 @@ inline std::shared_ptr<SpringCurve> spring_curve(const Curve &curve) {
   return found;
 }
 
-// Number of the layout of what contacts keep, in restart files: another one is refused.
-const int LAYOUT = 2;
-const double ONE_LAYOUT = 8589934592.; // in a mark; below it is the checksum
-inline double layout_of(double mark) { return std::floor(mark / ONE_LAYOUT); }
-
 // The law of two materials.
 struct Law {
   Pair pair;
   Watch watch;
   std::shared_ptr<SpringCurve> springs; // of partial slip
-  double mark = 0.;                     // kept by the contacts that began under this law, with LAYOUT: never 0
 
-  // modulus: E* in the engine's units, of which a metre and a pascal are so many; roughness [m]. Returns a doubt about
-  // the modulus, or ""; throws for a pair that the table does not serve.
-  std::string set(const Table &table, double modulus, double roughness, Shear shear, double metre = 1.,
-                  double pascal = 1.) {
-    pair = Pair::checked(table, modulus / pascal, roughness);
-    const std::string doubt = judge_modulus(table, modulus / pascal);
-    pair.in_units(modulus, metre, pascal);
+  // modulus: E*; roughness [m]. Returns a doubt about the modulus, or ""; throws for a pair that the table does not
+  // serve.
+  std::string set(const Table &table, double modulus, double roughness, Shear shear) {
+    pair = Pair::checked(table, modulus, roughness);
     watch = Watch(pair);
-    // as float: another computer may round a mixed modulus otherwise
-    const float numbers[2] = {(float)(modulus / pascal), (float)roughness};
-    mark = ONE_LAYOUT * LAYOUT + crc32(table.fingerprint(), (const char *)numbers, sizeof numbers);
+    const float numbers[2] = {(float)modulus, (float)roughness}; // another computer may round a mixed modulus otherwise
+    checksum_ = crc32(table.fingerprint(), (const char *)numbers, sizeof numbers);
     springs.reset();
-    if (shear != SLIP_SHEAR) return doubt;
-    if (!HAS_SPRINGS[pair.rule])
+    if (shear == SLIP_SHEAR && !HAS_SPRINGS[pair.rule])
       throw std::runtime_error("'shear slip' needs unloading elastic, hertz, thornton, table, etsion or jackson, " +
                                table.path() + " has " + table.text("unloading"));
-    springs = spring_curve(pair.rule == GIVEN ? table.unloading_curve() : table.loading_curve());
-    return doubt;
+    if (shear == SLIP_SHEAR)
+      springs = spring_curve(pair.rule == GIVEN ? table.unloading_curve() : table.loading_curve());
+    return judge_modulus(table, modulus);
+  }
+  // Of the contacts that begin under this law and keep so many values: never 0.
+  double mark(int values) const { return ONE_SHAPE * (2 * values + (springs ? 2 : 1)) + checksum_; }
+  // Whether a contact with another mark goes on: it keeps nothing that depends on the law, and as many values.
+  static bool goes_on(double mark, double now, bool keeps) {
+    return mark == 0. || (!keeps && std::floor(mark / ONE_SHAPE) == std::floor(now / ONE_SHAPE));
   }
   Compression compression(double radius, double overlap, const double *state) const {
     return Compression(pair, springs.get(), radius, overlap, state);
   }
+
+private:
+  static constexpr double ONE_SHAPE = 4294967296.; // below it is the checksum of table, modulus and roughness
+  uint32_t checksum_ = 0;
 };
 
 // What remains for contacts whose history cannot be continued.
 static const std::string FROM_POSITIONS = "start again from positions (write_data, read_data)";
 
-// Of a contact whose mark is another law's.
+// Of a contact that does not go on.
 inline std::string other_law() {
-  return "this contact began under another law (table, modulus or roughness of its types), whose overlaps it keeps; "
-         "give bodies another law while they do not touch, or " +
+  return "this contact began under another law (table, modulus or roughness of its types) or another line ('levels', "
+         "'shear', 'springs', rolling or twisting models), whose numbers it keeps; give bodies another law while they "
+         "do not touch, or " +
          FROM_POSITIONS;
-}
-
-// Behind it.
-static const std::string OR_CHECK_OFF =
-    "; or say 'restart_check off', then its overlaps are taken for those of this law";
-
-// Of a restart file with other numbers per contact.
-inline std::string former_version() {
-  return "demlaws/table: the restart file is of a former version of demlaws; " + FROM_POSITIONS;
 }
 
 } // namespace demlaws

@@ -117,21 +117,21 @@ private:
 
 inline std::string other_radius(const Pair &pair, double radius, double tolerance) {
   std::ostringstream what;
-  what << "contact radius " << radius / pair.metre << " m, but law " << pair.table->text("law")
-       << " does not collapse and " << pair.table->path() << " holds for " << pair.only_radius / pair.metre
-       << " m (radius_tolerance " << tolerance << "); make a table of this pair of types or widen the tolerance";
+  what << "contact radius " << radius << " m, but law " << pair.table->text("law") << " does not collapse and "
+       << pair.table->path() << " holds for " << pair.only_radius << " m (radius_tolerance " << tolerance
+       << "); make a table of this pair of types or widen the tolerance";
   return what.str();
 }
 
-// Checks of one contact. Its pair is in the engine's units; messages are in SI.
+// Checks of one contact.
 class Watch {
 public:
   Watch() {}
   explicit Watch(const Pair &pair) {
     const Table &table = *pair.table;
     deep_ = SMALL_OVERLAP * (1. + 1e-9);
-    hardness_ = table.number("hardness", 0.) * pair.pascal;
-    smallest_ = pair.sigma * pair.metre / LARGE_ROUGHNESS;
+    hardness_ = table.number("hardness", 0.);
+    smallest_ = pair.sigma / LARGE_ROUGHNESS;
     for (const Limit &limit : table.limits()) {
       if (limit.kind == Limit::BULK_YIELD && !(hardness_ > 0.)) continue;
       if (limit.kind == Limit::BULK_YIELD) { // what roughness takes from the pressure is left to examine()
@@ -178,40 +178,38 @@ private:
     const double last = pair.table->loading_curve().last() * pair.length_of(radius);
     if (extrapolates && !findings.counts(BEYOND, overlap / last)) return;
     std::ostringstream what;
-    what << "overlap " << overlap / pair.metre << " m is beyond the last row of " << pair.table->path() << ", "
-         << last / pair.metre << " m";
+    what << "overlap " << overlap << " m is beyond the last row of " << pair.table->path() << ", " << last << " m";
     if (extrapolates) {
       what << ": its last power law goes on, uncertified";
       findings.warn(what.str());
       return;
     }
-    what << " (some " << now.force / (pair.pascal * pair.metre * pair.metre)
-         << " N): make the table with a larger --max-force (`demlaws table --max-force N`), " << remedy(starts)
-         << ", or say 'extrapolation on'";
+    what << " (some " << now.force << " N): make the table with a larger --max-force (`demlaws table --max-force N`), "
+         << remedy(starts) << ", or say 'extrapolation on'";
     findings.refuse(what.str());
   }
   static std::string too_deep(const Pair &pair, double radius, double overlap) {
     const double ratio = overlap / radius;
     const bool undefined = ratio > LARGEST_OVERLAP;
-    const double softened = pair.modulus / pair.pascal / pair.table->of_contact("modulus", HUGE_VAL);
+    const double softened = pair.modulus / pair.table->of_contact("modulus", HUGE_VAL);
     std::ostringstream what;
-    what << "overlap " << overlap / pair.metre << " m is ";
+    what << "overlap " << overlap << " m is ";
     what.precision(3);
     what << ratio << (undefined ? " times" : " of") << " the effective radius R = ";
     what.precision(6);
-    what << radius / pair.metre << " m: contact laws are valid for overlaps up to " << SMALL_OVERLAP << " R"
+    what << radius << " m: contact laws are valid for overlaps up to " << SMALL_OVERLAP << " R"
          << (undefined ? " and undefined beyond R" : "") << "; check units, loads and the step";
     if (softened > 0. && softened < 0.99)
       what << "; E* is " << softened << " of the table's: soften the grains less (`demlaws soften`)";
     return what.str();
   }
   static void check_roughness(const Pair &pair, double radius, Findings &findings) {
-    const double ratio = pair.sigma * pair.metre / radius;
+    const double ratio = pair.sigma / radius;
     if (!(ratio > LARGE_ROUGHNESS)) return;
     const double limit = ratio > LARGEST_ROUGHNESS ? LARGEST_ROUGHNESS : LARGE_ROUGHNESS;
     std::ostringstream what;
-    what << "roughness = " << pair.sigma << " m is " << std::round(1000. * ratio) / 1000. << " of the radius "
-         << radius / pair.metre << " m, above " << limit
+    what << "roughness = " << pair.sigma << " m is " << std::round(1000. * ratio) / 1000. << " of the radius " << radius
+         << " m, above " << limit
          << ": the laws assume a roughness far below the radius; did you mean µm (1 µm = 1e-6 m)?";
     if (ratio > LARGEST_ROUGHNESS) findings.refuse(what.str());
     if (findings.counts(ROUGH, ratio / LARGE_ROUGHNESS)) findings.warn(what.str());
@@ -219,13 +217,13 @@ private:
   // Central pressure over hardness: Hertz's p0 times 1 - exp(-2/(3 alpha^0.6)), alpha = sigma over Hertz's overlap.
   double pressure(const Pair &pair, double radius, double force) const {
     const double root = cbrt(0.75 * force / (pair.modulus * sqrt(radius))), hertz_overlap = root * root;
-    const double alpha = pair.sigma * pair.metre / hertz_overlap;
+    const double alpha = pair.sigma / hertz_overlap;
     const double drop = alpha > 0. ? -expm1(-2. / (3. * pow(alpha, 0.6))) : 1.;
     return 2. * pair.modulus / M_PI * sqrt(hertz_overlap / radius) * drop / hardness_;
   }
   void check_limit(const Limit &limit, const Pair &pair, double radius, double force, Findings &findings) const {
     if (limit.kind == Limit::BULK_YIELD && !(hardness_ > 0.)) return;
-    const double length = pair.length_of(radius), newton = pair.pascal * pair.metre * pair.metre;
+    const double length = pair.length_of(radius);
     const double end = limit.value * pair.modulus * sqrt(radius * length) * length;
     const bool yields = limit.kind == Limit::BULK_YIELD, below = limit.kind == Limit::FORCE_BELOW;
     const double factor = (yields  ? pressure(pair, radius, force) / limit.value
@@ -235,8 +233,8 @@ private:
     if (!(factor > 1.) || !findings.counts(yields ? YIELDS : below ? BELOW : ABOVE, factor, limit.reason)) return;
     std::ostringstream what;
     what.precision(3);
-    what << "force " << force / newton << " N of law " << pair.table->text("law");
-    if (!yields) what << ", " << (below ? "below " : "above ") << end / newton << " N";
+    what << "force " << force << " N of law " << pair.table->text("law");
+    if (!yields) what << ", " << (below ? "below " : "above ") << end << " N";
     what << ": " << limit.reason;
     findings.warn(what.str());
   }

@@ -53,7 +53,6 @@ def test_a_change_of_type_that_keeps_the_law(engine, folder):
 def test_pair_coeff_gives_another_law(engine, folder, line):
     text = inputs_for_lammps.two_spheres(LAW, PRESS)
     assert REFUSED in refused(engine, folder, f"{text}pair_coeff * * {line}\n" + ON)
-    simulate(engine, folder, f"{text}pair_coeff * * {line.replace(' tangential', ' restart_check off tangential')}\n" + ON)
 
 
 @both
@@ -90,10 +89,7 @@ def test_pair_coeff_after_a_restart(engine, folder):
 
 @pytest.mark.parametrize("engine", ["liggghts"])
 def test_other_moduli_of_a_restart(engine, folder):
-    """`restart_check off` takes the overlaps for those of the new law."""
     text = of_types(engine, "law.tbl", "law.tbl")
     simulate(engine, folder, text + "write_restart now.restart\n")
     softer = ("youngsModulus peratomtype 60600000000.0 60600000000.0", "youngsModulus peratomtype 5e10 5e10")
     assert REFUSED in refused(engine, folder, inputs_for_liggghts.again(text, change=[softer]))
-    meant = (" law.tbl\n", " law.tbl restart_check off\n")
-    simulate(engine, folder, inputs_for_liggghts.again(text, change=[softer, meant]))

@@ -171,8 +171,7 @@ int FixDemlaws::setmask() { return FixConst::PRE_FORCE | FixConst::MIN_PRE_FORCE
 
 void FixDemlaws::init() {
   Range &range = Range::of(lmp);
-  if (utils::strmatch(update->integrate_style, "^respa"))
-    error->all(FLERR, "demlaws/table: run_style respa is not served by the models built in: write run_style verlet");
+  Range::refuse_respa(lmp, error);
   bool keeps = false;
   PairGranular *pair = nullptr, *last;
   for (int n = 1;; n++) { // of hybrid there may be several

@@ -9,8 +9,6 @@
 // what LAMMPS's own does for whatever is not of demlaws.
 #include "hooks.h"
 #include "slots.h"
-#include <fcntl.h>
-#include <sys/stat.h>
 
 // Replacements of LAMMPS's functions; a std::string by value is passed by its address.
 #define DEMLAWS_DECLARE(RESULT, NAME, ARGUMENTS, SYMBOL) extern "C" RESULT demlaws_##NAME ARGUMENTS;
@@ -83,18 +81,11 @@ const char STATIC[] = "it is a static executable, whose functions no plugin can 
 // program that is started, too.
 bool is_static_lammps() {
   static const char mark[] = "Illegal model type {}"; // in GranularModel::construct_sub_model
-  const int file = open("/proc/self/exe", O_RDONLY | O_CLOEXEC);
-  struct stat about;
-  bool found = false;
-  if (file >= 0 && !fstat(file, &about) && about.st_size > 0) {
-    void *const all = mmap(NULL, about.st_size, PROT_READ, MAP_PRIVATE, file, 0);
-    if (all != MAP_FAILED) {
-      found = memmem(all, about.st_size, mark, sizeof mark - 1);
-      munmap(all, about.st_size);
-    }
+  try {
+    return demlaws::Table::contents("/proc/self/exe").find(mark) != std::string::npos;
+  } catch (const std::exception &) {
+    return false;
   }
-  if (file >= 0) close(file);
-  return found;
 }
 // Finds the layout, or why there is none.
 std::string prove(void *lmp) {
@@ -131,8 +122,8 @@ std::string install() {
 }
 
 bool ours(const char *name, int type) {
-  return (type == NORMAL && !strncmp(name, "demlaws/table", 13) && (!name[13] || name[13] == ' ')) ||
-         (type == DAMPING && !strcmp(name, "demlaws/tangent")) || (type == TANGENTIAL && !strcmp(name, "demlaws"));
+  return (type == NORMAL && !strcmp(name, "demlaws/table")) || (type == DAMPING && !strcmp(name, "demlaws/tangent")) ||
+         (type == TANGENTIAL && !strcmp(name, "demlaws"));
 }
 
 // Before anything of ours is made: the layout, and the units of tables.
@@ -267,6 +258,7 @@ void demlaws_pair_init(void *pair) {
   const Histories &kept = Histories::all()[pair];
   for (const std::vector<int> &sizes : kept.sizes)
     if (kept.ours && sizes != kept.sizes[0]) raise(error_of(pair), true, MIXED_SIZES);
+  if (kept.ours) Range::refuse_respa(instance_of(pair), error_of(pair));
   Stock::get().pair_init(pair);
   if (!kept.ours && !kept.sizes.empty()) Range::of(instance_of(pair)).look_at_pairs(instance_of(pair), error_of(pair));
   if (kept.kept) Range::of(instance_of(pair)).look_across(instance_of(pair), error_of(pair));
@@ -274,7 +266,6 @@ void demlaws_pair_init(void *pair) {
 
 void demlaws_pair_forces(void *pair, int eflag, int vflag) {
   Range::of(instance_of(pair)).check_positions(instance_of(pair), error_of(pair));
-  Range::of(instance_of(pair)).check_levels(instance_of(pair), error_of(pair));
   Ledger::of(instance_of(pair)).begin(NULL);
   Stock::get().pair_forces(pair, eflag, vflag);
 }
@@ -290,7 +281,6 @@ void demlaws_region_forces(void *wall, int vflag) { forces_of_wall(wall, vflag, 
 
 void demlaws_post_run(void *modify) {
   Stock::get().post_run(modify);
-  Range::of(instance_of(modify)).passed = -1; // the next run begins with this step
   Range::of(instance_of(modify)).tell(instance_of(modify), error_of(modify));
 }
 

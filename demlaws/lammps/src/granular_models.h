@@ -56,7 +56,7 @@ template <class ABI> struct Granular {
       POISSON,
       ROUGHNESS,
       TOLERANCE,
-      SWITCHES,
+      EXTRAPOLATION,
       SHEAR,
       SPRINGS,
       FINGERPRINT,
@@ -64,8 +64,6 @@ template <class ABI> struct Granular {
       RATIO,
       COEFFICIENTS
     };
-    enum { EXTRAPOLATION_ON = 1, RESTART_CHECK_OFF = 2 }; // of SWITCHES, a sum
-    bool switched(int which) const { return ((int)coeffs[SWITCHES] & which) != 0; }
     enum { MAXIMUM, PLASTIC, STORED, DISSIPATED, STIFFNESS, OUTPUTS }; // p13 to p17 of compute pair/local
     // LAMMPS writes a sub-model's numbers into restart files, and nothing else of it: after the coefficients comes the
     // name of the file, BYTES of it in each number, which are exact in a double.
@@ -142,7 +140,7 @@ template <class ABI> struct Granular {
         refuse("either both types or none must have a roughness to be mixed");
       coeffs[ROUGHNESS] = sqrt(0.5 * (a[ROUGHNESS] * a[ROUGHNESS] + b[ROUGHNESS] * b[ROUGHNESS]));
       coeffs[TOLERANCE] = std::min(a[TOLERANCE], b[TOLERANCE]);
-      coeffs[SWITCHES] = (int)a[SWITCHES] & (int)b[SWITCHES];
+      coeffs[EXTRAPOLATION] = std::min(a[EXTRAPOLATION], b[EXTRAPOLATION]);
       for (int word : {SHEAR, SPRINGS, LEVELS, RATIO})
         if (a[word] != b[word])
           refuse("both types must have the same 'shear', 'shear_ratio', 'levels' and 'springs' to be mixed; write "
@@ -164,7 +162,7 @@ template <class ABI> struct Granular {
       // A rolling displacement and an angle of twist are the same seen from either particle (the relative spin and the
       // normal both turn), but LAMMPS turns their signs whenever a pair changes its order, unless the sub-model says
       // otherwise.
-      mark_ = law_.mark + 256. * demlaws::ONE_LAYOUT * gm->size_history;
+      mark_ = law_.mark(gm->size_history);
       int at = 0;
       for (int k = 0; k <= HEAT; k++) {
         const bool same = (k == ROLLING || k == TWISTING) && !gm->sub_models[k]->nondefault_history_transfer;
@@ -268,7 +266,7 @@ template <class ABI> struct Granular {
     Ledger &ledger_;
     demlaws::Law law_;
     double stiffness_ = 0., shear_stiffness_ = 0., per_stiffness_ = 0.;
-    double mark_ = 0.; // that of the law, and in its layout the number of values that a contact keeps
+    double mark_ = 0.;
     demlaws::Shear shear_ = demlaws::ELASTIC_SHEAR;
     bool computes_pairs_ = false, speed_ = true; // speed_: the tangential model asks for that of the surfaces, vrel
     // BY_RADIUS: viscoelastic, whose formula Abi::fits() has checked
@@ -309,26 +307,15 @@ template <class ABI> struct Granular {
     };
     __attribute__((noinline, cold)) void examine(const demlaws::Force &now) const {
       Report report(*this);
-      law_.watch.examine(law_.pair, gm->Reff, gm->delta, now, switched(EXTRAPOLATION_ON), !gm->history_update, report);
+      law_.watch.examine(law_.pair, gm->Reff, gm->delta, now, coeffs[EXTRAPOLATION] != 0., !gm->history_update, report);
     }
     // A contact that begins, or that another law has marked, of which an elastic one without springs keeps nothing.
     __attribute__((noinline, cold)) void check_mark() const {
       double *const state = gm->history + history_index, &mark = state[demlaws::MOST_STATE];
       const bool kept =
           unloads_otherwise() || slips() || std::count(state, state + demlaws::MOST_STATE, 0.) < demlaws::MOST_STATE;
-      if (mark != 0. && demlaws::layout_of(mark) != demlaws::layout_of(mark_)) refuse_layout(mark);
-      if (mark != 0. && kept && !switched(RESTART_CHECK_OFF))
-        raise(*of.error, false, who() + demlaws::other_law() + demlaws::OR_CHECK_OFF);
+      if (!demlaws::Law::goes_on(mark, mark_, kept)) raise(*of.error, false, who() + demlaws::other_law());
       if (gm->history_update) mark = mark_;
-    }
-    // Of a former version, or with another tangential, rolling or twisting model.
-    __attribute__((noinline, cold)) void refuse_layout(double mark) const {
-      const double layout = demlaws::layout_of(mark), values = std::floor(layout / 256.);
-      if (layout - 256. * values != demlaws::LAYOUT) raise(*of.error, false, who() + demlaws::former_version());
-      raise(*of.error, false,
-            who() + "this contact, of a restart file or under another line, kept " + std::to_string((int)values) +
-                " values, now " + std::to_string(gm->size_history) +
-                ": write the models, 'levels', 'shear' and 'springs' that it had, or " + demlaws::FROM_POSITIONS);
     }
     __attribute__((noinline, cold)) void refuse_radius() const {
       raise(*of.error, false, who() + demlaws::other_radius(law_.pair, gm->Reff, coeffs[TOLERANCE]));
@@ -537,7 +524,6 @@ template <class ABI> struct Granular {
     void coeffs_to_local() {
       Table *const made = set_table(this->gm, this->of.lmp, *this->of.error, Table::file_of(this->coeffs), outputs_);
       std::copy(this->coeffs, this->coeffs + Table::NUMBERS, made->coeffs);
-      made->coeffs[Table::SWITCHES] = (int)made->coeffs[Table::SWITCHES] & ~Table::RESTART_CHECK_OFF; // of one run
       made->coeffs_to_local();
       delete this;
     }
@@ -562,10 +548,9 @@ template <class ABI> struct Granular {
   // The words FILE E eta nu from arg[at] on; goes behind them.
   static std::string read_material(void *error, char **arg, int &at, int count, double *into) {
     if (at + 4 > count)
-      raise(
-          error, true,
-          "demlaws/table needs FILE E eta nu, then [roughness SIGMA] [against E2 nu2] [radius_tolerance X] "
-          "[extrapolation on] [restart_check off] [shear elastic|loading|slip] [shear_ratio X] [levels N] [springs N]");
+      raise(error, true,
+            "demlaws/table needs FILE E eta nu, then [roughness SIGMA] [against E2 nu2] [radius_tolerance X] "
+            "[extrapolation on] [shear elastic|loading|slip] [shear_ratio X] [levels N] [springs N]");
     const std::string file = arg[at++];
     static const char *const names[3] = {"E", "eta", "nu"};
     for (int k = 0; k < 3; k++, at++) into[k] = number(error, std::string("(in FILE E eta nu) ") + names[k], arg[at]);
@@ -582,15 +567,11 @@ template <class ABI> struct Granular {
           raise(error, true, "demlaws/table: " + word + (values == 2 ? " needs two numbers" : " needs a number"));
         return number(error, word, arg[at + n]);
       };
-      const auto set = [&](int which, bool on) {
-        into[Table::SWITCHES] = on ? (int)into[Table::SWITCHES] | which : (int)into[Table::SWITCHES] & ~which;
-      };
       demlaws::Shear shear;
-      if (word == "extrapolation" || word == "restart_check") {
+      if (word == "extrapolation") {
         if (value != "on" && value != "off")
-          raise(error, true, "demlaws/table: " + word + " is on or off, not " + value);
-        if (word == "extrapolation") set(Table::EXTRAPOLATION_ON, value == "on");
-        else set(Table::RESTART_CHECK_OFF, value == "off");
+          raise(error, true, "demlaws/table: extrapolation is on or off, not " + value);
+        into[Table::EXTRAPOLATION] = value == "on";
       } else if (word == "shear") {
         if (!demlaws::shear_from_name(value, shear))
           raise(error, true, "demlaws/table: shear is elastic, loading or slip, not " + value);

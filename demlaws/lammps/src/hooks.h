@@ -63,8 +63,6 @@ template <class ABI> struct Hooks {
     Model *const m = (Model *)model;
     delete m->sub_models[type];
     m->sub_models[type] = NULL;
-    if (name.find(' ') != std::string::npos) // demlaws/table FILE
-      raise(*m->of.error, true, demlaws::former_version());
     if (type == NORMAL) m->sub_models[type] = m->normal_model = new typename Models::DeferredTable(m, outputs);
     else if (type == DAMPING) m->sub_models[type] = m->damping_model = new typename Models::Tangent(m, name);
     else m->sub_models[type] = m->tangential_model = new ShearModel(m, name);

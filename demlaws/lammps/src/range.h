@@ -36,7 +36,6 @@ struct Range {
   bool used = false;         // there is a table
   bool has_contacts = false; // forces were computed, or a restart file was read
   long long checked = -1;    // the step in which positions were checked
-  long long passed = -1;     // the step of the last pass over pairs under run_style respa
 
   static Range &of(void *lmp) {
     static std::map<void *, Range> all;
@@ -89,18 +88,11 @@ struct Range {
           "run itself");
   }
 
-  // run_style respa: LAMMPS computes displacements of shear with the step of the outermost level. calls: passes over
-  // the pairs in this step of it, of which a pair style on that level has one.
-  void check_levels(void *lmp, void *error) {
-    const Stock &stock = Stock::get();
-    const int *const levels = used ? (const int *)stock.global(lmp, "respa_levels") : NULL;
-    if (!levels || *levels < 2) return;
-    const long long now = *(const long long *)stock.global(lmp, "ntimestep");
-    if (now == passed)
-      raise(error, true,
-            "demlaws/table: run_style respa has the pair style on an inner level, where LAMMPS would multiply shear by "
-            "the number of its steps: write 'pair LEVEL' with the outermost level, or run_style verlet");
-    passed = now;
+  // run_style respa: LAMMPS computes displacements of shear with the step of the outermost level.
+  static void refuse_respa(void *lmp, void *error) {
+    const int *const levels = (const int *)Stock::get().global(lmp, "respa_levels");
+    if (levels && *levels > 1)
+      raise(error, true, "demlaws/table: run_style respa would multiply shear by its steps: write run_style verlet");
   }
 
   // A position that is not a number touches nothing: a particle with one would drop out of the model silently.

@@ -83,7 +83,6 @@ public:
     else look_at_pairs();
   }
   void setup_pre_force(int vflag) {
-    instance_->stored_shears.clear(); // from now on contacts are of this run
     look_across();
     pre_force(vflag);
   }
@@ -103,40 +102,18 @@ public:
         if (comm->me == 0 && file) fprintf(file, "%s\n", line.c_str());
   }
   void write_restart(FILE *file) {
-    double sum = 0.;
-    MPI_Reduce(&instance_->ledger.taken, &sum, 1, MPI_DOUBLE, MPI_SUM, 0, world);
+    double kept[2] = {0., (double)instance_->ledger.books};
+    MPI_Reduce(&instance_->ledger.taken, kept, 1, MPI_DOUBLE, MPI_SUM, 0, world);
     if (comm->me != 0) return;
-    std::ostringstream text;
-    text.precision(17);
-    text << sum << '\n';
-    text << "layout " << LAYOUT << " all\n";
-    if (instance_->ledger.books) text << "work booked all\n";
-    for (const auto &shear : instance_->shears) text << shear.second << ' ' << shear.first << '\n';
-    const std::string written = text.str();
-    const int size = (int)written.size() + 1;
+    const int size = sizeof kept;
     fwrite(&size, sizeof size, 1, file);
-    fwrite(written.c_str(), 1, size, file);
+    fwrite(kept, size, 1, file);
   }
-  bool restored = false; // from a restart file
   void restart(char *data) {
-    restored = true;
-    std::istringstream text(data);
-    std::string sum; // of a run that has diverged it is nan, which a stream does not read as a number
-    text >> sum;
-    if (comm->me == 0) instance_->ledger.taken = strtod(sum.c_str(), NULL);
-    std::string word, value, owner, layout;
-    while (text >> word >> value && std::getline(text >> std::ws, owner))
-      if (word == "layout") layout = value;
-      else if (word == "work") instance_->ledger.books = true;
-      else instance_->stored_shears[owner] = word + ' ' + value;
-    if (layout != std::to_string(LAYOUT)) error->all(FLERR, former_version().c_str());
-  }
-  // LIGGGHTS's own message about a history of another size names no remedy.
-  void warn_of_stock() const {
-    if (comm->me == 0)
-      error->warning(FLERR, "model demlaws/table: the restart file is of a run without it: contacts go on only with an "
-                            "elastic table and tangential history; with others LIGGGHTS stops for a different contact "
-                            "history model: start from positions (write_data, read_data)");
+    double kept[2];
+    memcpy(kept, data, sizeof kept);
+    if (comm->me == 0) instance_->ledger.taken = kept[0];
+    instance_->ledger.books = kept[1] != 0.;
   }
   static Fix *create(LAMMPS *lmp, int narg, char **arg) { return new FixKept(lmp, narg, arg); }
   static const char *name() { return "demlaws/kept"; }
@@ -221,21 +198,7 @@ inline void register_styles(Modify *modify) {
 inline void ensure_fix(Modify *modify) {
   if (modify->find_fix_style_strict(FixKept::name(), 0)) return;
   const char *words[] = {"demlaws_kept", "all", FixKept::name()};
-  const bool reads = modify->nfix_restart_global || modify->nfix_restart_peratom;
   modify->add_fix(3, const_cast<char **>(words));
-  const FixKept *const kept = static_cast<const FixKept *>(modify->fix[modify->nfix - 1]);
-  if (reads && !kept->restored) kept->warn_of_stock();
-}
-
-// LIGGGHTS reads the history of contacts by its size alone: the contacts of a restart file go on with the shear that
-// they had.
-inline void check_shear(LAMMPS *lmp, const std::string &owner) {
-  const Instance &instance = *Instance::of(lmp);
-  const auto now = instance.shears.find(owner), before = instance.stored_shears.find(owner);
-  if (now == instance.shears.end() || before == instance.stored_shears.end() || now->second == before->second) return;
-  const std::string what = "tangential model demlaws: the contacts of the restart file have '" + before->second +
-                           "', " + owner + " has '" + now->second + "': write '" + before->second + "' in its line";
-  lmp->error->all(FLERR, what.c_str());
 }
 
 } // namespace demlaws

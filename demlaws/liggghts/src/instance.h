@@ -63,15 +63,13 @@ struct EnergySource {
 };
 
 struct Instance {
-  Line line;         // of the line being read
-  std::string owner; // whose properties are being connected: "pair" or "wall ID"
+  Line line; // of the line being read
   PairSettings pair;
   double springs = 12., levels = LEVELS; // of the pair style
   Ledger ledger;
   Counts counts; // of the run that goes on
   EnergySource *source = NULL;
-  std::map<std::string, std::string> shears, stored_shears; // 'levels N' or 'springs N', by owner: now, restart file
-  std::set<std::string> walls;                              // IDs of the walls whose model is demlaws/table
+  std::set<std::string> walls; // IDs of the walls whose model is demlaws/table
 
   static std::shared_ptr<Instance> of(LAMMPS *lmp) {
     std::weak_ptr<Instance> &slot = all()[lmp];
@@ -98,18 +96,6 @@ private:
   static std::map<LAMMPS *, std::weak_ptr<Instance>> &all() {
     static std::map<LAMMPS *, std::weak_ptr<Instance>> instances;
     return instances;
-  }
-};
-
-// How much of the engine's unit a metre and a pascal are.
-struct Units {
-  double length, pressure;
-  static bool of(const std::string &style, Units &units) {
-    static const std::map<std::string, Units> known = {
-        {"si", {1., 1.}}, {"cgs", {1e2, 10.}}, {"micro", {1e6, 1e-3}}, {"nano", {1e9, 1e-6}}};
-    const std::map<std::string, Units>::const_iterator found = known.find(style);
-    if (found != known.end()) units = found->second;
-    return found != known.end();
   }
 };
 

@@ -124,10 +124,7 @@ public:
 private:
   typedef TangentialModel<TANGENTIAL_DEMLAWS> ShearModel;
   template <class OTHER> void join(OTHER &) {}
-  void join(ShearModel &shear_model) {
-    shear_model.connect(normal);
-    normal.connect_shear();
-  }
+  void join(ShearModel &shear_model) { shear_model.connect(normal); }
   template <bool, class OTHER> static void shear(OTHER &other, SurfacesIntersectData &d, ForceData &i, ForceData &j) {
     other.surfacesIntersect(d, i, j);
   }

@@ -17,6 +17,7 @@ struct TypePair : Law {
   double damping;            // -2 sqrt(5/6) beta
   double tangential;         // kt / K = 4 G* / E*
   double tangential_damping; // gamma_t / gamma_n, or 0
+  double mark;               // of its contacts
 };
 
 // Energies of a contact at `overlap`: what it holds, what its plastic flow took. In a contact that has not been updated
@@ -33,7 +34,7 @@ inline void energies_at(const Pair &pair, double radius, double overlap, const d
 
 namespace MODEL_PARAMS {
 inline VectorProperty *createSurfaceRoughness(PropertyRegistry &registry, const char *caller, bool checks) {
-  return createPerTypeProperty(registry, "surfaceRoughness", caller, checks, 0., 1e9); // 1 m in the smallest unit
+  return createPerTypeProperty(registry, "surfaceRoughness", caller, checks, 0., 1e9);
 }
 } // namespace MODEL_PARAMS
 
@@ -57,7 +58,6 @@ public:
     settings.registerDoubleSetting("radius_tolerance", own_.radius_tolerance, 0.01);
     settings.registerDoubleSetting("shear_ratio", own_.shear_ratio, 0.);
     settings.registerOnOff("extrapolation", own_.extrapolate, false);
-    settings.registerOnOff("restart_check", check_restart_, true);
   }
 
   // The tables are known here (Instance::line), so only as much history is kept as their unloading needs; a wall that
@@ -77,7 +77,7 @@ public:
     }
     resolve_settings();
     reserved_ = now_.files.empty() ? demlaws::MOST_STATE : state_size_;
-    marked_ = reserved_ > 0 || shear_keeps_;
+    marked_ = reserved_ + shear_size_ > 0;
     for (int i = 0; i < reserved_; i++) {
       const int at = setup->add_history_value(demlaws::HISTORY_NAMES[i], "0"); // the same seen from either particle
       base->add_history_offset(demlaws::HISTORY_NAMES[i], at);
@@ -111,9 +111,9 @@ public:
     if (force->cg_active()) error->cg(FLERR, me);
     if (atom->shapetype_flag || atom->superquadric_flag)
       error->all(FLERR, "model demlaws/table: only spheres; superquadric and convex particles are not supported");
-    if (!demlaws::Units::of(update->unit_style, units_))
+    if (strcmp(update->unit_style, "si"))
       error->all(FLERR, (std::string("model demlaws/table: units ") + update->unit_style +
-                         ": a table is in metres and pascals; use units si, cgs, micro or nano")
+                         ": a table is in metres and pascals; use units si")
                             .c_str());
     if (state_size_ > 0) instance_->see_contacts_end(wall_);
     types_ = registry.max_type() + 1;
@@ -193,7 +193,7 @@ public:
     demlaws::energies_at(law_of(data).pair, radius_of(data), overlap, state_of(data), state_size_, stored, dissipated);
   }
   demlaws::Instance &instance() const { return *instance_; }
-  void connect_shear() { shear_keeps_ = true; } // the tangential model keeps more than this one: so does each contact
+  void shear_keeps(int size) { shear_size_ = size; } // numbers of a contact that the tangential model keeps
 
   // Once in each process, where the tangential model is `history`.
   void warn_of_history() {
@@ -294,18 +294,18 @@ private:
     const demlaws::Table &table = *tables_[file];
     double sigma = 0.; // [m]
     if (now_.use_roughness) {
-      sigma = sqrt(roughness_[i] * roughness_[i] + roughness_[j] * roughness_[j]) / units_.length;
+      sigma = sqrt(roughness_[i] * roughness_[i] + roughness_[j] * roughness_[j]);
       if (!(sigma > 0.))
         error->all(FLERR,
                    (who.str() + "combined surfaceRoughness " + std::to_string(sigma) + " m: must be positive").c_str());
     }
     std::string doubt;
     try {
-      doubt =
-          type.set(table, effective_modulus_[i][j] / force->nktv2p, sigma, now_.shear, units_.length, units_.pressure);
+      doubt = type.set(table, effective_modulus_[i][j], sigma, now_.shear);
     } catch (const std::exception &problem) {
       error->all(FLERR, (who.str() + problem.what()).c_str());
     }
+    type.mark = type.Law::mark(shear_size_);
     if (!doubt.empty() && instance_->counts.reported.insert(doubt).second && comm->me == 0)
       error->warning(FLERR, (who.str() + doubt).c_str());
     type.damping = -2. * 0.91287092917527685576 * beta_[i][j];
@@ -348,7 +348,7 @@ private:
     const double *const state = state_of(data);
     const bool kept = type.pair.rule != demlaws::ELASTIC || type.springs ||
                       (state && std::count(state, state + state_size_, 0.) < state_size_);
-    if (mark != 0. && kept && check_restart_) refuse(data, demlaws::other_law() + demlaws::OR_CHECK_OFF);
+    if (!demlaws::Law::goes_on(mark, type.mark, kept)) refuse(data, demlaws::other_law());
     if (update) mark = type.mark;
   }
   // keeps: else the forces of a step are computed once more.
@@ -362,12 +362,11 @@ private:
   std::shared_ptr<demlaws::Instance> instance_;
   const bool wall_;
   double **effective_modulus_ = NULL, **effective_shear_ = NULL, **beta_ = NULL, *roughness_ = NULL;
-  bool damp_tangentially_ = true, limit_force_ = false, check_restart_ = true;
+  bool damp_tangentially_ = true, limit_force_ = false;
   std::set<std::string> given_;
   demlaws::PairSettings own_, now_; // as the line says; as they hold
-  demlaws::Units units_;
-  int offset_ = -1, mark_at_ = -1, state_size_ = 0, reserved_ = 0, types_ = 0;
-  bool marked_ = false, shear_keeps_ = false; // marked_: contacts keep the mark of their law
+  int offset_ = -1, mark_at_ = -1, state_size_ = 0, reserved_ = 0, shear_size_ = 0, types_ = 0;
+  bool marked_ = false; // contacts keep the mark of their law
   std::vector<demlaws::TypePair> pairs_;
   std::map<std::string, const demlaws::Table *> tables_;
 };

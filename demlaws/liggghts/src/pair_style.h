@@ -26,19 +26,16 @@ public:
   ~PairStyle() {
     Instance &instance = model_.normal.instance();
     if (instance.source == this) instance.source = NULL;
-    instance.shears.erase("pair");
   }
   int64_t hashcode() { return model_.hashcode(); }
   void settings(int count, char **arguments, IContactHistorySetup *setup) {
     Arguments own(lmp, count, arguments);
-    model_.normal.instance().owner = "pair";
     Settings settings(lmp);
     model_.registerSettings(settings);
     const bool good = settings.parseArguments(count, arguments);
     if (!good) error->all(FLERR, settings.error_message.c_str());
     if (domain->box_exist) ensure_fix(modify); // before LIGGGHTS reads the contacts of a restart file
     model_.postSettings(setup);
-    check_shear(lmp, "pair");
   }
   void init_granular() {
     ensure_fix(modify);

@@ -18,7 +18,7 @@ template <> class TangentialModel<TANGENTIAL_DEMLAWS> : public TangentialModelBa
 public:
   TangentialModel(LAMMPS *lmp, IContactHistorySetup *setup, class ContactModelBase *base)
       : TangentialModelBase(lmp, setup, base), instance_(demlaws::Instance::of(lmp)), wall_(base->is_wall()) {}
-  void connect(const NormalModel<DEMLAWS_TABLE> &normal) { normal_ = &normal; }
+  void connect(NormalModel<DEMLAWS_TABLE> &normal) { normal_ = &normal; }
 
   void registerSettings(Settings &settings) {
     settings.registerDoubleSetting("springs", springs_, 12.);
@@ -40,7 +40,7 @@ public:
       error->all(FLERR, "tangential model demlaws: 'levels' must be a whole number from 1 to 8");
     if (slips_ && line.given.count("levels"))
       error->all(FLERR, "tangential model demlaws: partial slip has springs, not levels: leave 'levels' out");
-    instance_->shears[instance_->owner] = words();
+    normal_->shear_keeps(size());
     const int scalars = slips_ ? 2 : (int)levels_, vectors = (int)(slips_ ? springs_ : levels_);
     for (int i = 0; i < demlaws::numbers_of_shear(scalars, vectors); i++) {
       std::ostringstream name;
@@ -204,15 +204,9 @@ private:
   }
   int size() const { return slips_ ? demlaws::SpringRow::size((int)springs_) : demlaws::levels_size((int)levels_); }
 
-  std::string words() const {
-    std::ostringstream words;
-    words << (slips_ ? "springs " : "levels ") << (int)(slips_ ? springs_ : levels_);
-    return words.str();
-  }
-
   const std::shared_ptr<demlaws::Instance> instance_;
   const bool wall_;
-  const NormalModel<DEMLAWS_TABLE> *normal_ = NULL;
+  NormalModel<DEMLAWS_TABLE> *normal_ = NULL;
   double **friction_ = NULL, springs_ = 12., levels_ = demlaws::LEVELS;
   int offset_ = -1, normal_at_ = -1;
   TriMesh *mesh_ = NULL; // of the contact before, its step and the velocities of its nodes

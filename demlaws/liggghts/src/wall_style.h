@@ -19,19 +19,13 @@ public:
     register_styles(lmp->modify);
     instance_->walls.insert(parent->id);
   }
-  ~WallStyle() {
-    instance_->shears.erase(owner());
-    instance_->walls.erase(parent_->id);
-  }
+  ~WallStyle() { instance_->walls.erase(parent_->id); }
   void settings(int count, char **arguments, IContactHistorySetup *setup) {
     Arguments own(lmp_, count, arguments);
-    instance_->owner = owner();
     Walls::Granular<MODEL>::settings(count, arguments, setup);
-    check_shear(lmp_, owner());
   }
   void init_granular() {
     ensure_fix(lmp_->modify);
-    check_shear(lmp_, owner()); // again: of a wall whose line is above the pair style's
     Walls::Granular<MODEL>::init_granular();
     forget_opened();
   }
@@ -92,8 +86,6 @@ private:
         std::fill(history, history + parent_->dnum(), 0.);
     }
   }
-  std::string owner() const { return std::string("wall ") + parent_->id; }
-
   // Whether two triangles that the mesh takes for one plane touch the sphere at the same point: within the mesh's
   // precision, or both at the foot of the perpendicular, which two planes a hair apart do not have quite in common.
   static bool same(TriMesh *mesh, const Contact &other, int triangle, const double *delta) {
