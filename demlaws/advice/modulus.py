@@ -4,7 +4,7 @@ Three causes, each with a measured curve [our derivation]: geometry, over x = ov
 the mean force; rate, over y = I √κ_K in an oedometer (too few waves cross the sample while it is loaded; κ_K = K/(p d), K the
 softened tangent at the mean force), over I in shear; and the time step, over its part of the stability limit 2/ω_max. Errors
 are those against the study's own runs: full modulus, I of `STEADY`, a step of `STANDARD`. Below its first point a curve goes
-as its first two do; beyond the last one nothing is predicted. Roughness left alone costs what the law itself says.
+as its first two do; beyond the last one nothing is predicted.
 
 Where a process has no measured curve of the scene's quantity, full modulus and the literature's `QUASISTATIC` are all that is
 advised, and no error is predicted.
@@ -34,9 +34,6 @@ MEASURED: dict[str, dict[str, tuple]] = {
     "pour": {"force": ("forces",), "overlap": ("height",)},
 }
 """Process → quantity of a scene → those of the study that stand for it."""
-SCALING_HELPS = ("low", "loading", "unloading", "work")
-"""Quantities of the study whose error at E/10 is smaller in both engines if σ, hardness and yield pressure are scaled with E
-(docs/tables/trade-softening.csv); of the others scaling does not reduce it."""
 NAMES = {
     **dict.fromkeys(STIFFNESS, "stiffness"),
     "work": "loss in a cycle",
@@ -74,8 +71,6 @@ class Numbers(NamedTuple):
 
     depth: float  # x: overlap over diameter
     kappa: float  # κ_K = K/(p d)
-    waves: float  # y = I √κ_K
-    branch: float  # relative error of stiffness if σ, hardness and yield pressure are left alone, at weak contacts
 
 
 class ErrorCurve(NamedTuple):
@@ -101,7 +96,6 @@ class ErrorCurves(NamedTuple):
 
     geometry: ErrorCurve  # over x
     chance: float  # scatter of one copy at full modulus
-    unbalanced: ErrorCurve  # unbalanced force over the mean force, over the same as `rate`
     rate: ErrorCurve | None = None  # over y, in shear over I, at full modulus; None: the process has no rate
     soft_rate: ErrorCurve | None = None  # the same of softer grains, against the same grains at `STEADY`
     step: ErrorCurve | None = None  # over the step in the study's unit, against HALF; None: no other was run
@@ -112,12 +106,11 @@ def curves(process: str, quantity: str, unloads: bool) -> ErrorCurves:
     """`ErrorCurves` of a quantity in a process, as `make trade` fitted them to runs in YADE."""
     data = measured_costs()["curves"][process]
     entries = data["+".join(n for n in MEASURED[process][quantity] if unloads or n != "unloading")]
-    points = {"unbalanced": data["unbalanced"], **entries}
-    fits = {name: ErrorCurve(*np.array(points[name])) for name in ErrorCurves._fields if name != "chance" and name in points}
+    fits = {name: ErrorCurve(*np.array(entries[name])) for name in ErrorCurves._fields if name != "chance" and name in entries}
     return ErrorCurves(**fits, chance=entries["chance"])
 
 
-def numbers_of(scene: Scene, name: str, options: dict, factor: float, inertial: float) -> Numbers:
+def numbers_of(scene: Scene, name: str, options: dict, factor: float) -> Numbers:
     """`Numbers` of a scene's grains of law `name` under its largest pressure, softened by `factor`."""
     if scene.pressure is None:
         raise DemlawsError("softening is advised for a packing under pressure: give the scene its pressure in Pa")
@@ -127,10 +120,7 @@ def numbers_of(scene: Scene, name: str, options: dict, factor: float, inertial: 
         law = bind_law(name, max(scene.contacts(radius), key=lambda c: c.modulus), **options)
         overlap = float(law.overlap(force))
         kappa = float(law.stiffness(overlap)) * softening.stiffness / (pressure * diameter)
-        branch = 0.0
-        if factor != 1.0:
-            branch = max(abs(softening.report(law, share * force).left_alone_error) for share in (0.1, 0.3, 1.0))
-    return Numbers(overlap * softening.overlap / diameter, kappa, inertial * math.sqrt(kappa), branch)
+    return Numbers(overlap * softening.overlap / diameter, kappa)
 
 
 def _inertial_of_rate(scene):
@@ -149,9 +139,7 @@ class SofteningAdvice(NamedTuple):
     geometry: float  # predicted error of each cause; not a number: not measured
     waves: float
     coarse: float  # of the time step
-    error: float  # predicted, all of it, with twice the scatter of chance
-    left_alone: float  # what the error would be with σ, hardness and yield pressure left alone
-    unbalanced: float  # predicted largest unbalanced force over the mean force while it moves
+    error: float  # predicted, all of it, with twice the scatter of chance; σ, hardness and yield pressure are scaled with E
     what: str  # the packing's quantity that `error` is of
     steps: float  # steps of the process over those at full modulus, I = STEADY and a step of STANDARD
     part: float  # of the stability limit
@@ -163,11 +151,6 @@ class SofteningAdvice(NamedTuple):
         """Whether the error is predicted from measured curves; else only the literature's bound of I is kept."""
         return self.error == self.error
 
-    @property
-    def scaling_helps(self) -> bool:
-        """Whether scaling roughness, hardness and yield pressure with the modulus was measured to reduce the error."""
-        return self.what in {NAMES[quantity] for quantity in SCALING_HELPS}
-
     def lines(self) -> list[str]:
         """As text."""
         n, scaled = self.numbers, Softening(self.factor)
@@ -175,17 +158,12 @@ class SofteningAdvice(NamedTuple):
         if not self.measured:
             first = "full modulus: the error of softer grains has not been measured for this quantity and process"
         if self.factor != 1.0:
-            others = "roughness, hardness and yield pressure"
-            if self.scaling_helps:
-                others = f"demlaws soften: {others} too"
-            else:
-                others = f"scaling {others} too, as demlaws soften does, did not reduce this error"
+            others = "demlaws soften: roughness, hardness and yield pressure too"
             first = f"divide the modulus by {self.factor:g} ({others}); the time step grows by {scaled.step:.3g}"
         lines = [first, f"  time step {self.dt:.3g} s, {self.part:.2g} of the estimated stability limit"]
         numbers = f"κ_K = {n.kappa:.3g}, overlap/diameter {n.depth:.2g}"
         if self.scene.process != "pour":
-            force = "" if self.unbalanced != self.unbalanced else f", unbalanced force up to {self.unbalanced:.2g} of the mean"
-            numbers = f"strain rate up to {self.rate:.3g} 1/s (I = {self.inertial:.2g}{force}); {numbers}"
+            numbers = f"strain rate up to {self.rate:.3g} 1/s (I = {self.inertial:.2g}); {numbers}"
         lines.append(f"  {numbers}")
         slow = "" if self.scene.process == "pour" else f" at I = {STEADY:g}"
         lines.append(f"  needs {self.steps:.2g} times the steps of an unsoftened run{slow} with {STANDARD:.2g} of the limit")
@@ -193,8 +171,7 @@ class SofteningAdvice(NamedTuple):
             return [*lines, f"  no predicted error; I ≤ {QUASISTATIC:g} is quasi-static loading in the literature"]
         causes = [(self.geometry, "geometry"), (self.waves, "rate"), (self.coarse, "time step")]
         of = ", ".join(f"{name} {100 * error:.2g} %" for error, name in causes)
-        alone = f"; {100 * self.left_alone:.2g} % if only E is divided" if self.factor != 1.0 and self.scaling_helps else ""
-        return [*lines, f"  predicted error of the packing's {self.what}: {100 * self.error:.2g} % ({of}){alone}"]
+        return [*lines, f"  predicted error of the packing's {self.what}: {100 * self.error:.2g} % ({of})"]
 
 
 def _process(scene):
@@ -223,10 +200,9 @@ def _errors(scene, factor, inertial, part, here):
     """Fields geometry to what of an `SofteningAdvice`."""
     process = _process(scene)
     if scene.quantity not in MEASURED[process]:
-        names = ("geometry", "waves", "coarse", "error", "left_alone", "unbalanced")
-        return {**dict.fromkeys(names, math.nan), "what": scene.quantity}
+        return {**dict.fromkeys(("geometry", "waves", "coarse", "error"), math.nan), "what": scene.quantity}
     fits = curves(process, scene.quantity, scene.unloads)
-    place = here.waves if process == "oedometer" else inertial
+    place = inertial * math.sqrt(here.kappa) if process == "oedometer" else inertial
     geometry = 0.0 if factor == 1.0 else MARGIN * fits.geometry.error_at(here.depth)
     rates = fits.rate if factor == 1.0 else fits.soft_rate
     if rates is None or (factor != 1.0 and inertial <= STEADY):  # what it costs there is part of geometry's curve
@@ -243,8 +219,6 @@ def _errors(scene, factor, inertial, part, here):
         "waves": waves,
         "coarse": coarse,
         "error": error,
-        "left_alone": (1.0 + error) * (1.0 + here.branch) - 1.0,
-        "unbalanced": math.nan if process == "pour" else fits.unbalanced.error_at(place),
         "what": NAMES[MEASURED[process][scene.quantity][0]],
     }
 
@@ -267,7 +241,7 @@ def predict(
     _check(scene)
     factor, inertial = number(factor, "factor"), number(inertial, "inertial number", "", 0.0, 1.0)
     part, options = number(part, "part of the stability limit", "", 0.0, 2.0), options or {}
-    here = numbers_of(scene, law, options, factor, inertial)
+    here = numbers_of(scene, law, options, factor)
 
     def bind(contact):
         with quiet():
@@ -298,7 +272,7 @@ def advise(scene: Scene, law: str = USUAL, options: dict | None = None, ways: tu
     options = options or {}
     highest = math.inf
     if scene.rate is not None and scene.process != "pour":
-        numbers_of(scene, law, options, 1.0, 1.0)  # refuses a scene without a pressure
+        numbers_of(scene, law, options, 1.0)  # refuses a scene without a pressure
         highest = scene.rate * _inertial_of_rate(scene)
     if scene.quantity not in MEASURED[_process(scene)]:
         return predict(scene, 1.0, min(QUASISTATIC, highest), law=law, options=options)
@@ -307,12 +281,11 @@ def advise(scene: Scene, law: str = USUAL, options: dict | None = None, ways: tu
         inertial = min(fastest, highest)
         try:
             if factor not in numbers:
-                numbers[factor] = numbers_of(scene, law, options, factor, 1.0)
+                numbers[factor] = numbers_of(scene, law, options, factor)
         except DemlawsError:  # a law that cannot be softened, or not so far
             if factor == 1.0:
                 raise
             continue
-        here = numbers[factor]._replace(waves=inertial * numbers[factor].waves)
-        if _errors(scene, factor, inertial, part, here)["error"] <= scene.tolerance:
+        if _errors(scene, factor, inertial, part, numbers[factor])["error"] <= scene.tolerance:
             return predict(scene, factor, inertial, law=law, options=options, part=part)
     return None

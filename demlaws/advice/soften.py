@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 
 from demlaws.contact import Contact, Material, Surface
-from demlaws.errors import DemlawsError, quiet
+from demlaws.errors import DemlawsError
 from demlaws.law import Law, Table
 from demlaws.laws.definition import PRESSURE, Option, power_of
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
-from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, number
+from demlaws.units import number
 
 EXPONENTS = {
     Material: {"young": -1.0, "poisson": 0.0, "hardness": PRESSURE, "density": 0.0},
@@ -209,20 +209,6 @@ class Softening:
             ("geometric error, of the order of overlap over diameter", f"{overlap:.4g}", "s^(2/3)"),
         ]
 
-    def report(self, law: Law, force: float) -> "SofteningReport":
-        """One contact of `law` at `force` [N], softened with all parameters, and with the modulus alone."""
-        force = number(force, "force", "N")
-        law.single_params()
-        with quiet():
-            softened = self.of(law)
-            softer = law.contact.with_values(modulus=law.contact.modulus / self.factor)
-            modulus_only = bind_law(law.name, softer, "elastic", **law.options)
-            rows = []
-            for one in (law, softened, modulus_only):
-                overlap = float(one.overlap(force))
-                rows.append(At(overlap, float(one.stiffness(overlap)), overlap / float(one.contact.radius)))
-        return SofteningReport(self, force, softened, *rows)
-
 
 def softened_option(law: str, name: str, option: Option, value: Any, factor: float) -> Any:
     """Value of a law's option where contacts are made softer by `factor` s (`demlaws.soften`).
@@ -243,58 +229,3 @@ def softened_option(law: str, name: str, option: Option, value: Any, factor: flo
     if exponent == 0.0 or value is None:
         return value
     return number(value, name, option.unit) * power_of(factor, exponent)
-
-
-@dataclass(frozen=True)
-class At:
-    """One contact at one force."""
-
-    overlap: float  # [m]
-    stiffness: float  # [N/m]
-    over_radius: float  # overlap over effective radius
-
-
-@dataclass(frozen=True)
-class SofteningReport:
-    """See `Softening.report`."""
-
-    softening: Softening
-    force: float  # [N]
-    law: Law  # softened
-    before: At
-    after: At
-    left_alone: At  # E* divided by s, nothing else
-
-    @property
-    def stiffness_error(self) -> float:
-        """Relative error of the softened stiffness times s^(2/3): rounding."""
-        return self.after.stiffness / (self.before.stiffness * self.softening.stiffness) - 1.0
-
-    @property
-    def left_alone_error(self) -> float:
-        """The same with unchanged σ, hardness and yield pressure."""
-        return self.left_alone.stiffness / (self.before.stiffness * self.softening.stiffness) - 1.0
-
-    @property
-    def too_deep(self) -> bool:
-        """Whether the softened overlap is beyond the validity range of contact laws."""
-        return self.after.over_radius > SMALL_OVERLAP
-
-    def lines(self) -> list[str]:
-        """As text."""
-        lines = [f"{'at ' + format(self.force, 'g') + ' N':34}{'overlap (µm)':>14}{'stiffness (N/µm)':>18}{'overlap/R':>12}"]
-        names = ("unsoftened", "softened, all scaled", "only E divided (not recommended)")
-        for name, at in zip(names, (self.before, self.after, self.left_alone), strict=True):
-            lines.append(f"{name:34}{at.overlap * 1e6:14.4g}{at.stiffness * 1e-6:18.4g}{at.over_radius:12.3g}")
-        lines.append(
-            f"stiffness times s^(2/3) against the unsoftened contact: {self.stiffness_error:+.1e} with all scaled, "
-            f"{100 * self.left_alone_error:+.1f} % if only E is divided"
-        )
-        lines.append(
-            f"all this is at equal force: impacts at equal speed are not similar, those at {self.softening.step:.4g} times the "
-            "speed are"
-        )
-        if self.too_deep:
-            end = "laws are undefined above R" if self.after.over_radius > LARGEST_OVERLAP else "large geometric error"
-            lines.append(f"overlap/R is above {SMALL_OVERLAP:g}: too soft for this force ({end})")
-        return lines

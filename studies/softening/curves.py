@@ -1,5 +1,7 @@
 """The curves that `demlaws.advice.modulus` predicts from, fitted to the rows of the study in YADE."""
 
+import math
+
 import numpy as np
 
 from demlaws.advice.modulus import HALF, MEASURED, STEADY, Numbers, numbers_of
@@ -55,7 +57,7 @@ class _Process:
 
     def place(self, run):
         """What the error of a rate is over."""
-        return _numbers(run).waves if self.pressed else run.inertial
+        return run.inertial * math.sqrt(_numbers(run).kappa) if self.pressed else run.inertial
 
     def curves(self, names):
         """Curves of the largest error among `names`."""
@@ -102,4 +104,4 @@ def _change(names, point, other=None):
 def _numbers(run) -> Numbers:
     radii, pressure = run.size * 4e-3, (0.1 * run.stress, run.stress)
     scene = Scene(radii=radii, materials=GRANITE, surfaces=run.surface, pressure=pressure, quantity="stiffness")
-    return numbers_of(scene, run.law, {}, run.factor, run.inertial)
+    return numbers_of(scene, run.law, {}, run.factor)

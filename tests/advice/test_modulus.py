@@ -1,9 +1,7 @@
 """How soft, how fast: predicted errors bound those measured on scenes that no prediction is made from."""
 
-import csv
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -36,37 +34,12 @@ PACKING = scene_of(study.Run("yade", "cycles"), tolerance=0.3)
 
 @pytest.mark.slow
 def test_held_back_scenes_are_bounded():
-    """At least 9 of the 10 scenes of other radii, pressures, roughness, factors and rates that the curves do not hold."""
+    """Scenes of other radii, pressures, roughness, factors and rates that the curves do not hold, σ scaled with E."""
     found = {p.run: p for p in results.points(study.load(), others=True)}
-    runs = [study.Run("yade", "cycles", **scene) for scene in study.HELD_BACK]
-    assert len(runs) == 10 and not study.FITTED_ON.intersection(runs)
-    bounded = 0
-    for run in runs:
-        advice = modulus.predict(scene_of(run), run.factor, run.inertial)
-        bounded += (advice.error if run.scaled else advice.left_alone) >= results.worst(found[run])
-    assert bounded >= 9
-
-
-def test_scaling_is_recommended_where_it_reduces_the_error():
-    """As in the table of docs/how-to/time-step.md at E/10, in both engines; elsewhere the advice states that it does not."""
-    with open(Path(__file__).parents[2] / "docs" / "tables" / "trade-softening.csv", encoding="utf-8") as file:
-        rows = {(row["table"], row["case"]): row for row in csv.DictReader(file)}
-    processes = {"cycles": (*modulus.STIFFNESS, "work", "forces"), "shear": ("peak",), "pour": ("height",)}
-    for process, quantities in processes.items():
-        for quantity in quantities:
-            better = []
-            for engine in ("yade", "liggghts"):
-                scaled, alone = (
-                    abs(float(rows[f"{process} in {engine}", f"E/10{more}, I = 0.0003"][quantity].strip("%")))
-                    for more in ("", ", σ alone")
-                )
-                better.append(scaled < alone)
-            assert (quantity in modulus.SCALING_HELPS) == all(better), quantity
-    stiff, force = (modulus.predict(scene_of(study.Run("yade", "cycles"), quantity=q), 10.0) for q in ("stiffness", "force"))
-    assert (
-        stiff.scaling_helps and "if only E is divided" in stiff.lines()[-1] and "demlaws soften: roughness" in stiff.lines()[0]
-    )
-    assert not force.scaling_helps and "only E" not in force.lines()[-1] and "did not reduce" in force.lines()[0]
+    runs = [run for scene in study.HELD_BACK if (run := study.Run("yade", "cycles", **scene)).scaled]
+    assert len(runs) == 8 and not study.FITTED_ON.intersection(runs)
+    errors = [(modulus.predict(scene_of(run), run.factor, run.inertial).error, results.worst(found[run])) for run in runs]
+    assert sum(predicted >= measured for predicted, measured in errors) >= 7
 
 
 TOLERANCES = (0.1, 0.2, 0.3, 0.5)
@@ -109,8 +82,6 @@ def test_predictions_grow_with_softness_and_rate():
     assert modulus.predict(PACKING, 10.0, 1e-3).error > modulus.predict(PACKING, 10.0).error
     assert modulus.predict(PACKING, 100.0).error > 2.0 * modulus.predict(PACKING, 3.0).error
     assert modulus.predict(PACKING, 2000.0).error == math.inf  # softer than anything that was measured
-    alone = modulus.predict(PACKING, 10.0)
-    assert alone.left_alone > 1.3 * alone.error
 
 
 def test_advice_is_within_the_tolerance_and_the_rate():
@@ -173,7 +144,7 @@ def test_the_step_of_softer_grains_is_stable_at_their_own_density(kind):
 def test_each_process_has_its_own_advice():
     """Softer grains save nothing in compression to a stress, but do in a pour and in shear. The scene's rate bounds I."""
     pressed = modulus.advise(scene_of(study.Run("yade", "cycles"), process="oedometer", tolerance=0.3))
-    assert pressed.factor == 1.0 and pressed.part == STEP_SAFETY and 0.0 < pressed.unbalanced < 0.02
+    assert pressed.factor == 1.0 and pressed.part == STEP_SAFETY
     slow = modulus.advise(scene_of(study.Run("yade", "cycles"), process="oedometer", tolerance=0.3, rate=0.05))
     assert slow.rate == pytest.approx(0.05) and slow.inertial < pressed.inertial and slow.error < pressed.error
     assert slow.steps == pytest.approx(pressed.steps * pressed.inertial / slow.inertial)
