@@ -64,7 +64,6 @@ GOOD = {
     "radius2": math.inf,
     "other": dl.Surface(1e-6),
     "ratio": 0.6,
-    "forces": [1.0, 2.0],
     "roughnesses": [1e-6, 2e-6],
     "roughness_parameter": 0.5,
     "text": "3mm",
@@ -87,7 +86,7 @@ GOOD = {
 }
 RADII = {"radii": 1e-3, "materials": GRANITE, "surfaces": dl.Surface(1e-6), "pressure": None, "cyclic": True}
 RADII |= {"quantity": "force", "tolerance": 0.05, "engine": "python", "walls": False, "yield_pressure": None, "reference": None}
-RADII |= {"reference_options": {}, "porosity": 0.4, "coordination": 6.0, "classes": (), "force": (1.0, 2.0), "forces": None}
+RADII |= {"reference_options": {}, "porosity": 0.4, "coordination": 6.0, "classes": (), "force": (1.0, 2.0)}
 RADII |= {"process": "oedometer", "rate": 1.0}
 
 

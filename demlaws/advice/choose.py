@@ -5,11 +5,10 @@ candidate's error over the scene's contacts and loads, and ranks those within th
 Errors are those against the reference; use `demlaws fit` to compare laws with measurements.
 """
 
-import inspect
 import math
 import os
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,7 +19,7 @@ from demlaws.advice.measured_costs import measured_costs
 from demlaws.advice.scene import Scene, samples, stable_step, unloading_rule
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
-from demlaws.errors import DemlawsError, NeedsClasses, NotPassive, quiet, warn
+from demlaws.errors import DemlawsError, NeedsClasses, quiet, warn
 from demlaws.law import Law, Table
 from demlaws.laws import HERTZ
 from demlaws.laws.definition import bulk_yield
@@ -28,9 +27,7 @@ from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
 from demlaws.make import rebound
 from demlaws.responses.results import Tabular
-from demlaws.units import HANDY
 
-_TABLE_STEPS = (3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5)
 _MARGIN = 1.02  # between the points of the prediction an error may be a little larger
 _ROUNDING = 1e-13
 
@@ -71,7 +68,6 @@ class Choice:
 
     plan: Plan
     error: float  # bound of the scene's quantity over its contacts and loads, against the reference
-    mean_error: float  # over the load distribution
     ns: float  # per contact and evaluation, kept from `make trade`; on another machine the ratios are similar
     step_factor: float  # time step over the reference's
     step: float  # safe time step of the scene [s], `stable_step`
@@ -79,7 +75,9 @@ class Choice:
     table_rows: int
     left_out: tuple  # (what, error that it costs)
     meets: bool
-    judge: object = field(repr=False)
+    scene: Scene
+    reference: Plan  # that the error is relative to
+    max_force: float  # 1.5 times the largest force [N] of the scene: the end of its tables
 
     name = property(lambda self: self.plan.name)
     unloading = property(lambda self: self.plan.unloading)
@@ -96,9 +94,7 @@ class Choice:
         if not find(self.name).collapses and len({*(scene.pair_radii() or scene.effective_radii())}) > 1:
             several = f"{_ONE_SIZE}, and the grains have several: use the law itself, or the engine LIGGGHTS or LAMMPS"
             raise NeedsClasses(f"no table of {self.name}: {several if scene.pair_radii() else _NO_TABLE}")
-        rtol = self.plan.rtol or max(1e-5, 0.1 * scene.tolerance)
-        plan = self.plan._replace(evaluation="table", rtol=rtol)
-        contacts = scene.contacts(scene.effective_radii()[1])
+        plan, contacts = _as_table(self.plan, scene), scene.contacts(scene.effective_radii()[1])
         return {kinds: plan.bind(contact, self.max_force) for kinds, contact in zip(scene.kinds(), contacts, strict=True)}
 
     def export(self, folder: str | os.PathLike) -> Path:
@@ -124,62 +120,24 @@ class Choice:
         """The law on your contact (or array of contacts)."""
         return self.plan.bind(contact, self.max_force)
 
-    @property
-    def scene(self) -> Scene:
-        """The scene of this choice."""
-        return self.judge.scene
-
-    @property
-    def reference(self) -> "Plan":
-        """The plan that errors are relative to."""
-        return self.judge.reference
-
-    @property
-    def max_force(self) -> float:
-        """1.5 times the largest force [N] of the scene: the end of its tables."""
-        return self.judge.max_force
-
     def describe(self) -> str:
-        """One line: law, unloading, evaluation."""
-        units = {name: option.unit for name, option in find(self.name).options.items()}
-        shown = []
-        for name, value in self.plan.options:
-            unit, factor = HANDY.get(units.get(name, ""), (units.get(name, ""), 1.0))
-            shown.append(f"{name}={factor * value:g} {unit}".rstrip() if isinstance(value, float) else f"{name}={value}")
-        options = ", ".join(shown)
+        """One line: law with its options in SI, unloading, evaluation."""
+        options = ", ".join(f"{n}={v:g}" if isinstance(v, float) else f"{n}={v}" for n, v in self.plan.options)
         rtol = f" (rtol {self.plan.rtol:g})" if self.plan.rtol else ""
         return f"{self.name}{f' ({options})' if options else ''}, {self.unloading}, {self.evaluation}{rtol}"
 
-    def script(self, table: str = "law.tbl", dt: float | None = None) -> str:
-        """Python or input lines for this choice in the scene's engine; dt: time step [s], if not `step`."""
-        dt = self.step if dt is None else dt
-        plain = ((k, float(v) if isinstance(v, float) else v) for k, v in self.plan.options)  # numpy 2 writes np.float64(…)
-        options = "".join(f", {k}={v!r}" for k, v in plain)
-        unload_by = "curve" if self.plan.curve is not None else f'"{self.unloading}"'  # curve: the scene's, a law or a table
-        unloading = f", unloading={unload_by}"
+    def script(self, table: str = "law.tbl") -> str:
+        """The Python line that makes this law: for `contact` or, in YADE, for materials with `surfaces`."""
+        plain = {name: float(value) if isinstance(value, float) else value for name, value in self.plan.options}
+        options = "".join(f", {name}={value!r}" for name, value in plain.items())
+        unloading = "curve" if self.plan.curve is not None else f'"{self.unloading}"'  # curve: the scene's, a law or a table
+        if self.scene.engine == "yade" and self.evaluation == "table":
+            tables = f'"{table}"' if len(self.scene.materials) == 1 else "tables"  # pair of labels → file
+            return f"law = Law2_ScGeom_MindlinPhys_Demlaws({tables})"
         if self.scene.engine == "yade":
-            source = f'"{self.name}"'
-            if self.evaluation == "table":
-                names = [f'("kind{i}", "kind{j}"): "{table_name(table, self.scene, (i, j))}"' for i, j in self.scene.kinds()]
-                source = f'"{table}"' if len(names) == 1 else f"{{{', '.join(names)}}}"
-            surfaces = ", ".join(
-                f'"kind{i}": dl.Surface({s.roughness!r}, {s.fractal_dimension!r}, {s.hardness or m.hardness!r})'
-                for i, (m, s) in enumerate(zip(self.scene.materials, self.scene.surfaces, strict=True))
-            )
-            extra = "" if self.evaluation == "table" else options + unloading
-            return (
-                "import demlaws as dl\n"
-                "from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws\n"
-                f"# kind0, kind1, …: labels of the scene's materials\n"
-                f"law = Law2_ScGeom_MindlinPhys_Demlaws({source}, surfaces={{{surfaces}}}{extra})\n"
-                f"# O.dt = {dt:.3g}"
-            )
-        if self.scene.engine in ("liggghts", "lammps"):
-            grains = self.scene.grains()
-            types = ", ".join(f"{n + 1}: radius {g.radius:g} m" for n, g in enumerate(grains))
-            return f"choice.export(folder), or --out FOLDER, writes the case; types {types}; timestep {dt:.3g}"
+            return f'law = Law2_ScGeom_MindlinPhys_Demlaws("{self.name}", {unloading}, surfaces{options})'
         tail = f".tabulate(rtol={self.plan.rtol:g}, max_force={self.max_force:g})" if self.evaluation == "table" else ""
-        return f'law = dl.law("{self.name}", contact{unloading}{options}){tail}'
+        return f'law = dl.law("{self.name}", contact, unloading={unloading}{options}){tail}'
 
 
 def table_name(path, scene, kinds):
@@ -205,7 +163,7 @@ class Choices(Tabular, list):
 
     def columns(self) -> dict:
         """Choice, errors, cost, time step and state of each, each a list."""
-        names = ("error", "mean_error", "ns", "step_factor", "state_bytes", "meets")
+        names = ("error", "ns", "step_factor", "state_bytes", "meets")
         return {"choice": [c.describe() for c in self], **{name: [getattr(c, name) for c in self] for name in names}}
 
     def title(self) -> str:
@@ -225,22 +183,15 @@ def _determined(contact):
     return sorted((d for d in pool if all(getattr(contact, n) is not None for n in d.needs)), key=lambda d: -d.advice.rank)
 
 
-def _reaches(definition, scene, options):
-    """Options with which a law holds at the scene's smallest load, or None: a solved curve is followed down to below it."""
-    contacts = [c for r in dict.fromkeys(scene.effective_radii()) for c in scene.contacts(r)]
-    if "seating_share" in definition.options and "seating_share" not in options:
-        default = inspect.signature(definition.prepare).parameters["seating_share"].default
-        unit = max(float(np.max(c.modulus * np.sqrt(c.radius) * c.sigma**1.5)) for c in contacts)
-        smallest = min(float(np.min(scene.force_range(c)[0])) for c in contacts)
-        share = max(0.5 * smallest / unit, 1e-7) if unit else default
-        if share < default:
-            options = {**options, "seating_share": float(f"{share:.1g}")}
+def _reaches(definition, scene):
+    """Whether a law can be made of the scene's contacts."""
     try:
-        for contact in contacts:
-            bind_law(definition.name, contact, "elastic", **options)
+        for radius in scene.effective_radii():
+            for contact in scene.contacts(radius):
+                bind_law(definition.name, contact, "elastic")
     except DemlawsError:
-        return None
-    return options
+        return False
+    return True
 
 
 def reference_plan(scene):
@@ -258,11 +209,7 @@ def reference_plan(scene):
             )
         rough = contact.with_values(roughness=max(c.sigma for c in contacts))
         candidates = [d for d in _determined(rough) if d.advice.rank]
-        for definition in candidates:
-            extra = _reaches(definition, scene, {})
-            if extra is not None or definition is candidates[-1]:
-                break
-        options = {**(extra or {}), **options}
+        definition = next((d for d in candidates if _reaches(d, scene)), candidates[-1])
         if scene.yield_pressure is not None:
             options = {"yield_pressure": scene.yield_pressure, "loading": definition.name, **options}
             definition = next(d for d in registry().values() if d.before_yield is not None)
@@ -325,17 +272,19 @@ class _Evaluator:
 
     def consider(self, plan):
         """The plan and its table with their errors, and why they are ruled out."""
-        entries, label = {}, _label(plan)
+        errors, label = {}, _label(plan)
         try:
             breaches = [b for b in self.laws(plan)[0].breaches(self.smallest, self.largest) if b.reason not in self.known]
             if breaches and plan != self.reference:
                 return {}, {label: f"loads of {breaches[0]}"}
-            entries[plan] = self.error(plan)
-            label = _label(plan._replace(evaluation="table"))
-            table = _table_for(self, plan, entries[plan][0]) if self.tables else None
+            errors[plan] = self.error(plan)
+            if self.tables and not find(plan.name).advice.closed_form_is_cheapest:
+                table = _as_table(plan, self.scene)
+                label = _label(table)
+                errors[table] = self.error(table)
         except DemlawsError as error:
-            return entries, {label: str(error)}
-        return (entries if table is None else {**entries, table[0]: table[1]}), {}
+            return errors, {label: str(error)}
+        return errors, {}
 
     def laws(self, plan):
         """The plan's laws on the samples, made once."""
@@ -355,15 +304,15 @@ class _Evaluator:
         return plan.bind(contact, self.max_force)
 
     def error(self, plan, against=None):
-        """Largest and mean error of a plan against the reference (or another plan)."""
-        worst, mean = 0.0, 0.0
+        """Bound of the error of a plan against the reference (or another plan)."""
+        worst = 0.0
         exact = self.exact if against is None else self.laws(against)
         for sample, other, law in zip(self.samples, exact, self.laws(plan), strict=True):
             error = error_of(law, other, sample, self.scene.quantity, self.scene.unloads)
             if not np.all(np.isfinite(error)):
-                return math.inf, math.inf
-            worst, mean = max(worst, float(error.max())), max(mean, float(error @ sample.weight))
-        return _MARGIN * worst + _ROUNDING, mean
+                return math.inf
+            worst = max(worst, float(error.max()))
+        return _MARGIN * worst + _ROUNDING
 
     def step(self, plan):
         """Safe step [s] of the scene."""
@@ -371,41 +320,38 @@ class _Evaluator:
             return stable_step(self.scene, plan._replace(evaluation="closed form", rtol=0.0).bind)
 
 
-def _left_out(judge, plan):
-    """What the plan leaves out, in the order yield, history, roughness, evaluation; each with the error that it alone adds."""
-    reference = judge.reference
-    stages = []
-
-    def stage(what, **changes):
-        before = stages[-1][1] if stages else reference
-        after = before._replace(**changes)
-        if after != before:
-            stages.append((what, after, before))
-
+def _changes(reference, plan):
+    """What leads from the reference to a plan: (what is left out, the plan without it), in the order yield, history, roughness,
+    evaluation."""
+    now = reference
     if (before := _before_yield(reference)) is not None and _before_yield(plan) is None:
         definition, options = before
         same_rule = reference.curve is not None or reference.unloading in definition.unloading
         rule = reference.unloading if same_rule else definition.unloading[-1]
-        stage("bulk yield", name=definition.name, options=options, unloading=rule)
-    now = stages[-1][1] if stages else reference
-    if now.unloading != plan.unloading and plan.unloading != "elastic":
-        what = "larger radius after yield" if now.unloading == "thornton" else f"{now.unloading} unloading"
-        stage(what, unloading=plan.unloading, curve=plan.curve)
-        now = stages[-1][1]
-    if now.unloading != "elastic" and plan.unloading == "elastic":
-        stage("unloading history", unloading="elastic", curve=None)
-        now = stages[-1][1]
+        now = reference._replace(name=definition.name, options=options, unloading=rule)
+        yield "bulk yield", now
+    if now.unloading != plan.unloading:
+        what = "unloading history" if plan.unloading == "elastic" else f"{now.unloading} unloading"
+        now = now._replace(unloading=plan.unloading, curve=plan.curve)
+        yield what, now
     if (now.name, now.options) != (plan.name, plan.options):
         what = "roughness" if find(plan.name).advice.smooth else f"{now.name} replaced by {plan.name}"
-        stage(what, name=plan.name, options=plan.options, unloading=plan.unloading, curve=plan.curve)
+        now = now._replace(name=plan.name, options=plan.options)
+        yield what, now
     if plan.evaluation != "closed form":
-        stage("table in place of the closed form", evaluation=plan.evaluation, rtol=plan.rtol)
-    result = []
-    for what, after, before in stages:
+        yield "table in place of the closed form", plan
+
+
+def _left_out(judge, plan):
+    """What the plan leaves out, each with the error that it alone adds; not a number where that cannot be computed."""
+    result, before = [], judge.reference
+    for what, after in _changes(judge.reference, plan):
         try:
-            result.append((what, max(judge.error(after, before)[0] - _ROUNDING, 0.0) / _MARGIN))
+            error = max(judge.error(after, before) - _ROUNDING, 0.0) / _MARGIN
         except DemlawsError:
-            result.append((what, math.nan))
+            error = math.nan
+        result.append((what, error))
+        before = after
     return tuple(result)
 
 
@@ -432,8 +378,8 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
     Returns
     -------
     Choices
-        Candidates within the tolerance first, the cheapest first. Each `Choice` has the bound and mean of the error, ns per
-        contact, the factor of the time step, the bytes of history, and the neglected physics with its error.
+        Candidates within the tolerance first, the cheapest first. Each `Choice` has the bound of the error, ns per contact, the
+        factor of the time step, the bytes of history, and the neglected physics with its error.
 
     Raises
     ------
@@ -454,37 +400,37 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
     notes = [f"the reference itself ({reference.name}) leaves its range: {breach}" for breach in judge.breaches]
     ruled_out, errors = {}, {}
     for plan in progress(plans(scene, reference)):
-        entries, why = judge.consider(plan)
-        errors.update(entries)
+        found, why = judge.consider(plan)
+        errors.update(found)
         ruled_out.update(why)
     errors = {plan: error for plan, error in errors.items() if _runs_in(plan, scene.engine)}
-    none_meets = all(error > scene.tolerance for error, _ in errors.values())
+    none_meets = all(error > scene.tolerance for error in errors.values())
     if not errors or (none_meets and any(_NO_TABLE in why for why in ruled_out.values())):
         names = {why: dict.fromkeys(label.split(",")[0] for label in labels) for why, labels in by_reason(ruled_out).items()}
         reasons = "; ".join(f"{', '.join(laws)}: {why}" for why, laws in names.items())
         raise DemlawsError(f"no law can serve this scene: {reasons}")
     base = judge.step(reference)
     choices = []
-    for plan, (error, mean) in errors.items():
+    for plan, error in errors.items():
         step = judge.step(plan)
         law = judge.laws(plan)[0]
         choices.append(
             Choice(
                 plan,
                 error,
-                mean,
                 kept_cost(plan),
                 step / base,
                 step,
                 8 * len(law.state_names),
                 law.nodes.u.size if isinstance(law, Table) else 0,
-                (),
+                _left_out(judge, plan),
                 error <= scene.tolerance,
-                judge,
+                scene,
+                reference,
+                judge.max_force,
             )
         )
     choices.sort(key=lambda c: (not c.meets, c.cost if c.meets else c.error, c.error))
-    choices = [replace(c, left_out=_left_out(judge, c.plan)) for c in choices]
     return Choices(choices, scene, reference, ruled_out, notes)
 
 
@@ -497,20 +443,6 @@ def _runs_in(plan, engine):
     return engine in ("python", "yade") or plan.evaluation == "table" or engine in find(plan.name).advice.native
 
 
-def _table_for(judge, plan, closed_error):
-    """The smallest table of a plan that still meets the tolerance (of one that does not: the one that adds a tenth)."""
-    definition = find(plan.name)
-    if definition.advice.closed_form_is_cheapest:
-        return None
-    target = judge.scene.tolerance if closed_error < judge.scene.tolerance else 1.1 * closed_error
-    for rtol in _TABLE_STEPS:
-        table = plan._replace(evaluation="table", rtol=rtol)
-        try:
-            result = judge.error(table)
-        except (NeedsClasses, NotPassive):
-            raise
-        except DemlawsError:  # out of this table's reach
-            continue
-        if result[0] <= target:
-            return table, result
-    return None
+def _as_table(plan, scene):
+    """The table of a plan, which adds about a hundredth of the tolerance to its error."""
+    return plan._replace(evaluation="table", rtol=plan.rtol or min(max(1e-5, 0.01 * scene.tolerance), 1e-3))

@@ -24,7 +24,6 @@ class Sample(NamedTuple):
 
     contact: Contact
     peak: np.ndarray  # [N]
-    weight: np.ndarray  # share of the load distribution
 
 
 class Loaded:

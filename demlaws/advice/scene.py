@@ -5,7 +5,7 @@ import itertools
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +29,7 @@ from demlaws.laws.registry import find
 from demlaws.make import known_unloading
 from demlaws.make import law as bind_law
 from demlaws.timestep import shear_ratio, timestep
-from demlaws.units import as_float, number, unmasked
+from demlaws.units import number, positive
 
 ENGINES = ("python", "yade", "liggghts", "lammps")
 PROCESSES = ("oedometer", "shear", "pour")
@@ -42,7 +42,7 @@ TEMPLATE = Path(__file__).with_name("template.toml")
 @refuses_unknown_keywords
 @dataclass(frozen=True)
 class Scene:
-    """Grains and loads of a simulation, for `demlaws.choose`. One of force, pressure, forces and speed is required.
+    """Grains and loads of a simulation, for `demlaws.choose`. One of force, pressure and speed is required.
 
     Parameters
     ----------
@@ -54,8 +54,6 @@ class Scene:
         Smallest and largest normal force of interest [N].
     pressure : (float, float)
         Smallest and largest mean stress of a packing [Pa], from which forces follow.
-    forces : array_like
-        Forces of an actual run [N].
     speed : float
         Fastest approach [m/s]; the peak force of an impact extends the range.
     cyclic : bool
@@ -103,7 +101,6 @@ class Scene:
     surfaces: Surface | Sequence[Surface] | None = None
     force: Sequence[float] | None = None
     pressure: tuple | None = None
-    forces: np.ndarray | None = None
     speed: float = 0.0
     cyclic: bool = False
     quantity: str = "force"
@@ -122,9 +119,9 @@ class Scene:
     name: str = ""
 
     def __post_init__(self):
-        classes = tuple(sorted({number(r, "classes", "m") for r in _several(self.classes)}))
+        classes = tuple(np.unique(positive(self.classes, "classes", "m")).tolist())
         object.__setattr__(self, "classes", classes)
-        radii = classes or tuple(number(r, "radii", "m") for r in _several(self.radii))
+        radii = classes or np.atleast_1d(positive(self.radii, "radii", "m")).tolist()
         if not radii:
             raise DemlawsError("radii is empty: give one radius in m, or the smallest and the largest")
         if len(radii) > 2 and not classes:
@@ -150,14 +147,9 @@ class Scene:
         for label, unit in (("force", "N"), ("pressure", "Pa")):
             if getattr(self, label) is not None:
                 object.__setattr__(self, label, _range(getattr(self, label), label, unit))
-        if self.forces is not None:
-            forces = as_float(_several(self.forces), "forces", "N", array=True)
-            if not np.all(np.isfinite(forces)) or not np.any(forces > 0.0):
-                raise DemlawsError(f"forces must be finite forces in N, none masked, some above 0, got {self.forces!r:.60}")
-            object.__setattr__(self, "forces", forces[forces > 0.0])
         object.__setattr__(self, "speed", number(self.speed, "speed", "m/s", allow_low=True))
-        if self.force is None and self.pressure is None and self.forces is None and not self.speed:
-            raise DemlawsError("the scene has no load: give force=(low, high) in N, pressure in Pa, forces, or speed in m/s")
+        if self.force is None and self.pressure is None and not self.speed:
+            raise DemlawsError("the scene has no load: give force=(low, high) in N, pressure in Pa, or speed in m/s")
         for label, unit, high in (
             ("tolerance", "", 1.0),
             ("porosity", "", 0.95),
@@ -238,8 +230,6 @@ class Scene:
         one = np.ones(np.shape(contact.radius))
         if self.force is not None:
             ranges.append((self.force[0] * one, self.force[1] * one))
-        if self.forces is not None:
-            ranges.append((self.forces.min() * one, self.forces.max() * one))
         if self.pressure is not None:  # forces of a packing: an exponential tail to some 6 means, few below 0.05
             low, high = (self.mean_force(p, contact.radius) for p in self.pressure)
             ranges.append((0.05 * low, 6.0 * high))
@@ -260,56 +250,34 @@ def _all_of(value, kind, label):
     return tuple(several)
 
 
-def _several(value):
-    """One value, or the entries of a list or array: numbers, or text with a unit."""
-    return list(value) if isinstance(value, list | tuple) else list(np.ravel(unmasked(value)))
-
-
 def _range(value, label, unit):
-    pair = [number(v, label, unit) for v in _several(value)]
-    if len(pair) == 1:
-        pair = [0.01 * pair[0], pair[0]]
-    if len(pair) != 2 or pair[0] > pair[1]:
+    """Smallest and largest, of which the first is a hundredth of the second where only that is given."""
+    ends = np.atleast_1d(positive(value, label, unit)).tolist()
+    if len(ends) == 1:
+        ends = [0.01 * ends[0], ends[0]]
+    if len(ends) != 2 or ends[0] > ends[1]:
         raise DemlawsError(f"{label} = {value!r}: give the smallest and the largest in {unit}")
-    return tuple(pair)
+    return tuple(ends)
 
 
 def _from_toml(path):
     try:
         import tomllib
-    except ImportError:
-        try:
-            import tomli as tomllib
-        except ImportError as error:
-            raise DemlawsError("scene files need Python 3.11 or 'pip install tomli'") from error
-    try:
-        text = tomllib.loads(read_text(path, "scene "))
-    except tomllib.TOMLDecodeError as error:
-        raise DemlawsError(f"{path} is not a scene file (demlaws choose --template): {error}") from error
+    except ImportError:  # Python 3.10
+        import tomli as tomllib
     values = {}
     try:
+        text = tomllib.loads(read_text(path, "scene "))
         for key, kind in (("material", Material), ("surface", Surface)):
-            if key in text and f"{key}s" in text:
-                raise DemlawsError(f"[{key}] and [[{key}s]] are equivalent: give one of them")
-            section = text.pop(f"{key}s", text.pop(key, None))
+            section = text.pop(key, None) or text.pop(f"{key}s", None)  # [material] or [[materials]]
             if section is not None:
-                entries = [section] if isinstance(section, dict) else section
-                if not all(isinstance(entry, dict) for entry in entries):
-                    raise DemlawsError(f"{key} must be a table of the file, [{key}], got {section!r:.60}")
-                needed = [one.name for one in fields(kind) if one.default is MISSING]
-                for name in (name for entry in entries for name in needed if name not in entry):
-                    raise DemlawsError(f"[{key}] lacks {name!r}")
-                values[f"{key}s"] = [kind(**entry) for entry in entries]
-        reference = text.pop("reference", None)
-        if isinstance(reference, dict):
-            values["reference"] = reference.pop("law", None)
-            values["reference_options"] = reference
-        elif reference is not None:
-            values["reference"] = reference
+                values[f"{key}s"] = [kind(**entry) for entry in (section if isinstance(section, list) else [section])]
         unloading = text.get("unloading")
         if names_a_file(unloading):  # beside the scene's
             text["unloading"] = str(path.parent.absolute() / unloading)
         return Scene(**values, **text)
+    except tomllib.TOMLDecodeError as error:
+        raise DemlawsError(f"{path} is not a scene file (demlaws choose --template): {error}") from error
     except (DemlawsError, TypeError) as error:
         raise DemlawsError(f"{path}: {error}") from None
 
@@ -359,15 +327,5 @@ def samples(scene, points=_POINTS, random=None):
             share = random.uniform(0.0, 1.0, points)
         contact = pair.with_values(radius=radius)
         smallest, largest = scene.force_range(contact)
-        peak = smallest * (largest / smallest) ** share
-        if scene.pressure is not None:  # exponential distribution of forces about the mean, over logarithmic steps
-            mean = scene.mean_force(math.sqrt(scene.pressure[0] * scene.pressure[1]), radius)
-            weight = peak / mean * np.exp(-peak / mean)
-        elif scene.forces is not None:
-            edges = np.geomspace(scene.forces.min() * 0.999, scene.forces.max() * 1.001, 30)
-            counts = np.histogram(scene.forces, edges)[0].astype(float)
-            weight = counts[np.clip(np.searchsorted(edges, peak) - 1, 0, counts.size - 1)]
-        else:
-            weight = np.ones(peak.size)
-        result.append(Sample(contact, peak, weight / weight.sum()))
+        result.append(Sample(contact, smallest * (largest / smallest) ** share))
     return result

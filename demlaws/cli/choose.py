@@ -6,7 +6,7 @@ from demlaws.cli import example
 from demlaws.cli.output import Output
 from demlaws.errors import DemlawsError
 
-FIELDS = ("error", "mean_error", "ns", "step_factor", "step", "state_bytes", "table_rows", "meets")
+FIELDS = ("error", "ns", "step_factor", "step", "state_bytes", "table_rows", "meets")
 TITLES = ("choice", *(f"{name}_s" if name == "step" else name for name in FIELDS))
 
 
@@ -70,7 +70,8 @@ def run(arguments, result):
     if advice is not None:
         result.print(f"softer grains, {'applied here' if arguments.soften else 'with --soften'}:")
         result.say("\n".join(advice.lines()))
-    result.print(best.script(arguments.out or Path("law.tbl"), advice.dt if arguments.soften else None))
+    if scene.engine in ("python", "yade"):
+        result.print(best.script(arguments.out or Path("law.tbl")))
     if arguments.out is not None:
         _write(result, best, scene, arguments.out)
 
@@ -86,14 +87,14 @@ def _print_choices(result, choices, scene, name, every):
         f"loads {float(low):.3g} to {float(high):.3g} N on the largest contact, {'cyclic' if scene.unloads else 'monotonic'}"
     )
     result.print(f"reference: {choices.reference.name}, {choices.reference.unloading} unloading\n")
-    result.print(f"{'error':>9} {'mean':>9} {'ns':>6} {'step':>6} {'state':>6} {'rows':>6}  law, unloading, evaluation")
+    result.print(f"{'error':>9} {'ns':>6} {'step':>6} {'state':>6} {'rows':>6}  law, unloading, evaluation")
     for choice in choices:
         if choice.meets or every:
             result.say(
-                f"{choice.error:9.2g} {choice.mean_error:9.2g} {choice.ns:6.2f} {choice.step_factor:6.3f} "
+                f"{choice.error:9.2g} {choice.ns:6.2f} {choice.step_factor:6.3f} "
                 f"{choice.state_bytes:4d} B {choice.table_rows:6d}  {choice.describe()}"
                 f"{'' if choice.meets else ' (above the tolerance)'}",
-                " " * 49,
+                " " * 39,
             )
     result.say(
         "(ns: stored time per contact of the law alone; step: stable step over that of the reference; order: by ns/step)"

@@ -43,7 +43,7 @@ class Entry(NamedTuple):
 
 def _sample(shares):
     """Contacts of equal weight; shares: 0 for the smallest of the loads, 1 for the largest."""
-    return Sample(GRANITE, LOADS[0] * (LOADS[1] / LOADS[0]) ** shares, np.full(shares.size, 1.0 / shares.size))
+    return Sample(GRANITE, LOADS[0] * (LOADS[1] / LOADS[0]) ** shares)
 
 
 def _errors(law, reference, points=1500):

