@@ -11,7 +11,7 @@ from typing import Any
 
 from demlaws.errors import DemlawsError
 
-PARAVIEW = (".vtp", ".vtu", ".vtk")
+PARAVIEW = (".vtu", ".vtk")
 """How names of files of contacts as lines end."""
 
 

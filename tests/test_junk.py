@@ -61,6 +61,7 @@ GOOD = {
     "free": ("modulus",),
     "displacement_noise": 1e-8,
     "progress": iter,
+    "forces": [1.0, 2.0],
     "radius2": math.inf,
     "other": dl.Surface(1e-6),
     "ratio": 0.6,

@@ -13,14 +13,14 @@ def register(add):
         "deformed plastically (keep a plastic overlap) and, of LAMMPS, stored and dissipated energy; with --law and the "
         "contact without radii also stiffness, contact radius and conductance over conductivity. GRAINS is a dump of the "
         "grains of LIGGGHTS or LAMMPS, CONTACTS the local dump of their contacts; the last frame is used. --vtk writes lines "
-        'between the centres with these columns. In YADE: law.contacts().save("contacts.vtp").',
+        'between the centres with these columns. In YADE: law.contacts().save("contacts.vtu").',
         **example(
-            "  demlaws contacts post/grains.5000.txt post/contacts.5000.txt --vtk contacts.vtp\n"
+            "  demlaws contacts post/grains.5000.txt post/contacts.5000.txt --vtk contacts.vtu\n"
             "  demlaws contacts post/grains.5000.txt post/contacts.5000.txt --law pohrt-popov --unloading hertz \\\n"
             "      --young 60.6GPa --poisson 0.25 --roughness 1.7um --fractal-dimension 2.22 --csv contacts.csv"
         ),
     )
-    parser.add_argument("--vtk", type=Output(), metavar="FILE", help="write lines for ParaView: .vtp, .vtu or .vtk")
+    parser.add_argument("--vtk", type=Output(), metavar="FILE", help="write lines for ParaView: .vtu or .vtk")
     parser.add_argument("--csv", type=Output(), metavar="FILE", help="write all columns as CSV")
     add_dump_arguments(parser)
     parser.set_defaults(func=run)

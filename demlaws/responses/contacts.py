@@ -126,14 +126,12 @@ class Contacts(Tabular):
         return f"{len(self)} contacts"
 
     def save(self, path: str | Path) -> Path:
-        """Lines between the centres with the columns as cell data, for ParaView: .vtp, .vtu or .vtk.
-
-        Needs pyvista (all of them) or meshio (.vtu and .vtk).
+        """Lines between the centres with the columns as cell data, for ParaView: .vtu or .vtk. Needs meshio.
 
         Parameters
         ----------
         path : str or Path
-            File to write, ending with .vtp, .vtu or .vtk.
+            File to write, ending with .vtu or .vtk.
 
         Returns
         -------
@@ -142,41 +140,19 @@ class Contacts(Tabular):
         Raises
         ------
         DemlawsError
-            If the places of the bodies are not known, the ending is another one, or neither library is installed.
+            If the places of the bodies are not known, the ending is another one, or meshio is not installed.
         """
         path = Path(path)
         if self.centre1 is None or self.centre2 is None:
             raise DemlawsError("these contacts have no places of their bodies: nothing to draw")
         data = {name: v.astype(np.uint8) if v.dtype == bool else v for name, _, v in self._known()}
+        if path.suffix not in PARAVIEW:
+            raise DemlawsError(f"contacts are saved as .vtu or .vtk, got {path.suffix!r}")
+        try:
+            import meshio
+        except ImportError:
+            raise DemlawsError(f"a {path.suffix} file needs meshio: pip install 'demlaws[vtk]'") from None
         lines = np.stack([np.arange(len(self)), np.arange(len(self)) + len(self)], axis=1)  # numbers of their points
-        _writer(path.suffix)(path, np.concatenate([self.centre1, self.centre2]), lines, data)
+        points, cells = np.concatenate([self.centre1, self.centre2]), {name: [values] for name, values in data.items()}
+        meshio.Mesh(points, [("line", lines)], cell_data=cells).write(path)
         return path
-
-
-def _writer(suffix: str) -> Any:
-    """The function that writes points, lines and cell data into a file of this kind."""
-    if suffix not in PARAVIEW:
-        raise DemlawsError(f"contacts are saved as .vtp, .vtu or .vtk, got {suffix!r}")
-    try:
-        import pyvista
-    except ImportError:
-        if suffix == ".vtp":
-            raise DemlawsError(
-                "a .vtp file needs pyvista: pip install 'demlaws[vtk]'; .vtu and .vtk need it or meshio"
-            ) from None
-    else:
-        return lambda *arguments: _by_pyvista(pyvista, *arguments)
-    try:
-        import meshio
-    except ImportError:
-        raise DemlawsError(f"a {suffix} file needs pyvista or meshio: pip install meshio") from None
-    return lambda path, points, lines, data: meshio.Mesh(
-        points, [("line", lines)], cell_data={name: [values] for name, values in data.items()}
-    ).write(path)
-
-
-def _by_pyvista(pyvista: Any, path: Path, points: np.ndarray, lines: np.ndarray, data: dict) -> None:
-    cells = np.insert(lines, 0, 2, axis=1).ravel()
-    mesh = pyvista.PolyData(points, lines=cells) if len(lines) else pyvista.PolyData()
-    mesh.cell_data.update(data if len(lines) else {})
-    (mesh if path.suffix != ".vtu" else mesh.cast_to_unstructured_grid()).save(path)

@@ -1,31 +1,16 @@
 """Response of one contact along a path of overlaps."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from demlaws.responses.results import PATH_COLUMNS, Tabular
 
 
-class Point(NamedTuple):
-    """One point of a `Path`, SI units."""
-
-    overlap: float
-    force: float
-    stiffness: float
-    maximum_overlap: float
-    plastic_overlap: float
-    stored: float
-    dissipated: float
-
-
 @dataclass(frozen=True, eq=False, repr=False)
-class Path(Tabular, Sequence):
-    """Response of one contact along a path: arrays with one entry per overlap, SI units.
-
-    A sequence of points: `path[3].force`, `path[:100]`, `len(path)`, `pandas.DataFrame(path)`.
+class Path(Tabular):
+    """Response of one contact along a path: arrays with one entry per overlap, SI units; `path[:100]` is a part of it.
 
     Attributes
     ----------
@@ -50,8 +35,6 @@ class Path(Tabular, Sequence):
               0          0                0                    0          0
           1e-06     2.6985       4.0477e+06                    0 1.0794e-06
           5e-07    0.95406       2.8622e+06                    0 1.9081e-07
-    >>> len(path), path[1].force.round(4), path[:2].overlap
-    (3, 2.6985, array([0.e+00, 1.e-06]))
     """
 
     overlap: np.ndarray
@@ -62,12 +45,11 @@ class Path(Tabular, Sequence):
     stored: np.ndarray
     dissipated: np.ndarray
 
-    def __len__(self):
+    def __len__(self) -> int:
         return self.overlap.size
 
-    def __getitem__(self, index):
-        values = [getattr(self, field.name)[index] for field in fields(self)]
-        return Path(*values) if isinstance(index, slice) else Point(*values)
+    def __getitem__(self, index: Any) -> "Path":
+        return Path(*(getattr(self, field.name)[index] for field in fields(self)))
 
     def __repr__(self):
         largest = f"overlap to {self.overlap.max():.4g} m, force to {self.force.max():.4g} N" if len(self) else "empty"

@@ -24,7 +24,7 @@ from demlaws.core.loops import (
 from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
 from demlaws.curves.unloading import ELASTIC, Bound, Unloading
 from demlaws.errors import DemlawsError, LargeOverlap, warn
-from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, as_float, as_given, check_overlaps, number, unmasked
+from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, as_float, as_given, check_overlaps, number
 
 if TYPE_CHECKING:
     from demlaws.curves.closed import ClosedForm
@@ -449,15 +449,7 @@ class Response(Bound):
 
 
 def _numbers(value: Any, name: str, unit: str) -> np.ndarray:
-    """What a user gave as an array of float64 or float32."""
+    """A user's array of float64 or float32 as it is, anything else as float64."""
     if type(value) is np.ndarray and value.dtype in (np.float64, np.float32):
         return value
-    if isinstance(value, str) or (isinstance(value, list | tuple) and any(isinstance(v, str) for v in value)):
-        value = as_float(value, name, unit, array=True)
-    try:
-        array = np.asarray(unmasked(value))
-        if array.dtype.kind not in "fiu":  # text, None, complex numbers, dates
-            raise TypeError
-    except (TypeError, ValueError):
-        raise DemlawsError(f"{name} must be a number or an array in {unit}, got {value!r}") from None
-    return array if array.dtype in (np.float64, np.float32) else array.astype(float)
+    return as_float(value, name, unit, array=True)

@@ -1,13 +1,12 @@
-"""Results with columns: text, HTML for notebooks, pandas."""
+"""Results with columns: text, pandas."""
 
-import html
 from collections.abc import Sequence
 from typing import Any
 
 from demlaws.errors import DemlawsError
 
 SHOWN = 10
-"""Number of rows that `str` and notebooks show; of more, the first and the last half."""
+"""Number of rows that `str` shows; of more, the first and the last half."""
 
 PATH_COLUMNS = {
     "overlap (m)": "overlap",
@@ -39,7 +38,7 @@ class Tabular:
         return ""
 
     def shown(self) -> dict[str, Sequence]:
-        """The columns that `str` and notebooks show; default: all."""
+        """The columns that `str` shows; default: all."""
         return self.columns()
 
     def to_dataframe(self) -> Any:
@@ -50,31 +49,13 @@ class Tabular:
             raise DemlawsError("to_dataframe needs pandas: pip install pandas") from error
         return pandas.DataFrame(self.columns())
 
-    def _table(self):
-        """Titles and text of the rows that are shown; None stands for omitted rows."""
+    def __str__(self):
         columns = self.shown()
         count = len(next(iter(columns.values())))
-        places = range(count)
+        rows = [[_text(values[n]) for values in columns.values()] for n in range(count)]
         if count > self.most_rows:
-            places = [*places[: self.most_rows // 2], None, *places[-self.most_rows // 2 :]]
-        rows = [None if n is None else [_text(values[n]) for values in columns.values()] for n in places]
-        return list(columns), rows
-
-    def __str__(self):
-        titles, rows = self._table()
-        widths = [max(len(row[k]) for row in [titles, *filter(None, rows)]) for k in range(len(titles))]
-        lines = [self.title()] if self.title() else []
-        for row in [titles, *rows]:
-            cells = ["..."] if row is None else (f"{cell:>{width}}" for cell, width in zip(row, widths, strict=True))
-            lines.append("  ".join(cells).rstrip())
-        return "\n".join(lines)
-
-    def _repr_html_(self):
-        titles, rows = self._table()
-        cells = "".join(f"<th>{html.escape(title)}</th>" for title in titles)
-        lines = [f"<p>{html.escape(self.title())}</p>"] if self.title() else []
-        lines.append(f"<table><thead><tr>{cells}</tr></thead><tbody>")
-        for row in rows:
-            cells = "".join(f"<td>{html.escape(cell)}</td>" for cell in row or ["…"] * len(titles))
-            lines.append(f"<tr>{cells}</tr>")
-        return "\n".join([*lines, "</tbody></table>"])
+            rows = [*rows[: self.most_rows // 2], ["..."], *rows[-self.most_rows // 2 :]]
+        table = [list(columns), *rows]
+        widths = [max(len(row[k]) for row in table if len(row) > k) for k in range(len(columns))]
+        lines = ["  ".join(f"{cell:>{width}}" for cell, width in zip(row, widths, strict=False)).rstrip() for row in table]
+        return "\n".join([self.title(), *lines] if self.title() else lines)

@@ -22,7 +22,7 @@ def draw(lines, grains, picture):
     spheres["diameter"] = 2 * grains[:, 3]
     ball = pyvista.Sphere(radius=0.5, theta_resolution=24, phi_resolution=24)
     plotter.add_mesh(spheres.glyph(scale="diameter", geom=ball), color="lightgrey", opacity=0.08)
-    mesh = pyvista.read(lines)
+    mesh = pyvista.read(lines).extract_geometry()
     mesh.cell_data[TITLE] = 1e6 * mesh.cell_data["plastic_overlap"]
     tubes = mesh.tube(radius=float(0.12 * grains[:, 3].mean()))
     limit = float(sorted(mesh.cell_data[TITLE])[int(0.98 * mesh.n_cells)])
@@ -48,7 +48,7 @@ def main():
 
     grains, contacts, picture = sys.argv[1:]
     with tempfile.TemporaryDirectory() as scratch:
-        lines = Path(scratch) / "contacts.vtp"
+        lines = Path(scratch) / "contacts.vtu"
         subprocess.run([sys.executable, "-m", "demlaws", "contacts", grains, contacts, "--vtk", lines], check=True)
         text = Path(grains).read_text().rpartition("ITEM: ATOMS")[2].splitlines()
         names = text[0].split()

@@ -96,8 +96,8 @@ def test_lines(tmp_path, capsys):
 
 
 def test_lines_of_this_command_are_overwritten_and_no_others(tmp_path):
-    """Before: a second run of the command refused its own .vtp file."""
-    file = tmp_path / "contacts.vtp"
+    """Before: a second run of the command refused its own file of lines."""
+    file = tmp_path / "contacts.vtu"
     file.write_text('<VTKFile type="PolyData">' + 5000 * " " + '<DataArray Name="body1">')
     Output().check(file)
     file.write_text('<VTKFile type="PolyData"><DataArray Name="pressure">')

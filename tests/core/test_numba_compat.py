@@ -77,5 +77,5 @@ def test_a_kernel_is_a_python_function_too():
     overlap = 2.0 * law.contact.roughness
     force, stiffness, state = step(law.rule_tag, law.params, overlap, (0.0, 0.0))
     path = law.follow([overlap])
-    assert (force, stiffness) == pytest.approx((path[0].force, path[0].stiffness), rel=1e-12)
-    assert state == pytest.approx((path[0].maximum_overlap, path[0].plastic_overlap), rel=1e-9)
+    assert (force, stiffness) == pytest.approx((path.force[0], path.stiffness[0]), rel=1e-12)
+    assert state == pytest.approx((path.maximum_overlap[0], path.plastic_overlap[0]), rel=1e-9)
