@@ -137,12 +137,15 @@ def test_scalars_and_shapes(name):
 @each_law_and_rule
 def test_contacts_in_arrays_follow_their_own_paths(name, unloading, rng):
     """Steps of a batch of unlike contacts: forces, stiffnesses and histories are those of each contact's path."""
-    options = options_of(name)
-    many = example(name, BATCH_OF_CONTACTS, unloading, **options)
+    options, batch = options_of(name), BATCH_OF_CONTACTS
+    if registry()[name].needs_map:  # contacts of one map: at the radii of its curves
+        radii = GRANITE.radius * np.geomspace(1.0, 1.05**2, 3)[[0, 1, 2, 0, 2]]
+        batch = GRANITE.with_values(radius=radii)
     ones = [
-        GRANITE.with_values(**{k: float(getattr(BATCH_OF_CONTACTS, k)[i]) for k in ("radius", "modulus", "roughness")})
-        for i in range(BATCH_OF_CONTACTS.size)
+        GRANITE.with_values(**{k: float(np.broadcast_to(getattr(batch, k), 5)[i]) for k in ("radius", "modulus", "roughness")})
+        for i in range(batch.size)
     ]
+    many = example(name, batch, unloading, **options)
     steps = rng.uniform(-1e-6, 1e-5, (20, 5))
     paths = [example(name, one, unloading, **options).follow(x) for one, x in zip(ones, steps.T, strict=True)]
     state = many.new_state(5) if many.state_size else None

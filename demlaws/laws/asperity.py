@@ -1,20 +1,16 @@
-"""Jamari & Schipper 2006-2008: a measured map against a smooth ball, its loading or its elastic reloading curve as a law.
+"""Jamari & Schipper 2006-2008: first loading of a measured map against a smooth ball as a law.
 
-The curve is that of one map at one effective radius and modulus. Contacts that differ in radius only are blended between
-curves at radii 5 % apart; a few that differ otherwise get a curve each.
+The curve is that of one map at one effective radius and modulus. Contacts that differ in radius are blended between curves
+at radii 5 % apart.
 """
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.core.dispatch import bind
-from demlaws.core.fastmath import hertz_coefficient, kernel
 from demlaws.core.grid import Nodes, grid, shape_from_nodes
-from demlaws.core.table_types import Grid
 from demlaws.errors import Argument, DemlawsError
 from demlaws.laws.definition import (
     POSITIVE,
@@ -27,7 +23,7 @@ from demlaws.laws.definition import (
     bulk_yield,
     plastic_asperities,
 )
-from demlaws.laws.family import CurveNumber, FamilyShape, family_params, shared_grid
+from demlaws.laws.family import CurveNumber, FamilyShape, shared_grid
 from demlaws.laws.hertz import HertzShape
 from demlaws.solvers.criterion import transition_force
 from demlaws.surface import HeightMap, read, self_affine
@@ -39,30 +35,6 @@ _OCTAVES = 12  # from the first cut to an overlap of Sq
 _BANDWIDTH = 0.4  # octaves, of the smoothing over the falls of force where patches merge
 _RADIUS_STEP = 1.05  # ratio of neighbouring radii of a family of curves
 _MOST_CURVES = 64
-
-
-class RowsShape(NamedTuple):
-    """One curve for each of a few contacts that differ in more than radius."""
-
-    grid: Grid  # of every curve, as in FamilyShape
-    contacts: np.ndarray  # (curves, 3): R, E*, σ
-
-
-@kernel
-def _rows_scale(shape, radius, modulus, roughness):
-    row = -1.0
-    for i in range(shape.contacts.shape[0]):
-        if (
-            abs(shape.contacts[i, 0] - radius) <= 1e-9 * radius
-            and abs(shape.contacts[i, 1] - modulus) <= 1e-9 * modulus
-            and abs(shape.contacts[i, 2] - roughness) <= 1e-9 * roughness
-        ):
-            row = float(i)
-    offset = 0.0 if row >= 0.0 else math.nan  # a contact that is none of them has no curve: not a number
-    return family_params(shape, hertz_coefficient(radius, modulus), roughness, offset, max(row, 0.0), 0.0, 0.0, 0.0)
-
-
-bind(RowsShape, scale=_rows_scale)
 
 
 # --- one curve
@@ -87,15 +59,10 @@ class PairCurve(NamedTuple):
         return np.where(u < self.start, below, s), np.where(u < self.start, power * below / u, slope)
 
 
-def _curve(pair, surface, reach, *, curve, force, max_force, **plasticity):
+def _curve(pair, surface, reach, max_force, **plasticity):
     from demlaws.solvers.contact import RoughContact
 
-    rough = RoughContact(surface, pair, **plasticity)
-    start = 0.0
-    if curve == "reloading":
-        rough = replace(rough.unload(rough.load(force, 1e-6)), before=None)  # elastic, also above `force`
-        start = rough.origin - rough.highest
-    overlap, force = sample(rough, start, max_force)
+    overlap, force = sample(RoughContact(surface, pair, **plasticity), max_force)
     length = _length(pair)
     coefficient = 4 / 3 * pair.modulus * math.sqrt(pair.radius)
     # a table's last cell may end at twice the tenth of the radius where tables end
@@ -106,8 +73,8 @@ def _length(pair):
     return pair.roughness or pair.radius
 
 
-def sample(rough, start, max_force):
-    """Overlaps past `start` and forces of a `RoughContact` at evenly spaced logarithms of the overlap, up to max_force."""
+def sample(rough, max_force):
+    """Overlaps and forces of a `RoughContact` at evenly spaced logarithms of the overlap, up to max_force."""
     from tqdm import tqdm
 
     limit = math.inf if max_force is None else max_force
@@ -116,7 +83,7 @@ def sample(rough, start, max_force):
     overlap = max(rough.heights.sq, 1e-12) * 2.0**-_OCTAVES
     overlaps, forces, edge = [], [], 0.0
     for _ in tqdm(range(40 * _SAMPLES), desc="asperity", unit="cut", leave=False, disable=None, delay=1):
-        force, _, edge = rough.carried(start + overlap)
+        force, _, edge = rough.carried(overlap)
         if force > limit or (edge and max_force is None):
             break
         overlaps.append(overlap)
@@ -131,7 +98,7 @@ def sample(rough, start, max_force):
             " or a larger map",
         )
     if max_force is not None and edge:
-        rough.advise(rough.at(start + overlaps[-1]))
+        rough.advise(rough.at(overlaps[-1]))
     return np.array(overlaps)[loaded], forces[loaded]
 
 
@@ -192,51 +159,30 @@ def _steepest(u, s, slope):
 # --- the law
 
 
-def _prepare(
-    contact,
-    surface,
-    curve="loading",
-    force=None,
-    max_force=None,
-    poisson=0.3,
-    plastic_factor=None,
-    plastic_ratio=None,
-):
+def _prepare(contact, surface, max_force=None, poisson=0.3, plastic_factor=None, plastic_ratio=None):
     """Shape of the law.
 
     surface: height map, form removed, or the path of one, whose form of order 2 is then removed; it is the gap map of the
-    pair. curve: "loading" or "reloading" (elastic, after a first loading to
-    `force` [N]); max_force: end of the computed curve [N], by default where the contact reaches the edge of the map or
-    the bulk yields, whichever comes first. Above it the curve is extrapolated: a power law until it has Hertz's
-    stiffness, then that. poisson, plastic_factor, plastic_ratio: ν, c_h, c_A of the asperities
-    (without: aluminium's, with a warning). A map without any
-    roughness gives Hertz's law.
+    pair. max_force: end of the computed curve [N], by default where the contact reaches the edge of the map or the bulk
+    yields, whichever comes first. Above it the curve is extrapolated: a power law until it has Hertz's stiffness, then that.
+    poisson, plastic_factor, plastic_ratio: ν, c_h, c_A of the asperities (without: aluminium's, with a warning). A map
+    without any roughness gives Hertz's law.
     """
-    if curve not in ("loading", "reloading"):
-        raise DemlawsError(f"curve = {curve!r}: the curves are 'loading' and 'reloading'")
     surface = _map(surface)
-    if curve == "reloading":
-        if force is None:
-            raise DemlawsError("curve = 'reloading' needs force, the first loading in N: give ", Argument("force", ...))
-    elif force is not None:
-        raise DemlawsError(f"force = {force!r:.60}: the first loading [N] of curve='reloading'; give that, or leave force out")
     if surface.sq == 0.0:
         return HertzShape()
-    pairs, alike = _pairs(contact)
+    pairs = _pairs(contact)
     reach = max(0.2 * pair.radius / _length(pair) for pair in pairs)
-    settings = {"curve": curve, "force": force, "max_force": max_force, "poisson": poisson}
-    settings |= {"plastic_factor": plastic_factor, "plastic_ratio": plastic_ratio}
-    curves = [_curve(pair, surface, reach, **settings) for pair in pairs]
+    plasticity = {"poisson": poisson, "plastic_factor": plastic_factor, "plastic_ratio": plastic_ratio}
+    curves = [_curve(pair, surface, reach, max_force, **plasticity) for pair in pairs]
     start = min(c.start for c in curves)
     shapes = [_shape(c, pair, start, reach) for c, pair in zip(curves, pairs, strict=True)]
     if len(pairs) == 1:
         return shapes[0]
     # copies at the ends: a curve is read with its neighbours, also where they have no weight
     shared = shared_grid([shapes[0], *shapes, shapes[-1], shapes[-1]])
-    if alike:
-        ratio = math.log(pairs[-1].radius / pairs[0].radius) / (len(pairs) - 1)
-        return FamilyShape(shared, CurveNumber(1.0, 0.0, 1.0, 0.0), pairs[0].radius, ratio, len(pairs), 0.0, math.inf)
-    return RowsShape(shared, np.array([[p.radius, p.modulus, p.sigma] for p in pairs]))
+    ratio = math.log(pairs[-1].radius / pairs[0].radius) / (len(pairs) - 1)
+    return FamilyShape(shared, CurveNumber(1.0, 0.0, 1.0, 0.0), pairs[0].radius, ratio, len(pairs), 0.0, math.inf)
 
 
 def _map(surface):
@@ -261,35 +207,30 @@ def _softened(surface, factor):
 
 
 def _pairs(contact):
-    """The pairs for which curves are made, and whether they differ in radius alone."""
+    """The pairs for which curves are made: at radii a step apart."""
     if contact.size is None:
-        return [contact], True
-    columns = [np.broadcast_to(getattr(contact, name), contact.size) for name in ("radius", "modulus", "sigma")]
-    rows = np.unique(np.column_stack(columns), axis=0)
-    alike = bool(np.all(np.ptp(rows[:, 1:], axis=0) <= 1e-9 * rows[0, 1:]))
-    if alike:
-        low, high = rows[0, 0], rows[-1, 0]
-        count = 1 if high <= low * (1 + 1e-9) else max(2, math.ceil(math.log(high / low) / math.log(_RADIUS_STEP)) + 1)
-        rows = np.column_stack([np.geomspace(low, high, count), np.tile(rows[0, 1:], (count, 1))])
-    if len(rows) > _MOST_CURVES:
-        raise DemlawsError(
-            f"{len(rows)} curves are needed for these contacts, {_MOST_CURVES} at most are made: let them share modulus and "
-            "roughness, or make laws for groups of them"
-        )
-    if len(rows) > 1 and np.any(rows[:, 2] == 0):
+        return [contact]
+    modulus, sigma = np.unique(contact.modulus), np.unique(contact.sigma)
+    if np.ptp(modulus) > 1e-9 * modulus[0] or np.ptp(sigma) > 1e-9 * sigma[0]:
+        raise DemlawsError("contacts of one map that differ in modulus or roughness: make a law for each group of equal ones")
+    low, high = float(np.min(contact.radius)), float(np.max(contact.radius))
+    count = 1 if high <= low * (1 + 1e-9) else max(2, math.ceil(math.log(high / low) / math.log(_RADIUS_STEP)) + 1)
+    if count > _MOST_CURVES:
+        raise DemlawsError(f"radii from {low:g} to {high:g} m need {count} curves, {_MOST_CURVES} at most are made")
+    if count > 1 and sigma[0] == 0:
         raise DemlawsError("roughness = 0 m in an array of contacts: give the map's roughness, the length of the curves")
-    names = ("radius", "modulus", "roughness")
-    return [contact.with_values(**dict(zip(names, map(float, row), strict=True))) for row in rows], alike
+    common = {"modulus": float(modulus[0]), "roughness": float(sigma[0])}
+    return [contact.with_values(radius=float(radius), **common) for radius in np.geomspace(low, high, count)]
 
 
-def _limits(contact, max_force=None, force=None, **options):
+def _limits(contact, max_force=None, **options):
     limits = bulk_yield(contact)
-    if force is not None:
-        limits.append(Limit(0.0, force, "asperities yield again above the force of first loading"))
     if max_force is not None:
         limits.append(Limit(0.0, max_force, "the curve is extrapolated above max_force"))
     return limits
 
+
+_EXAMPLE = {"shape": 128, "pixel": 2e-6, "hurst": 0.8, "seed": 1, "shortest": 8e-6, "longest": 80e-6}
 
 LAW = Definition(
     name="asperity",
@@ -303,16 +244,14 @@ LAW = Definition(
     implicit=True,
     solved=True,
     example={
-        "surface": self_affine(128, 2e-6, 0.8, roughness=2e-6, seed=1, shortest=8e-6, longest=80e-6),
+        "surface": self_affine(roughness=2e-6, **_EXAMPLE),
         "plastic_factor": 0.71,
         "plastic_ratio": 160.0,
     },
-    example_curve={"curve": "reloading", "force": 100.0},
-    default_unloading=lambda curve="loading", **_: "elastic" if curve == "reloading" else "hertz",
+    example_curve={"surface": self_affine(roughness=0.5e-6, **_EXAMPLE)},
+    default_unloading="hertz",
     options={
         "surface": Option("", "a HeightMap or a file", "height map of the rough body, or of the gap between two", _softened),
-        "curve": Option("", "loading or reloading", "first loading, or the elastic reloading after `force`"),
-        "force": Option("N", POSITIVE, "largest force of first loading before the reloading curve; required for it"),
         "max_force": Option("N", POSITIVE, "end of the computed curve; default: the edge of the map or bulk yield"),
         "poisson": Option("", Numbers(-1.0, 0.5), "Poisson's ratio of the rough body"),
         "plastic_factor": Option("", POSITIVE, "c_h: fully plastic pressure over hardness; default: 0.71 of aluminium"),

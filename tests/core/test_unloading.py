@@ -208,14 +208,6 @@ def test_hertz_as_the_curve_is_the_rule_hertz(turns):
     np.testing.assert_allclose(a.dissipated, b.dissipated, rtol=0, atol=1e-14 * max(held, b.work.max()))
 
 
-def test_a_measured_map_unloads_along_its_own_reloading_curve():
-    law = make("asperity", "table")
-    assert law.unloading_law.options["curve"] == "reloading"
-    path = law.follow(law.overlap(np.array([20.0, 10.0])))
-    assert 0.0 < path.plastic_overlap[0] < path.maximum_overlap[0]
-    assert path.force[1] < 10.0
-
-
 @pytest.mark.parametrize(
     "curve",
     [

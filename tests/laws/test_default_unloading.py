@@ -41,10 +41,9 @@ def test_one_default(law, capsys):
 
 
 def test_the_default_of_options():
-    """What cannot take Hertz's, or is the reloading curve of a map, is elastic."""
+    """What cannot take Hertz's is elastic."""
     assert find("rough-plastic").default_rule() == find("rough-plastic").default_rule(loading="rms") == "hertz"
     assert find("rough-plastic").default_rule(loading="bahrami") == "elastic"
-    assert find("asperity").default_rule(curve="reloading", force=10.0) == "elastic"
 
 
 def test_a_curve_to_unload_along_needs_no_rule():

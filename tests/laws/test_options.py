@@ -20,7 +20,6 @@ INSTEAD = {  # where options exclude or need one another; None: left out
     ("walton-braun", "growth"): {"stiffness_ratio": None, "growth": 0.02},
     ("greenwood-tripp", "asperity_density"): {"mu": None, "asperity_density": 1e10, "asperity_radius": 2e-5},
     ("greenwood-tripp", "asperity_radius"): {"mu": None, "asperity_density": 1e10, "asperity_radius": 2e-5},
-    ("asperity", "force"): {"curve": "reloading", "force": 5.0},
     ("asperity", "max_force"): {"max_force": 50.0},
     ("rough-plastic", "bulk_radius"): {"bulk_radius": 3e-3},
     ("rough-plastic", "post_yield_pressure"): {"post_yield_pressure": 2e9},

@@ -284,7 +284,6 @@ def test_bulk_yield_and_edge_are_warned_about():
         lambda heights, pair: RoughContact(heights, pair.with_values(radius=np.array([1e-3, 2e-3]))),
         lambda heights, pair: ellipsoid.shape_factors(0.5),
         lambda heights, pair: summits(HeightMap(np.zeros((8, 8)), 1e-6)),
-        lambda heights, pair: dl.law("asperity", pair, surface=heights, curve="reloading"),
         lambda heights, pair: dl.law("asperity", MANY, surface=heights),
     ],
 )
@@ -318,15 +317,6 @@ def test_the_law_follows_the_model():
     assert law.limits()[0].maximum_force == pytest.approx(regime.transition_force(contact.pair), rel=1e-9)
     with pytest.warns(dl.ValidityWarning, match="bulk yields"):
         law.overlap(3.0)
-
-
-def test_the_reloading_law_is_elastic_and_stiffer():
-    contact, loading = law_of()
-    reloading = law_of(curve="reloading", force=0.2)[1]
-    assert reloading.overlap(0.2) < 0.3 * loading.overlap(0.2)
-    worn = contact.unload(contact.load(0.2, 1e-6))
-    start = worn.origin - worn.highest
-    assert reloading.overlap(0.01) == pytest.approx(worn.load(0.01, 1e-6).overlap - start, rel=0.1)
 
 
 def test_steepest_slope_between_nodes():
