@@ -141,18 +141,10 @@ class EepaNumbers(NamedTuple):
     length_over_radius: float
 
 
-class EepaTableParams(NamedTuple):
-    """One contact."""
-
-    hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
-    unloading: float  # k2 [N/m^1.5]
-    plastic_ratio: float  # δp/δmax
-
-
 @kernel
 def _table_scale(shape, radius, modulus, roughness):
     coefficient = hertz_coefficient(radius, modulus)
-    return EepaTableParams(coefficient, shape.stiffness * 0.75 * coefficient, shape.plastic)
+    return EepaParams(coefficient, 0.0, shape.stiffness * 0.75 * coefficient, shape.plastic)  # loading is the table's
 
 
 bind(EepaNumbers, scale=_table_scale)

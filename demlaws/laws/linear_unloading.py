@@ -116,21 +116,12 @@ class LinearNumbers(NamedTuple):
     length_over_radius: float
 
 
-class LinearTableParams(NamedTuple):
-    """One contact."""
-
-    hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
-    first_stiffness: float  # [N/m]
-    stiffening: float  # [N/m²]
-    largest_stiffness: float  # [N/m]
-
-
 @kernel
 def _table_scale(shape, radius, modulus, roughness):
     length = shape.length_over_roughness * roughness + shape.length_over_radius * radius
     unit = modulus * sqrt(radius * length)
-    coefficient = hertz_coefficient(radius, modulus)
-    return LinearTableParams(coefficient, shape.first * unit, shape.growth * unit / length, shape.largest * unit)
+    first, growth, largest = shape.first * unit, shape.growth * unit / length, shape.largest * unit
+    return LinearParams(hertz_coefficient(radius, modulus), 0.0, first, growth, largest, 0.0)  # loading is the table's
 
 
 bind(LinearNumbers, scale=_table_scale)

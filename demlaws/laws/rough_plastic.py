@@ -41,7 +41,6 @@ class RoughPlasticShape(NamedTuple):
     loading: tuple  # Shape of the rough law
     yield_pressure: float  # p_y [Pa]: the bulk yields where K_rough reaches π R p_y
     load_pressure: float  # [Pa] if above 0, it yields at the load at which a smooth contact's p0 is this, instead
-    stiffness_pressure: float  # p_K [Pa]: K_y = π R p_K
     bulk_radius: float  # R_b [m] of the bulk's shape, which takes the place of R in all of these; 0: R
 
 
@@ -53,7 +52,7 @@ class RoughPlasticParams(NamedTuple):
     overlap_ratio: float  # δ_H of R_b over that of R, at one load: (R/R_b)^(1/3)
     yield_overlap: float  # δ_y [m]
     yield_force: float  # P_y [N]
-    yield_stiffness: float  # K_y = π R_b p_K [N/m]; p_K is p_y unless it is given
+    yield_stiffness: float  # K_y = π R_b p_y [N/m]
     yield_area: float  # a_y²/R_b = δ_H(P_y) [m]
     area_slope: float  # d(a²/R_b)/dP = 1/K_y [m/N]
 
@@ -71,7 +70,6 @@ def _scale(shape, radius, modulus, roughness):
     # a bulk that is sharper than the tip would return work: not a number rather than a wrong one
     bulk = bulk if bulk >= radius * (1.0 - 1e-9) else math.nan
     stiffness = math.pi * bulk * shape.yield_pressure
-    after = math.pi * bulk * shape.stiffness_pressure
     # Bisection over bit patterns: the stiffness of every rough law rises with overlap, and 62 halvings are exact.
     low = bits(1e-30 * radius)
     high = bits(1e3 * radius)
@@ -87,7 +85,7 @@ def _scale(shape, radius, modulus, roughness):
     force, _, equivalent, _ = first_loading(loading, overlap)
     ratio = cbrt(radius / bulk)
     coefficient = hertz_coefficient(bulk, modulus)
-    return RoughPlasticParams(coefficient, loading, ratio, overlap, force, after, ratio * equivalent, 1.0 / after)
+    return RoughPlasticParams(coefficient, loading, ratio, overlap, force, stiffness, ratio * equivalent, 1.0 / stiffness)
 
 
 @kernel
@@ -98,7 +96,7 @@ def _first_loading(p, overlap):
     plastic_equivalent = hertz_overlap(p, plastic_force)
     if overlap <= p.yield_overlap:
         return force, stiffness, p.overlap_ratio * equivalent, p.overlap_ratio * area
-    # [our derivation] a² = a_y² + (P - P_y)/(π p_K), with a_y the Hertz radius at yield: Thornton's a² for smooth spheres
+    # [our derivation] a² = a_y² + (P - P_y)/(π p_y), with a_y the Hertz radius at yield: Thornton's a² for smooth spheres
     return plastic_force, p.yield_stiffness, plastic_equivalent, p.yield_area + p.area_slope * (plastic_force - p.yield_force)
 
 
@@ -137,21 +135,16 @@ def _prepare(
     yield_pressure,
     loading="pohrt-popov",
     yield_at="stiffness",
-    post_yield_pressure=None,
     bulk_radius=None,
     **loading_options,
 ):
     definition = _loading_definition(loading)
     if yield_at not in ("stiffness", "load"):
         raise DemlawsError(f"yield_at = {yield_at!r}: the bulk yields at 'stiffness' or at 'load'")
-    pressure = after = pressure_of(contact, yield_pressure, "yield_pressure")
-    if post_yield_pressure is not None:
-        after = pressure_of(contact, post_yield_pressure, "post_yield_pressure")
+    pressure = pressure_of(contact, yield_pressure, "yield_pressure")
     load_pressure = pressure if yield_at == "load" else 0.0
     loading_shape = definition.shape(contact, **loading_options)
-    return RoughPlasticShape(
-        loading_shape, pressure, load_pressure, after, _bulk_radius(contact, bulk_radius=bulk_radius) or 0.0
-    )
+    return RoughPlasticShape(loading_shape, pressure, load_pressure, _bulk_radius(contact, bulk_radius=bulk_radius) or 0.0)
 
 
 def _bulk_radius(contact, bulk_radius=None, **_):
@@ -167,7 +160,7 @@ def _bulk_radius(contact, bulk_radius=None, **_):
     return bulk_radius
 
 
-_BULK_OPTIONS = ("yield_pressure", "yield_at", "post_yield_pressure", "bulk_radius")
+_BULK_OPTIONS = ("yield_pressure", "yield_at", "bulk_radius")
 
 
 def _of_loading(options):
@@ -220,7 +213,6 @@ LAW = Definition(
         ),
         "loading": Option("", "name of a law", "law that holds before the bulk yields; that law's options can be given, too"),
         "yield_at": Option("", "stiffness, load", "yield where K_rough = π R p_y, or at the load π³R²p_y³/(6E*²)"),
-        "post_yield_pressure": Option("Pa", POSITIVE, "p_K of the stiffness after yield, K_y = π R p_K, if not p_y", PRESSURE),
         "bulk_radius": Option("m", POSITIVE, "R_b ≥ R of yield and unloading, in place of R; roughness keeps R", 0.0),
     },
     fitting=Fitting(

@@ -22,7 +22,6 @@ SYMBOLS = {
     "β": ("slope of the flank", "rad"),
     "p_y": ("contact pressure at which the bulk yields", "Pa"),
     "K_rough": ("stiffness of the rough law before yield", "N/m"),
-    "p_K": ("contact pressure that sets the stiffness after yield, K = π R p_K", "Pa"),
     "k1": ("stiffness of first loading", "N/m"),
     "k2": ("stiffness of unloading and reloading", "N/m"),
     "S": ("growth of k2 with the largest force", "1/m"),

@@ -18,11 +18,8 @@ from demlaws.yade.pairs import LawSource
 
 INSTEAD = {  # where options exclude or need one another; None: left out
     ("walton-braun", "growth"): {"stiffness_ratio": None, "growth": 0.02},
-    ("greenwood-tripp", "asperity_density"): {"mu": None, "asperity_density": 1e10, "asperity_radius": 2e-5},
-    ("greenwood-tripp", "asperity_radius"): {"mu": None, "asperity_density": 1e10, "asperity_radius": 2e-5},
     ("asperity", "max_force"): {"max_force": 50.0},
     ("rough-plastic", "bulk_radius"): {"bulk_radius": 3e-3},
-    ("rough-plastic", "post_yield_pressure"): {"post_yield_pressure": 2e9},
 }
 NUMERIC = [(law, name) for law, d in registry().items() for name, one in d.options.items() if isinstance(one.values, Numbers)]
 MATERIAL = dl.Material(60.6e9, 0.25, 6.266e9, surface=dl.Surface(1.7e-6, 2.22))

@@ -128,12 +128,3 @@ def test_where_the_pressure_reaches_the_hardness_the_law_is_no_stiffer_than_hert
         force, stiffness = force_loop(law.params, np.full(3 if differ else 1, overlap))
         hertz = (6.0 * np.asarray(radius) * GRANITE.modulus**2 * force) ** (1 / 3)
         assert np.all(stiffness <= hertz * (1.0 + 1e-9))
-
-
-def test_mu_from_asperities():
-    """μ = (8/3) η σ √(2Rβ)."""
-    density, radius = 2e9, 5e-5
-    mu = 8 / 3 * density * GRANITE.roughness * math.sqrt(2 * GRANITE.radius * radius)
-    measured = dl.law("greenwood-tripp", GRANITE, asperity_density=density, asperity_radius=radius)
-    given = dl.law("greenwood-tripp", GRANITE, mu=mu)
-    assert measured.force(3e-6) == pytest.approx(given.force(3e-6), rel=1e-9)
