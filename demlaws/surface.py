@@ -23,9 +23,6 @@ from demlaws.surfaces.heightmap import UNITS, HeightMap, box_correction, self_af
 
 __all__ = ["UNITS", "HeightMap", "box_correction", "read", "self_affine", "write"]
 
-LARGEST_PIXEL = 1e-2
-"""Pixel [m] above which a plain number is refused: 0.8 is 0.8 m, and mostly meant as 0.8 µm."""
-
 
 def read(
     path: str | os.PathLike,
@@ -126,20 +123,10 @@ def _refuse_contradiction(path, header, pixels, unit):
 
 
 def _pixel_pair(pixel):
-    pair = pixel if isinstance(pixel, (tuple, list)) else re.split(r"[,x]", pixel) if isinstance(pixel, str) else [pixel]
-    if len(pair) not in (1, 2):
+    pair = pixel if isinstance(pixel, (tuple, list)) else (pixel, pixel)
+    if len(pair) != 2:
         raise DemlawsError(f"pixel = {pixel!r}: give one length, or two for x and y")
-    plain = [not (isinstance(p, str) and re.search(r"[^\W\d_]\s*$", p)) for p in pair]
-    if isinstance(pixel, str) and len(set(plain)) > 1:
-        raise DemlawsError(f"pixel = {pixel!r}: one of two lengths has no unit; write 1um,5um for x and y, 1.5um for both")
-    sizes = [units.number(p, "pixel", "m") for p in pair]
-    for size, is_plain in zip(sizes, plain, strict=True):
-        if is_plain and size > LARGEST_PIXEL:
-            raise DemlawsError(
-                f"pixel = {size:g} m: did you mean {size:g}um? Give a pixel above {LARGEST_PIXEL:g} m as text with its unit, "
-                f'"{size:g}m"'
-            )
-    return sizes[0], sizes[-1]
+    return tuple(units.number(size, "pixel", "m") for size in pair)
 
 
 def _read_numpy(path, channel):

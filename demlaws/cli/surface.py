@@ -29,7 +29,7 @@ def register(add):
         ),
     )
     surface.add_argument("words", nargs="+", metavar="FILE", help="see above")
-    surface.add_argument("--pixel", help="pixel size, if the file does not contain it: 0.8um, or 0.8um,1um for x and y")
+    surface.add_argument("--pixel", type=length, help="pixel size, if the file does not contain it: 0.8um")
     surface.add_argument("--unit", default="m", help="unit of the heights in a text or .npy file (default m)")
     surface.add_argument("--missing", type=plain, help="height that stands for missing pixels, in the file's unit (-9999)")
     surface.add_argument("--channel", help="name of the channel of an instrument's file (default: the first with heights)")
@@ -149,7 +149,7 @@ def _summits(arguments, result, path):
         f"pixels of {heights.pixel_x * 1e6:.4g} µm: η = {sample.density * 1e-12:.4g} /µm²"
     )
     result.print(
-        f"β = {sample.radius * 1e6:.4g} µm (one over the mean curvature; mean of the radii {sample.mean_radius * 1e6:.4g} µm), "
+        f"β = {sample.radius * 1e6:.4g} µm (one over the mean curvature), "
         f"summits {sample.height * 1e6:.4g} µm above the mean plane, rms {sample.spread * 1e6:.4g} µm; "
         f"Sq = {sample.roughness * 1e6:.4g} µm"
     )
