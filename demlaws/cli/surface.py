@@ -247,7 +247,7 @@ def _contact(arguments, result, name):
     result.values |= {"contact": contact.pair, "force": arguments.load, "text": str(step).splitlines()}
     result.values["micro_contacts"] = len(step.micro)
     _write(result, arguments.out, worn.heights)
-    draw(result, arguments.figure, lambda plots: plots.contact_figure(contact, step))
+    draw(result, arguments.figure, lambda plots: plots.surface_figure(worn.heights, arguments.wavelengths))
     return 0
 
 

@@ -20,11 +20,6 @@ def colour(law):
     return registry()[law].drawing.colour if law in registry() else Drawing().colour
 
 
-def line(law):
-    """A law's line style."""
-    return registry()[law].drawing.line if law in registry() else "-"
-
-
 def figure(*, columns=1, rows=1, width=5.2, height=4.0):
     """A figure and its axes (an array if there are several)."""
     try:
@@ -122,7 +117,8 @@ def plot(result, ax=None, *, overlap=None, unload_at=None, **style):
 def draw_line(ax, x, y, *, name, **more):
     """A law's curve in its colour and line style; dashes of Hertz lie over solid lines that coincide with it."""
     order = 3.0 if name == HERTZ else 2.0
-    ax.plot(x, y, color=colour(name), linestyle=line(name), label=more.pop("label", name), zorder=order, **more)
+    style = registry()[name].drawing.line
+    ax.plot(x, y, color=colour(name), linestyle=style, label=more.pop("label", name), zorder=order, **more)
 
 
 def path_figure(path, law, title=""):

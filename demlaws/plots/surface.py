@@ -1,23 +1,15 @@
-"""Figures of surfaces, of the regime criterion and of repeated contact. Every function returns a matplotlib figure."""
+"""Figures of surfaces and of the regime criterion. Every function returns a matplotlib figure."""
 
 import numpy as np
 
 from demlaws import regime
-from demlaws.contact import smooth_overlap
 from demlaws.plots import figure
 from demlaws.surface import box_correction
 
-STATE_COLOURS = ("#4c78a8", "#f2a541", "#d62728")
 MICRO = 1e6
 
 
-def plain(ax):
-    """Axes without a grid, for pictures of maps."""
-    ax.grid(False)
-    return ax
-
-
-def regime_figure(contact, force=None, title=None):
+def regime_figure(contact, force=None):
     """p(0)/H_m of `contact` over force and roughness."""
     fig, ax = figure(width=6.4, height=4.6)
     forces = np.geomspace(1e-3, 1e3, 181) * (force or regime.transition_force(contact.with_values(roughness=1e-6)))
@@ -31,16 +23,15 @@ def regime_figure(contact, force=None, title=None):
         label, light = f"{ratio:.3g}: {regime.deforming_part(ratio)}", {"fc": "white", "ec": "none", "alpha": 0.8, "pad": 1.5}
         place = {"xytext": (10, 0), "textcoords": "offset points", "va": "center"}
         ax.annotate(label, (force, contact.roughness * MICRO), bbox=light, **place)
-    ax.set_title(title or f"R = {contact.radius * 1e3:.3g} mm, E* = {contact.modulus / 1e9:.3g} GPa")
+    ax.set_title(f"R = {contact.radius * 1e3:.3g} mm, E* = {contact.modulus / 1e9:.3g} GPa")
     return fig
 
 
 def regime_axis(ax, contact, forces, roughness):
     """The map of p(0)/H_m on axes, with its contours; returns the image."""
     ratio = np.array([regime.pressure_ratio(contact.with_values(roughness=sigma), forces) for sigma in roughness])
-    plain(ax).set(
-        xscale="log", yscale="log", xlabel="force (N)", ylabel="roughness σ (µm)"
-    )  # labels break contours at this scale
+    ax.grid(False)
+    ax.set(xscale="log", yscale="log", xlabel="force (N)", ylabel="roughness σ (µm)")  # labels break contours at this scale
     image = ax.pcolormesh(
         forces, roughness * MICRO, np.log10(ratio / regime.YIELD_RATIO), cmap="RdBu_r", vmin=-1, vmax=1, shading="gouraud"
     )
@@ -61,16 +52,11 @@ def regime_bar(fig, image, axes):
     bar.ax.set_yticklabels([f"{r:g}" for r in ratios])
 
 
-def extent(heights):
-    """Extent of a map's picture [µm]: left, right, bottom, top."""
-    width, height = heights.field_of_view
-    return (0, width * MICRO, 0, height * MICRO)
-
-
 def show(fig, ax, heights, z, label, cmap="viridis", **more):
     """Show an array of the map's shape as a picture with its colour bar."""
-    plain(ax)
-    image = ax.imshow(z, extent=extent(heights), origin="lower", cmap=cmap, **more)
+    ax.grid(False)
+    width, height = heights.field_of_view
+    image = ax.imshow(z, extent=(0, width * MICRO, 0, height * MICRO), origin="lower", cmap=cmap, **more)
     fig.colorbar(image, ax=ax, label=label, shrink=0.8)
     ax.set(xlabel="x (µm)", ylabel="y (µm)")
 
@@ -112,51 +98,3 @@ def surface_figure(heights, wavelengths=None):
     ax.set_title(f"box counting: Df = {boxes:.3f}", fontsize=10)
     ax.legend(fontsize=8)
     return fig
-
-
-def contact_figure(contact, step):
-    """The map under load: what touches, coloured by state, beside the sizes and loads of the micro-contacts."""
-    fig, (left, right) = figure(columns=2, width=5.4, height=4.4)
-    heights = contact.heights
-    show(fig, left, heights, heights.heights * MICRO, "height (µm)", cmap="Greys_r", alpha=0.6)
-    ellipses(left, step)
-    if not contact.flat:
-        radius = np.sqrt(contact.pair.radius * smooth_overlap(contact.pair, step.force))
-        circle(left, contact.centre, radius, "--", "Hertz radius")
-    left.set_title(f"{step.force:.3g} N: {len(step.micro)} micro-contacts, {step.contact_area * 1e12:.4g} µm²", fontsize=10)
-    micro = step.micro
-    for state, (name, colour) in enumerate(zip(("elastic", "elastic-plastic", "plastic"), STATE_COLOURS, strict=True)):
-        mask = micro.state == state
-        right.loglog(micro.area[mask] * 1e12, micro.force[mask], "o", color=colour, ms=5, label=f"{name}: {mask.sum()}")
-    right.set(xlabel="contact area (µm²)", ylabel="force (N)", title="micro-contacts")
-    right.title.set_fontsize(10)
-    right.legend(fontsize=8)
-    return fig
-
-
-def ellipses(ax, step):
-    """Outline the contact patches of a step as ellipses of their contact area."""
-    from matplotlib.collections import EllipseCollection
-
-    micro = step.micro
-    # the contact area has the shape of the patch
-    share = np.sqrt(micro.area / micro.cut_area)
-    ax.add_collection(
-        EllipseCollection(
-            micro.length_long * share * MICRO,
-            micro.length_short * share * MICRO,
-            np.degrees(micro.angle),
-            units="xy",
-            offsets=np.column_stack([micro.x, micro.y]) * MICRO,
-            transOffset=ax.transData,
-            facecolors=[STATE_COLOURS[int(s)] for s in micro.state],
-        )
-    )
-
-
-def circle(ax, centre, radius, style, label):
-    """Outline a circle, centre and radius in m."""
-    from matplotlib.patches import Circle
-
-    ax.add_patch(Circle(np.array(centre) * MICRO, radius * MICRO, fill=False, ls=style, label=label))
-    ax.legend(fontsize=8, loc="upper right")

@@ -8,7 +8,7 @@ import numpy as np
 
 from demlaws import plots, regime
 from demlaws.plots import figure
-from demlaws.plots.surface import MICRO, circle, ellipses, show
+from demlaws.plots.surface import MICRO, show
 from demlaws.solvers.contact import LoadStep, RoughContact
 from studies.jamari.published import LOAD, published_contact
 
@@ -62,6 +62,8 @@ def repeat(contact, load, cycles=20, tolerance=1e-3, keep=SHOWN, memory="pressur
     return history
 
 
+STATE_COLOURS = ("#4c78a8", "#f2a541", "#d62728")
+"""Of patches that are elastic, elastic-plastic, plastic."""
 MAPS = 10
 """Synthetic maps of one statistics, over which ranges are given."""
 
@@ -137,13 +139,37 @@ def _draw_maps(fig, axes, contact, first, name):
 
 
 def _draw_patches(fig, ax, contact, step):
+    from matplotlib.patches import Circle
+
     heights = contact.heights
     show(fig, ax, heights, heights.heights * MICRO, "height (µm)", cmap="Greys_r", alpha=0.6)
-    ellipses(ax, step)
+    _ellipses(ax, step)
     radius = (step.force * 0.75 * contact.pair.radius / contact.pair.modulus) ** (1 / 3)
-    circle(ax, contact.centre, radius, "--", "Hertz radius")
+    middle = np.array(contact.centre) * MICRO
+    ax.add_patch(Circle(middle, radius * MICRO, fill=False, ls="--", label="Hertz radius"))
+    ax.legend(fontsize=8, loc="upper right")
     counts = step.counts
     ax.set_title(f"contact, cycle 1: {counts[0]} elastic, {counts[1]} el.-plastic, {counts[2]} plastic", fontsize=10)
+
+
+def _ellipses(ax, step):
+    """Outline the contact patches of a step as ellipses of their contact area."""
+    from matplotlib.collections import EllipseCollection
+
+    micro = step.micro
+    # the contact area has the shape of the patch
+    share = np.sqrt(micro.area / micro.cut_area)
+    ax.add_collection(
+        EllipseCollection(
+            micro.length_long * share * MICRO,
+            micro.length_short * share * MICRO,
+            np.degrees(micro.angle),
+            units="xy",
+            offsets=np.column_stack([micro.x, micro.y]) * MICRO,
+            transOffset=ax.transData,
+            facecolors=[STATE_COLOURS[int(s)] for s in micro.state],
+        )
+    )
 
 
 def _draw_profiles(ax, heights, history):

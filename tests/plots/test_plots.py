@@ -7,7 +7,6 @@ import demlaws as dl
 from demlaws import plots
 from demlaws.granite import figures
 from demlaws.plots import surface
-from demlaws.solvers.contact import RoughContact
 from demlaws.surface import self_affine
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -104,7 +103,7 @@ def test_fit_figure():
 
 
 def test_regime_figure():
-    fig = surface.regime_figure(PAIR, 10.0, "mine")
+    fig = surface.regime_figure(PAIR, 10.0)
     star = [line for line in fig.axes[0].get_lines() if line.get_marker() == "*"]
     assert star[0].get_xydata().ravel().tolist() == pytest.approx([10.0, 2.4])
 
@@ -115,14 +114,6 @@ def test_surface_figure():
     assert f"Sq = {heights.sq * 1e6:.3g} µm" in fig.axes[0].get_title()
     np.testing.assert_array_equal(fig.axes[0].images[0].get_array(), heights.heights * 1e6)
     assert any("Df = " in ax.get_title() for ax in fig.axes)
-
-
-def test_contact_figure():
-    pair = dl.Contact(radius=5e-3, modulus=50e9, hardness=1e9)
-    contact = RoughContact(self_affine(64, 1e-6, 0.8, roughness=0.5e-6, seed=1), pair, flat=True)
-    step = contact.load(0.02)
-    left, right, *_ = surface.contact_figure(contact, step).axes
-    assert len(left.collections[0].get_offsets()) == sum(len(xy) for xy in lines(right)) == len(step.micro)
 
 
 def test_saved_in_the_format_of_its_name(tmp_path):
