@@ -24,10 +24,11 @@ MODULI = {"text": 0.5 * GRANITE.plane_modulus, "figures": 0.5 * GRANITE.young / 
 depend on E* [our reading: the figures were drawn with ν in place of ν²]. Laws use the first."""
 SWITCH_FORCE = 10.0
 """Load [N] at which the tests went over from displacement control to force control."""
-MICRO, MILLI = 1e-6, 1e-3
+MICRO = 1e-6
 
 # What our text of the paper lacks; stated wherever it is used.
 CONE_DIMENSION = 2.22
+ASSUMED = f"fractal dimension {CONE_DIMENSION} is assumed: the paper's Table 3 has it, its body our text lacks"
 
 
 class Test(NamedTuple):
@@ -37,8 +38,8 @@ class Test(NamedTuple):
     radius: float  # effective R [m]
     roughness: float  # combined σ [m]
     fractal_dimension: float  # mean of the two surfaces (our choice)
-    yield_pressure: float  # p_y [Pa] of the rough-plastic law
-    stages: tuple  # each a list of forces [N] to turn at, begun on a virgin contact
+    stages: tuple = ((100.0,),)  # each a list of forces [N] to turn at, begun on a virgin contact
+    yield_pressure: float = GRANITE_YIELD_PRESSURE  # p_y [Pa] of the rough-plastic law
     assumed: str = ""
     yield_at: str | None = None  # of the rough-plastic law
     bulk_radius: float | None = None  # R_b [m] of it
@@ -60,37 +61,36 @@ class Test(NamedTuple):
         return re.sub(r"[^a-z0-9]+", "-", self.name.lower()).strip("-")
 
 
-def _spheres(name, radius, roughness, dimension, stages=((100.0,),)):
-    """A test of spheres: R [mm], combined σ [µm], mean Df."""
-    return Test(name, radius * MILLI, roughness * MICRO, dimension, GRANITE_YIELD_PRESSURE, stages)
-
-
-def _cone(name, radius, stages, assumed="", bulk_radius=None):
-    """A test of a cone's tip on a flat: R and R_b [mm]; one p_y for both cones, that of RFC10's stiffness after yield."""
-    assumed = f"fractal dimension {CONE_DIMENSION} is assumed: the paper's Table 3 has it, its body our text lacks" + assumed
-    bulk = None if bulk_radius is None else bulk_radius * MILLI
-    values = (radius * MILLI, 5.04 * MICRO, CONE_DIMENSION, GRANITE_YIELD_PRESSURE)
-    return Test(name, *values, stages, assumed, yield_at="load", bulk_radius=bulk)
-
-
 def _cycles(*forces):
     """Turning points [N] of loading to each force and back to 0."""
     return tuple(turn for force in forces for turn in (force, 0.0))
 
 
 TESTS = (
-    _spheres("SS(18-18)", 4.35, 2.40, 2.22),
-    _spheres("SS(12-18)", 3.58, 4.19, 2.29, stages=((100.0, 0.0),)),
-    _spheres("SF(12)", 6.05, 6.56, 2.275),
-    _spheres("VS(18-18)", 4.04, 0.15, 2.075),
-    _spheres("RS(18-18)", 4.19, 5.34, 2.20),
-    _cone("RFC10", 0.96, (_cycles(20.0, 40.0, 80.0, 150.0, 300.0, 450.0),)),
-    _cone(
+    Test("SS(18-18)", 4.35e-3, 2.40e-6, 2.22),
+    Test("SS(12-18)", 3.58e-3, 4.19e-6, 2.29, ((100.0, 0.0),)),
+    Test("SF(12)", 6.05e-3, 6.56e-6, 2.275),
+    Test("VS(18-18)", 4.04e-3, 0.15e-6, 2.075),
+    Test("RS(18-18)", 4.19e-3, 5.34e-6, 2.20),
+    # tips of cones on a flat: one p_y for both, that of RFC10's stiffness after yield
+    Test(
+        "RFC10",
+        0.96e-3,
+        5.04e-6,
+        CONE_DIMENSION,
+        (_cycles(20.0, 40.0, 80.0, 150.0, 300.0, 450.0),),
+        assumed=ASSUMED,
+        yield_at="load",
+    ),
+    Test(
         "FC5",
-        0.33,
+        0.33e-3,
+        5.04e-6,
+        CONE_DIMENSION,
         (*(_cycles(*(20.0, 40.0, 80.0, 150.0)[:last]) for last in (1, 2, 3, 4)), _cycles(225.0, 300.0)),
-        "; roughness as RFC10's is assumed; the tip that failed at 225 N is not modelled",
-        bulk_radius=0.62,
+        assumed=ASSUMED + "; roughness as RFC10's is assumed; the tip that failed at 225 N is not modelled",
+        yield_at="load",
+        bulk_radius=0.62e-3,
     ),
 )
 ROUGH_SPHERES = ("SS(18-18)", "SS(12-18)", "SF(12)", "RS(18-18)")
@@ -119,17 +119,8 @@ def options_for(name, test):
 
 
 def bind(name, test, unloading=None):
-    """A law on a test's contact; unloading: by default the law's own rule, else Hertz's where it takes it, else elastic."""
-    options = options_for(name, test)
-    definition = registry()[name]
-    if unloading is None and definition.unloads_its_own_way:
-        unloading = definition.default_rule(**options)
-    if unloading is not None:
-        return law(name, test.contact, unloading, **options)
-    try:
-        return law(name, test.contact, "hertz", **options)
-    except DemlawsError:
-        return law(name, test.contact, "elastic", **options)
+    """A law on a test's contact; unloading: by default the law's own."""
+    return law(name, test.contact, unloading, **options_for(name, test))
 
 
 def laws_for_tests():
@@ -197,30 +188,16 @@ def hertz_stiffness(test, force, radius=None):
 # --- tables
 
 
-class Row(NamedTuple):
-    """A law's line in a test's table: displacement gained [µm] and stiffness [N/mm]."""
-
-    law: str
-    displacement: float
-    stiffness: tuple
-    note: str
-
-
 def forces_of(test):
     """Forces [N] between which displacement is gained, and those at which stiffness is listed."""
     return (0.1, 20.0, (1.0, 7.0, 10.0, 20.0)) if test.cyclic else (0.1, 100.0, (1.0, 10.0, 50.0, 100.0))
 
 
-def table_of(test, runs, notes):
-    """One Row per law."""
-    low, high, loads = forces_of(test)
-    rows = []
-    for run in runs:
-        with quiet():
-            displacement = displacement_gained(run.law, low, high) / MICRO
-            stiffness = tuple(stiffness_at(run.law, load) / 1e3 for load in loads)
-        rows.append(Row(run.law.name, displacement, stiffness, "; ".join(notes.get((test.name, run.law.name), []))))
-    return rows
+def gains(run):
+    """Displacement gained [µm] and stiffnesses [N/mm] of a run, between and at the forces of its test."""
+    low, high, loads = forces_of(run.test)
+    with quiet():
+        return displacement_gained(run.law, low, high) / MICRO, [stiffness_at(run.law, load) / 1e3 for load in loads]
 
 
 class StageRow(NamedTuple):
@@ -278,6 +255,3 @@ def effective_radius(alpha):
     for mu in (4.0, 17.0):
         curves[f"Greenwood-Tripp μ = {mu:g}"] = master_curves.effective_radius(mu, force)
     return curves
-
-
-# --- files

@@ -42,8 +42,6 @@ def run(arguments, output):
     verdicts = [] if arguments.law else claims.granite_claims(test_names)
     if verdicts:
         output.print(*claim_lines(verdicts))
-    if any(test.name == "FC5" for test in tests):
-        output.print(*sensitivity_lines(claims.cone_sensitivity(modulus)))
     with quiet():  # the notes have been printed with the tables
         files = write_csv(arguments.out, tests, runs, notes, verdicts)
         if plots.available():
@@ -51,17 +49,6 @@ def run(arguments, output):
         else:
             output.print("no figures: matplotlib is missing (pip install 'demlaws[plots]')")
     output.print(f"\n{len(files)} files written to {arguments.out}/")
-
-
-def sensitivity_lines(rows):
-    """What FC5's uncertain radius and fractal dimension do."""
-    yield "\nFC5, first loading by Pohrt-Popov: what its uncertain radius and fractal dimension do"
-    yield f"  {'R (mm)':>7} {'Df':>6} {'µm, 0.1 to 7 N':>15} {'K at 7 N (N/mm)':>16} {'threshold F (N)':>16}"
-    for r in rows:
-        yield (
-            f"  {r.radius * 1e3:7.2f} {r.fractal_dimension:6.2f} {r.displacement * 1e6:15.2f} {r.stiffness / 1e3:16.0f} "
-            f"{r.threshold:16.1f}"
-        )
 
 
 def table_lines(tests, runs, notes):
@@ -75,8 +62,9 @@ def table_lines(tests, runs, notes):
         if test.assumed:
             yield f"  note: {test.assumed}"
         yield f"  {'law':16} {f'µm, {low:g} to {high:g} N':>17} " + "".join(f"{f'K {f:g} N':>10}" for f in loads) + "   (N/mm)"
-        for row in granite.table_of(test, runs[test.name], notes):
-            yield f"  {row.law:16} {row.displacement:17.1f} " + "".join(f"{k:10.0f}" for k in row.stiffness)
+        for result in runs[test.name]:
+            displacement, stiffnesses = granite.gains(result)
+            yield f"  {result.law.name:16} {displacement:17.1f} " + "".join(f"{k:10.0f}" for k in stiffnesses)
         for result in runs[test.name]:
             if test.cyclic and result.law.definition.before_yield is not None:
                 yield from _stage_lines(result)
@@ -119,12 +107,14 @@ def write_csv(out, tests, runs, notes, verdicts):
     files, summary = [], []
     for test in tests:
         low, high, loads = granite.forces_of(test)
-        for row, result in zip(granite.table_of(test, runs[test.name], notes), runs[test.name], strict=True):
-            k = dict(zip(loads, row.stiffness, strict=True))
-            summary.append([test.name, row.law, f"{low:g}-{high:g}", row.displacement, k[1.0], k[10.0], row.note])
+        for result in runs[test.name]:
+            name, (displacement, stiffnesses) = result.law.name, granite.gains(result)
+            k = dict(zip(loads, stiffnesses, strict=True))
+            note = "; ".join(notes[test.name, name])
+            summary.append([test.name, name, f"{low:g}-{high:g}", displacement, k[1.0], k[10.0], note])
             for number, path in enumerate(result.paths, start=1):
                 stage = f"-stage{number}" if len(result.paths) > 1 else ""
-                files.append(save_csv(out / f"{test.key}-{row.law}{stage}.csv", PATH_COLUMNS, path.csv_rows()))
+                files.append(save_csv(out / f"{test.key}-{name}{stage}.csv", PATH_COLUMNS, path.csv_rows()))
         if test.cyclic:
             for result in runs[test.name]:
                 path = out / f"{test.key}-{result.law.name}-cycles.csv"

@@ -145,13 +145,6 @@ def test_verdicts_state_their_criterion(without):
     assert "0.565 to 0.588" in exponent.gives and "10 %" in exponent.criterion
 
 
-def test_sensitivity_of_the_cone():
-    rows = claims.cone_sensitivity()
-    assert {round(r.radius * 1e3, 2) for r in rows} == {0.31, 0.35, 0.62}
-    gained = {(round(r.radius * 1e3, 2), r.fractal_dimension): r.displacement for r in rows}
-    assert gained[0.62, 2.22] < gained[0.35, 2.22] < gained[0.31, 2.22] < gained[0.31, 2.35]
-
-
 def test_the_papers_of_jamari_and_schipper():
     found = {c.claim: c for c in jamari_claims()}
     assert Counter(c.verdict for c in found.values()) == {REPRODUCED: 4, NOT_REPRODUCED: 2, BUILT_IN: 1}
