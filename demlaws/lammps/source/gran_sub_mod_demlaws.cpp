@@ -172,7 +172,6 @@ int FixDemlaws::setmask() { return FixConst::PRE_FORCE | FixConst::MIN_PRE_FORCE
 void FixDemlaws::init() {
   Range &range = Range::of(lmp);
   Range::refuse_respa(lmp, error);
-  bool keeps = false;
   PairGranular *pair = nullptr, *last;
   for (int n = 1;; n++) { // of hybrid there may be several
     last = pair;
@@ -180,17 +179,15 @@ void FixDemlaws::init() {
     if (!pair || pair == last) break;
     bool ours = false, equal = true;
     for (int k = 0; k < pair->nmodels; k++) {
-      const Models::Table *const table = dynamic_cast<Models::Table *>(pair->models_list[k]->normal_model);
-      ours = ours || table;
-      keeps = keeps || (table && table->unloads_otherwise());
+      ours = ours || dynamic_cast<Models::Table *>(pair->models_list[k]->normal_model);
       for (int type = 0; type < NSUBMODELS; type++)
         equal = equal && pair->models_list[k]->sub_models[type]->size_history ==
                              pair->models_list[0]->sub_models[type]->size_history;
     }
     if (ours && !equal) error->all(FLERR, MIXED_SIZES);
-    if (!ours && pair->nmodels) range.look_at_pairs(lmp, error);
+    if (ours) range.look_across(lmp, error);
+    else if (pair->nmodels) range.look_at_pairs(lmp, error);
   }
-  if (keeps) range.look_across(lmp, error);
   // its lists mark no contacts: FixNeighHistory would drop all histories whenever lists are built
   Pair *const surfaces = force->pair_match("surf/granular", 0);
   for (Fix *const fix : modify->get_fix_by_style("^NEIGH_HISTORY")) {

@@ -45,7 +45,7 @@ struct Layout {
   void (*construct)(void *, const std::string &, int, bool);
   int (*add)(void *, char **, int, int, int, bool);
   void (*before_init)(void *);
-  void (*after_init)(void *, bool, bool &, bool &, std::vector<int> &);
+  bool (*after_init)(void *, bool, std::vector<int> &);
   template <bool LATE> static const Layout *of() {
     typedef Hooks<Abi<LATE>> All;
     static const Layout layout = {Abi<LATE>::pairs_fit, All::check,     All::compute, All::construct, All::add,
@@ -152,7 +152,7 @@ bool under_hybrid(void *model) {
 // What the sub-models of a pair style keep in the history, one entry a pair_coeff line.
 struct Histories {
   std::vector<std::vector<int>> sizes;
-  bool ours = false, kept = false; // there are tables; with unloading of their own
+  bool ours = false; // there are tables
   static std::map<void *, Histories> &all() {
     static std::map<void *, Histories> histories;
     return histories;
@@ -215,14 +215,12 @@ void demlaws_init(void *model) {
   if (layout) layout->before_init(model);
   Stock::get().init(model);
   if (!layout) return;
-  bool has_table, keeps;
   std::vector<int> sizes;
-  layout->after_init(model, pairs_proved, has_table, keeps, sizes);
+  const bool has_table = layout->after_init(model, pairs_proved, sizes);
   if (!pair_now) return;
   Histories &kept = Histories::all()[pair_now];
   kept.sizes.push_back(sizes);
   kept.ours = kept.ours || has_table;
-  kept.kept = kept.kept || keeps;
 }
 bool demlaws_check(void *model) { return Stock::get().check(model); } // until take_pairs()
 void demlaws_compute(void *model) { Stock::get().compute(model); }
@@ -258,10 +256,12 @@ void demlaws_pair_init(void *pair) {
   const Histories &kept = Histories::all()[pair];
   for (const std::vector<int> &sizes : kept.sizes)
     if (kept.ours && sizes != kept.sizes[0]) raise(error_of(pair), true, MIXED_SIZES);
-  if (kept.ours) Range::refuse_respa(instance_of(pair), error_of(pair));
   Stock::get().pair_init(pair);
-  if (!kept.ours && !kept.sizes.empty()) Range::of(instance_of(pair)).look_at_pairs(instance_of(pair), error_of(pair));
-  if (kept.kept) Range::of(instance_of(pair)).look_across(instance_of(pair), error_of(pair));
+  void *const lmp = instance_of(pair), *const error = error_of(pair);
+  if (kept.ours) {
+    Range::refuse_respa(lmp, error);
+    Range::of(lmp).look_across(lmp, error);
+  } else if (!kept.sizes.empty()) Range::of(lmp).look_at_pairs(lmp, error);
 }
 
 void demlaws_pair_forces(void *pair, int eflag, int vflag) {

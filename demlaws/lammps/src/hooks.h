@@ -98,15 +98,14 @@ template <class ABI> struct Hooks {
     if (shear_model) shear_model->set_history_size();
   }
 
-  // After GranularModel::init: whether a model has a table, and one whose unloading is not elastic; the sizes of the
-  // history of its sub-models. proved: pairs of particles may be computed here.
-  static void after_init(void *model, bool proved, bool &has_table, bool &keeps, std::vector<int> &sizes) {
+  // After GranularModel::init: whether a model has a table; the sizes of the history of its sub-models. proved: pairs
+  // of particles may be computed here.
+  static bool after_init(void *model, bool proved, std::vector<int> &sizes) {
     Model *const m = (Model *)model;
     Table *const table = dynamic_cast<Table *>(m->normal_model);
-    has_table = table != NULL;
-    keeps = table && table->unloads_otherwise();
     if (table) table->choose_path(proved);
     for (const typename Models::SubMod *const sub : m->sub_models) sizes.push_back(sub->size_history);
+    return table != NULL;
   }
 };
 

@@ -18,17 +18,10 @@ template <class MODEL> Walls::IGranularWall *make_wall(LAMMPS *lmp, FixWallGran 
 }
 
 // Any other combination of sub-models: LIGGGHTS itself would call it an unknown normal model.
-static void refuse(LAMMPS *lmp) {
+template <class STYLE, class PARENT> STYLE *refuse(LAMMPS *lmp, PARENT *, const int64_t) {
   lmp->error->all(
       FLERR, "model demlaws/table works with tangential off, no_history, history, demlaws; rolling_friction off, cdt, "
              "epsd, epsd2; cohesion off, sjkr, sjkr2; surface default: leave the other sub-model out");
-}
-static PairStyles::IGranularPairStyle *refuse_pair_style(LAMMPS *lmp, PairGran *, const int64_t) {
-  refuse(lmp);
-  return NULL;
-}
-static Walls::IGranularWall *refuse_wall(LAMMPS *lmp, FixWallGran *, const int64_t) {
-  refuse(lmp);
   return NULL;
 }
 
@@ -56,8 +49,8 @@ struct Registration {
             if (shears && cohesion <= COHESION_SJKR2 && rolling <= ROLLING_EPSD2 && surface == SURFACE_DEFAULT)
               continue;
             const int64_t hash = Utils::generate_gran_hashcode(DEMLAWS_TABLE, tangential, cohesion, rolling, surface);
-            PairStyles::Factory::instance().addStyle("gran", hash, &refuse_pair_style);
-            Walls::Factory::instance().addStyle("gran", hash, &refuse_wall);
+            PairStyles::Factory::instance().addStyle("gran", hash, &refuse<PairStyles::IGranularPairStyle, PairGran>);
+            Walls::Factory::instance().addStyle("gran", hash, &refuse<Walls::IGranularWall, FixWallGran>);
           }
   }
   Registration() {

@@ -133,10 +133,8 @@ private:
   }
 
   void look_across() {
-    bool keeps = false;
-    for (const auto &one : instance_->pair.tables) keeps = keeps || state_size(one.second->unloading()) > 0;
     const double reach = neighbor->cutneighmax - neighbor->skin;
-    for (int k = 0; k < domain->dimension && keeps && !told_; k++) {
+    for (int k = 0; k < domain->dimension && instance_->source && !told_; k++) {
       if (!domain->periodicity[k] || domain->prd[k] >= 2. * reach) continue;
       told_ = true;
       if (comm->me == 0) error->warning(FLERR, thin_box(k, domain->prd[k], 2. * reach, "LIGGGHTS").c_str());
