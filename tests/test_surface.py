@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 import demlaws as dl
 from demlaws import surface
 from demlaws.surface import HeightMap, self_affine
-from demlaws.surfaces import heightmap
 
 DATA = Path(__file__).parent / "data" / "maps"
 
@@ -252,10 +251,3 @@ def test_field_of_view():
     for field in ({"width": 31e-6}, {"width": 2e-6}):
         with pytest.raises(dl.DemlawsError):
             heights.cropped(**field)
-
-
-def test_blocks_of_rows_give_the_same_fit(monkeypatch):
-    heights = self_affine((300, 200), 1e-6, 0.8, roughness=1e-6, seed=3)
-    whole = heights.without_form(3).heights
-    monkeypatch.setattr(heightmap, "_blocks", lambda rows, columns: [slice(0, 7), slice(7, 250), slice(250, rows)])
-    np.testing.assert_allclose(heights.without_form(3).heights, whole, atol=1e-18)

@@ -131,30 +131,31 @@ class HeightMap:
         return replace(self, heights=heights, **changes)
 
     def without_form(self, order=2):
-        """Form removed: the least-squares polynomial Σ c_ij x^i y^j, i + j ≤ order (0 mean, 1 plane, 2 sphere or cylinder).
-
-        Works in blocks of rows, on the pixels that are there.
-        """
+        """Form removed: the least-squares polynomial Σ c_ij x^i y^j, i + j ≤ order (0 mean, 1 plane, 2 sphere or cylinder)."""
         if np.ndim(order) or order not in range(9):
             raise DemlawsError(f"form order = {order!r}: give a whole number from 0 (mean) to 8")
+        y, coefficients, x = self._form(order)
+        return self.with_heights(self.heights - y @ coefficients @ x.T, form_order=order)
+
+    def _form(self, order):
+        """Legendre polynomials of y at the rows, of x at the columns, and coefficients of their products, by least squares."""
         rows, columns = self.shape
         x = np.polynomial.legendre.legvander(np.linspace(-1, 1, columns), order)
         y = np.polynomial.legendre.legvander(np.linspace(-1, 1, rows), order)
-        powers = [(i, j) for i in range(order + 1) for j in range(order + 1 - i)]
-        if np.isfinite(self.heights).sum() < len(powers):
-            raise DemlawsError(f"form order {order} needs {len(powers)} pixels, the map has fewer that are not missing")
-        matrix, vector = np.zeros((len(powers), len(powers))), np.zeros(len(powers))
+        j, i = np.nonzero(np.add.outer(range(order + 1), range(order + 1)) <= order)
+        there = np.isfinite(self.heights)
+        if there.sum() < i.size:
+            raise DemlawsError(f"form order {order} needs {i.size} pixels, the map has fewer that are not missing")
         offset = np.nanmean(self.heights)
-        for part in _blocks(rows, columns):
-            z = self.heights[part] - offset
-            there = np.isfinite(z)
-            basis = np.array([np.multiply.outer(y[part, j], x[:, i])[there] for i, j in powers])
-            matrix += basis @ basis.T
-            vector += basis @ z[there]
+        vector = (y.T @ np.where(there, self.heights - offset, 0.0) @ x)[j, i]
+        # sums over the pixels of products of two products: those of y and of x are separate
+        yy, xx = (np.einsum("pa,pb->pab", one, one).reshape(len(one), -1) for one in (y, x))
+        sums = (yy.T @ there.astype(float) @ xx).reshape((order + 1,) * 4)
+        matrix = sums[j[:, None], j, i[:, None], i]
         coefficients = np.zeros((order + 1, order + 1))
-        for (i, j), c in zip(powers, np.linalg.lstsq(matrix, vector, rcond=None)[0], strict=True):
-            coefficients[j, i] = c
-        return self.with_heights(self.heights - offset - y @ coefficients @ x.T, form_order=order)
+        coefficients[j, i] = np.linalg.lstsq(matrix, vector, rcond=None)[0]
+        coefficients[0, 0] += offset
+        return y, coefficients, x
 
     def cropped(self, width, height=None):
         """The middle of the map, a field of view of `width` by `height` [m] (default: square)."""
@@ -173,17 +174,9 @@ class HeightMap:
 
         Of a ball's cap both are R; of the tip of a cone they depend on the field of view: crop to the contact's.
         """
-        rows, columns = self.shape
-        x = (np.arange(columns) - 0.5 * (columns - 1)) * self.pixel_x
-        y = (np.arange(rows) - 0.5 * (rows - 1)) * self.pixel_y
-        a, b = max(x[-1], self.pixel_x), max(y[-1], self.pixel_y)
-        x, y = np.meshgrid(x / a, y / b)
-        there = np.isfinite(self.heights)
-        z = self.heights[there]
-        x, y = x[there], y[there]
-        design = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], 1)
-        c = np.linalg.lstsq(design, z - z.mean(), rcond=None)[0]
-        hessian = np.array([[2.0 * c[3] / a**2, c[4] / (a * b)], [c[4] / (a * b), 2.0 * c[5] / b**2]])
+        c = self._form(2)[1]  # the second derivative of the polynomial of order 2 is 3
+        a, b = 0.5 * (self.shape[1] - 1) * self.pixel_x, 0.5 * (self.shape[0] - 1) * self.pixel_y
+        hessian = np.array([[3.0 * c[0, 2] / a**2, c[1, 1] / (a * b)], [c[1, 1] / (a * b), 3.0 * c[2, 0] / b**2]])
         curvatures = -np.linalg.eigvalsh(hessian)
         straight = np.abs(curvatures) <= 1e-9 * np.max(np.abs(curvatures))
         first, second = np.where(straight, math.inf, 1.0 / np.where(straight, 1.0, curvatures))
@@ -336,11 +329,6 @@ def _wavelengths(value, shortest, longest):
             Argument("wavelengths"), f" from {low:g} to {high:g} m: give the shortest and the longest, from 0 on"
         )
     return low, high
-
-
-def _blocks(rows, columns):
-    step = max(1, 2**18 // columns)
-    return [slice(start, min(start + step, rows)) for start in range(0, rows, step)]
 
 
 _BOX_SIDES = [8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 362, 512]

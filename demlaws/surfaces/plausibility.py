@@ -17,6 +17,8 @@ STEEP = 1.0
 """Largest robust rms slope: beyond 45 degrees an instrument sees nothing."""
 FLAT = 1e-5
 """Smallest robust rms slope; polished optics have some 1e-4."""
+ROUNDING = 1e-12
+"""Slope that is left of a plane."""
 WIDEST = 0.05
 """Largest field of view [m] of an instrument that resolves roughness, stitched fields included."""
 EVEN = 0.02
@@ -77,8 +79,7 @@ def _doubts_of_lengths(heights, z):
     slopes = heights.with_heights(z).slopes()
     if all(slope.size for slope in slopes):
         slope = math.hypot(*map(robust_sq, slopes))  # robust, too: spikes are no wrong unit
-        is_rounding = robust_sq(z) <= 1e-9 * np.nanmax(np.abs(heights.heights))  # of a plane
-        if slope > STEEP or (0.0 < slope < FLAT and not is_rounding):
+        if slope > STEEP or ROUNDING < slope < FLAT:
             found.append(
                 f"slope {slope:.4g} (robust rms), {'above 45 degrees' if slope > STEEP else 'flatter than polished optics'}: "
                 f"are heights or pixels in another unit than read? {remedy}"
