@@ -45,20 +45,6 @@ def _response(p, stats, i, shape, remembers):
     return (blunt, limit), mean, ellipsoid(p, ab, gamma, mean, geometric, indentation, limit)
 
 
-@loop
-def _carry(p, stats, patches, pixel_x, pixel_y, remembers):
-    """Force and contact area of all patches, and whether one touches the edge of the map."""
-    force = area = edge = 0.0
-    for i in range(1, patches + 1):
-        if not (stats[i, AREA] > 0.0 and stats[i, VOLUME] > 0.0):
-            continue
-        _, _, values = _response(p, stats, i, paraboloid(stats, i, pixel_x, pixel_y), remembers)
-        force += values[0]
-        area += values[1]
-        edge = max(edge, stats[i, EDGE])
-    return force, area, edge
-
-
 _COLUMNS = (
     "x", "y", "cut_area", "volume", "length_long", "length_short", "angle", "indentation", "force", "area", "state",
     "shrink", "spread", "limit", "edge",
@@ -227,20 +213,19 @@ class RoughContact:
         if self.origin is None:
             self.origin = self.highest  # where a virgin surface first touches; overlaps count from here
         self.mean = float(np.nanmean(self.heights.heights))
-        self._parent = np.zeros(1024, np.int32)
-        self._stats = np.zeros((1024, 12))
-        self._rows = np.zeros((2, columns), np.int32)
+        most = self.gap.size // 2 + 2  # labels; memory that is not written is not taken
+        self._labels = np.zeros(self.gap.shape, np.int32)
+        self._parent, self._stats = np.zeros(most, np.int32), np.zeros((most, 12))
 
-    def _patches(self, cut, labels=None):
+    def _patches(self, cut):
+        """Every patch above a cut, one row each, columns as in _COLUMNS; their labels are in `_labels` and `_parent`."""
         none = np.empty((0, 0))
         spread, limit = (none, none) if self.spread is None else (self.spread, self.limit)
-        buffer, mask = (self._rows, 1) if labels is None else (labels, -1)
-        while True:
-            count = scan(self.gap, cut, buffer, mask, self._parent, self._stats, spread, limit)
-            if count >= 0:
-                return gather_patches(self._parent, self._stats, count)
-            size = min(4 * self._parent.size, self.gap.size // 2 + 2)
-            self._parent, self._stats = np.zeros(size, np.int32), np.zeros((size, 12))
+        count = scan(self.gap, cut, self._labels, self._parent, self._stats, spread, limit)
+        table = np.empty((gather_patches(self._parent, self._stats, count), len(_COLUMNS)))
+        px, py = self.heights.pixel_x, self.heights.pixel_y
+        _describe(self.material, self._stats, len(table), px, py, self.spread is not None, table)
+        return table
 
     def _conditions(self):
         """The pair, its place and its material: those for which `before` counts."""
@@ -254,34 +239,27 @@ class RoughContact:
         """Force [N], contact area [m²] and whether the contact reaches the edge of the map, at an overlap [m] as in `at`."""
         if self._is_past(overlap):
             return self.before.carried(overlap)
-        patches = self._patches(self.origin - overlap)
-        px, py = self.heights.pixel_x, self.heights.pixel_y
-        return _carry(self.material, self._stats, patches, px, py, self.spread is not None)
+        table = self._patches(self.origin - overlap)
+        return table[:, 8].sum(), table[:, 9].sum(), table[:, 14].any()
 
-    def at(self, overlap, labels=None):
+    def at(self, overlap):
         """The `LoadStep` at a given overlap [m] since first touch of the virgin surface."""
         if self._is_past(overlap):
-            return self.before.at(overlap, labels)
+            return self.before.at(overlap)
         cut = self.origin - overlap
-        patches = self._patches(cut, labels)
-        table = np.empty((patches, len(_COLUMNS)))
-        px, py = self.heights.pixel_x, self.heights.pixel_y
-        remembers = self.spread is not None
-        _describe(self.material, self._stats, patches, px, py, remembers, table)
-        rows = table if labels is not None else table[table[:, 8] > 0]
-        micro = np.rec.fromarrays(rows[rows[:, 8] > 0].T, names=_COLUMNS)
-        step = LoadStep(
-            force=float(rows[:, 8].sum()),
+        table = self._patches(cut)
+        micro = np.rec.fromarrays(table[table[:, 8] > 0].T, names=_COLUMNS)
+        return LoadStep(
+            force=float(micro.force.sum()),
             separation=cut - self.mean,
             overlap=overlap,
-            contact_area=float(rows[:, 9].sum()),
-            cut_area=float(rows[:, 2].sum()),
+            contact_area=float(micro.area.sum()),
+            cut_area=float(micro.cut_area.sum()),
             counts=tuple(int((micro.state == s).sum()) for s in range(3)),
             micro=micro,
             cut=cut,
-            touches_edge=bool(rows[:, 14].any()),
+            touches_edge=bool(micro.edge.any()),
         )
-        return (step, table) if labels is not None else step
 
     def _solve(self, load, rtol):
         """Overlap at which the patches carry `load` within `rtol`.
@@ -356,13 +334,11 @@ class RoughContact:
         """
         if self._is_past(step.overlap):
             return self.before.unload(step)
-        labels = np.zeros(self.gap.shape, np.int32)
-        _, table = self.at(step.overlap, labels=labels)
+        table = self._patches(step.cut)
         heights = self.heights.heights.copy()
         spread = np.ones(self.gap.shape) if self.spread is None else self.spread.copy()
         limit = np.full(self.gap.shape, self.material.yield_factor) if self.limit is None else self.limit.copy()
-        _deform(self.gap, step.cut, labels, self._parent, table, heights, spread, limit)
-        del labels
+        _deform(self.gap, step.cut, self._labels, self._parent, table, heights, spread, limit)
         return RoughContact(
             self.heights.with_heights(heights),
             self.pair,

@@ -107,37 +107,33 @@ def _add_memory(stats, patch, area, spread, limit):
 
 
 @loop
-def scan(h, cut, labels, mask, parent, stats, spread, limit):
+def scan(h, cut, labels, parent, stats, spread, limit):
     """Label the patches of h > cut and gather area, volume and moments of each, in one pass.
 
-    labels: two rows (mask = 1) or the
-    whole map (mask = -1) for provisional labels. parent, stats: room for them; returns their number, or -1 if the room
-    does not do. spread, limit: memory of earlier contact, or arrays of shape (0, 0).
+    labels: provisional ones, of the map's shape.
+    parent, stats: room for them; returns their number. spread, limit: memory of earlier contact, or arrays of shape (0, 0).
     Neighbours are those joined by an edge of the triangulation: left, up, and up-left.
     """
     rows, columns = h.shape
     remembers = spread.shape[0] > 0
     count = 0
     for i in range(rows):
-        row, previous = i & mask, (i - 1) & mask
         north_west = west = 0
         for j in range(columns):
             here = h[i, j]
-            north = labels[previous, j] if i > 0 else 0
+            north = labels[i - 1, j] if i > 0 else 0
             label = 0
             if here > cut:
                 label = north_west if north_west else (north if north else west)
                 if label == 0:
                     count += 1
-                    if count >= parent.size:
-                        return -1
                     label = count
                     _begin(parent, stats, label, i, j)
                 elif north and west and not north_west:
                     _join(parent, north, west)
                 if i == 0 or j == 0 or i == rows - 1 or j == columns - 1:
                     stats[label, EDGE] = 1.0
-            labels[row, j] = label
+            labels[i, j] = label
             if i > 0 and j > 0 and (label or north or west or north_west):
                 u1, u2, u3, u4 = h[i - 1, j - 1] - cut, h[i - 1, j] - cut, h[i, j - 1] - cut, here - cut
                 upper = north_west if north_west else (north if north else label)

@@ -138,7 +138,7 @@ def test_patches_are_those_of_scipy():
         contact = RoughContact(HeightMap(z * 1e-6, 1e-6), dl.Contact(radius=1.0, modulus=1e9), flat=True)
         cut = rng.uniform(-1, 2) * 1e-6
         _, expected = ndimage.label(contact.gap > cut, neighbours)
-        assert contact._patches(cut) == expected
+        assert len(contact._patches(cut)) == expected
 
 
 def test_a_paraboloid_gives_back_its_radii():
