@@ -145,20 +145,6 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         """Energy of shear [J] dissipated by friction and by the opening of contacts, as in `totals()`."""
         return self.totals().shear_dissipated
 
-    def restitution(self, first, second, speed, *, en=None):
-        """Rebound over impact speed of two bodies (`O.bodies[n]`) that collide head-on at `speed` [m/s], under this law and the
-        damping of `Ip2_FrictMat_FrictMat_MindlinPhys(en=en)`; below `en` if the law dissipates. Masses are those of the bodies:
-        that of a fixed one is infinite, that of a clump's member its own."""
-        from demlaws.yade.restitution import restitution
-
-        return restitution(self.binding.pairs, first, second, speed, en)
-
-    def en_for(self, restitution, first, second, speed):
-        """The `en` of Ip2_FrictMat_FrictMat_MindlinPhys that gives these bodies this restitution at this speed."""
-        from demlaws.yade.restitution import en_for
-
-        return en_for(self.binding.pairs, first, second, speed, restitution)
-
     def attributes(self):
         """Attributes of the native functor that are saved with a scene: settings, and YADE's own sums of energy."""
         return {name: value for name, value in self.dict().items() if name != "label" and isinstance(value, bool | int | float)}

@@ -1,7 +1,5 @@
 """Memory of the rows of contacts: made by need, returned, limited."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from yade_scenes import (
@@ -13,7 +11,6 @@ from yade_scenes import (
     functor,
     material,
     set_engines,
-    sphere,
     still,
     stops,
     under_yade,
@@ -75,16 +72,6 @@ def test_rows_are_returned_with_their_scene(omega):
     set_engines(law)
     advance(2)
     assert force() == expected() and mapped_blocks(law) == 1
-
-
-def test_an_impact_returns_its_rows(omega):
-    stone = material()
-    omega.bodies.append([sphere((0, 0, z), 0.01, material=stone) for z in (0, 0.05)])
-    law, reserved = functor(), []
-    for _ in range(3):
-        law.restitution(omega.bodies[0], omega.bodies[1], 0.1)
-        reserved.append(int(Path("/proc/self/statm").read_text().split()[0]))
-    assert 4096 * (reserved[2] - reserved[1]) < layout.ROWS * law.binding.pairs.row.itemsize / 2
 
 
 def test_contacts_of_many_blocks(omega, monkeypatch, tmp_path):

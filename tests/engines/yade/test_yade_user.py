@@ -4,7 +4,6 @@ import copy
 import pickle
 import time
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -377,60 +376,6 @@ def test_a_stepper_without_a_bound_is_warned_of(omega):
     for wrong in ((law, 3), (law, "0.5"), ("hertz",), (None,)):  # YADE ends the process at None
         with pytest.raises(dl.DemlawsError):
             dy.engines(wrong[0], timestep=dict(enumerate(wrong)).get(1))
-
-
-# --- restitution
-
-
-def test_true_restitution(omega):
-    """`en` is an elastic Hertz contact's; the restitution of a dissipating law with it can be computed, and prescribed."""
-    stone = material()
-    omega.bodies.append([sphere((0, 0, z), 0.01, material=stone) for z in (0, 0.05)])
-    first, second = omega.bodies
-    hertz = functor("hertz", "elastic", None)
-    assert hertz.restitution(first, second, 0.1) == pytest.approx(1.0, abs=1e-3)
-    assert hertz.restitution(first, second, 0.1, en=0.9) == pytest.approx(0.9, abs=5e-3)
-    law = functor(label="rough")
-    alone, damped = law.restitution(first, second, 0.1), law.restitution(first, second, 0.1, en=0.9)
-    assert 0.5 < damped < 0.9 * alone + 0.02 < alone < 0.99
-    reserved = Path("/proc/self/statm").read_text().split()[0]
-    en = law.en_for(0.9 * alone, first, second, 0.1)
-    # pages: an impact has one contact, the law in a scene address space for millions
-    assert int(Path("/proc/self/statm").read_text().split()[0]) - int(reserved) < 50_000
-    assert law.restitution(first, second, 0.1, en=en) == pytest.approx(0.9 * alone, abs=1e-3)
-    with pytest.raises(dl.DemlawsError):
-        law.en_for(0.999, first, second, 0.1)
-    assert len(omega.bodies) == 2 and law.totals() == (0.0, 0.0)
-
-
-def test_restitution_goes_by_the_masses_of_the_bodies(omega):
-    """Not by density and radius: a body may be fixed, or made heavier. Without damping the rebound is energy's alone."""
-    stone = material()
-    omega.bodies.append([sphere((0, 0, z), 0.01, material=stone, fixed=z > 0.1) for z in (0, 0.05, 0.2, 0.3)])
-    first, second, fixed, other = omega.bodies
-    law = functor()
-    faster = law.restitution(first, second, 0.1 * 2**0.5)
-    assert faster == pytest.approx(0.7715, abs=1e-3)  # 0.771462 when the two meet in the user's scene; 0.7285 at 0.1 m/s
-    assert law.restitution(first, fixed, 0.1) == pytest.approx(faster, abs=2e-4)
-    first.state.mass *= 2
-    second.state.mass *= 2
-    assert law.restitution(first, second, 0.1) == pytest.approx(faster, abs=2e-4)
-    with pytest.raises(dl.DemlawsError):
-        law.restitution(fixed, other, 0.1)
-    with pytest.warns(dl.ValidityWarning, match=r"100 m/s goes deeper than 0.1 R"):
-        law.restitution(first, fixed, 100.0)
-
-
-def test_restitution_on_a_facet_by_yades_own_radius(omega):
-    """flats="yade": R is 2r/3 on a facet, r/2 on a wall; when they meet in the user's scene 0.790009 and 0.799463."""
-    from yade.utils import facet, sphere, wall
-
-    stone, steel = material(), material("steel", 2e11, 0.3)
-    omega.bodies.append(sphere((0, 0, 0), 0.01, material=stone))
-    omega.bodies.append([facet([(0, 0, 1), (1, 0, 1), (0, 1, 1)], material=steel), wall(2, 2, material=steel)])
-    law = functor(surfaces={"granite": GRANITE, "steel": dl.Surface(0)}, flats="yade")
-    found = [law.restitution(omega.bodies[0], omega.bodies[flat], 0.1) for flat in (1, 2)]
-    assert found == pytest.approx([0.7900, 0.7995], abs=2e-4)
 
 
 # --- while it runs
