@@ -9,7 +9,7 @@ import yade
 import yade.utils
 
 from demlaws.errors import DemlawsError, EngineStopped, LargeOverlap, ShapeWarning, warn
-from demlaws.units import LARGE_RADIUS, LARGE_ROUGHNESS, LARGEST_ROUGHNESS, SMALL_OVERLAP, judge
+from demlaws.units import LARGE_RADIUS, LARGE_ROUGHNESS, SMALL_OVERLAP, judge
 from demlaws.yade import layout, native
 from demlaws.yade.omega import LOOKS, is_our_contact, radius_fault, real_contacts, token_here, with_overlaps
 
@@ -183,7 +183,8 @@ class Binding:
         self.raise_fault()
         self.answer()
         self.judge_unlisted(self.context.take_unlisted())
-        self.judge_shapes()
+        self.pairs.radii.refresh(self.context)
+        self.warn_of_shapes()
         self.warn_of_joints()
         self.refuse_changes()
         if self.context.take("deep"):
@@ -251,31 +252,6 @@ class Binding:
             raise EngineStopped(unlisted_text(self, bodies, missing))
         self.context["may_be_unlisted"] = 1
 
-    def judge_shapes(self):
-        """Read new shapes, give R of contacts that a function decides, and warn once where a shape has the body's R."""
-        radii = self.pairs.radii
-        radii.refresh(self.context)
-        if radii.mode == layout.FUNCTION_RADIUS and self.context["new_contacts"]:
-            self.context["new_contacts"] = 0
-            contacts = real_contacts()
-            for contact, row in zip(contacts, self.attachment.rows_of(contacts), strict=True):
-                if row["tag"] > 0 and radii.is_new(contact):
-                    radius = self.checked_radius(contact, row, radii.call(contact))
-                    self.attachment.set_radius(contact, radius)
-        self.warn_of_shapes()
-
-    def checked_radius(self, contact, row, radius):
-        """A new R [m] of a contact whose row of `layout.CONTACT` is given; EngineStopped where the law does not serve it."""
-        number, bodies = int(row["tag"]) - 1, (contact.id1, contact.id2)
-        kind = 0
-        if not self.pairs.serves(number, radius, row["modulus"]):
-            kind = layout.WRONG_CONTACT
-        elif self.pairs.roughnesses[number] > LARGEST_ROUGHNESS * radius:
-            kind = layout.TOO_ROUGH
-        if kind:
-            self._stop(kind, bodies, radius)
-        return radius
-
     def warn_of_shapes(self):
         """Warn once where a shape that is neither sphere nor flat has the body's R without a choice."""
         if self.context.take("unknown_shape"):
@@ -334,14 +310,10 @@ class Binding:
         """Raise the last fault of native code: a contact that the law does not serve."""
         fault = self.context.take_fault()
         if fault is not None:
+            from demlaws.yade.reports import fault_text  # loaded only for a run that stops
+
             kind, *bodies, value = fault
-            self._stop(kind, bodies, value)
-
-    def _stop(self, kind, bodies, value):
-        """Raise a fault of the contact of two bodies; value: overlap or R [m], or E* [Pa]."""
-        from demlaws.yade.reports import fault_text  # loaded only for a run that stops
-
-        raise EngineStopped(f"contact {bodies[0]}+{bodies[1]}{fault_text(self, kind, bodies, value)}")
+            raise EngineStopped(f"contact {bodies[0]}+{bodies[1]}{fault_text(self, kind, bodies, value)}")
 
     def roughness_text(self, first, second, radius):
         """Finding of `judge` on the roughness of a pair of materials' labels, with that of each surface; None: nothing."""

@@ -169,10 +169,6 @@ def curvature_radius(context, geom, interaction, body1, body2, radius):
 @cold
 def chosen_radius(context, geom, interaction, body1, body2, first, second, radius):
     """R of a new contact by the user's choice; `radius`: as spheres and flats have it."""
-    if context.radius_mode == layout.FUNCTION_RADIUS:
-        context.new_contacts = 1
-        alarm(context)
-        return radius
     unknown1, unknown2 = has_no_radius(context, body1), has_no_radius(context, body2)
     if not (unknown1 or unknown2) or context.radius_mode == layout.BODY_RADIUS_MEANT:
         return radius
@@ -222,12 +218,7 @@ def follow_radii(kind, context, geom, interaction, row, pair):
     """Renew R and the row of a contact whose bodies have grown or shrunk; E* remains."""
     row.reach = geom.refR1 + geom.refR2
     body1, body2 = body_of(context, interaction.id1, 0), body_of(context, interaction.id2, 0)
-    if row.modulus == 0.0:
-        return
-    if context.radius_mode == layout.FUNCTION_RADIUS:
-        context.new_contacts = 1  # the guard calls the function again
-        alarm(context)
-    elif not (has_no_radius(context, body1) or has_no_radius(context, body2)):
+    if row.modulus != 0.0 and not (has_no_radius(context, body1) or has_no_radius(context, body2)):
         radius = contact_radius(context, geom, body1, body2)
         if radius > 0.0:  # else the guard names the body
             take_radius(kind, context, interaction, row, pair, radius)

@@ -12,7 +12,7 @@ WRONG_CLASS, NOT_FINITE, WRONG_CONTACT, TOO_ROUGH, TOO_DEEP, WRONG_MODULUS, NO_R
 FLAT_GAP, NO_CURVATURE = 20, 21
 """Kinds of faults."""
 
-BODY_RADIUS, BODY_RADIUS_MEANT, CURVATURE_RADIUS, FUNCTION_RADIUS = 0, 1, 2, 3
+BODY_RADIUS, BODY_RADIUS_MEANT, CURVATURE_RADIUS = 0, 1, 2
 """Values of `radius_mode`."""
 
 ROUND, FLAT, NO_LEVER = 0, 1, 2
@@ -75,7 +75,6 @@ _NOTES = (  # of native code for the guard
     "changed_body1",
     "changed_body2",
     "deep",  # a contact was beyond SMALL_OVERLAP of its R
-    "new_contacts",  # contacts have begun whose R a Python function gives
     "shapes_stale",
 )
 
@@ -214,4 +213,4 @@ class Context:
         """Clear all notes of native code."""
         for name in ("fault", "unlisted", "deep", "unknown_shape", "shared", "changed"):
             self[name] = 0
-        self["shapes_stale"] = self["new_contacts"] = 1
+        self["shapes_stale"] = 1

@@ -526,12 +526,6 @@ class Attachment:
         context["free_count"], context["free_taken"] = len(free), 0
         context["collect_at"] = len(free) - len(free) // 8 if len(free) else count + count // 2 + FEW_ROWS
 
-    def set_radius(self, contact, radius):
-        """Give a contact that the law has seen another R, and its row what follows from it."""
-        number = int(self._numbers([contact])[0])
-        self.rows[number]["radius"] = radius
-        self._fill(number, contact)
-
     def watch_itself(self):
         """Act without a guard, for a test: who calls this looks for faults."""
         self._alarm = np.zeros(1, np.int64)

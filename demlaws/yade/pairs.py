@@ -429,10 +429,6 @@ class Pairs:
             contact = Contact(radius, modulus, surface.roughness, dimension, surface.hardness)
             return source.definition.limits(contact, **source.options)
 
-    def serves(self, number, radius, modulus):
-        """Whether the law of a record may be used at this R and E*."""
-        return kernel.serves(self.records[number], radius, modulus)
-
     def all_surfaces(self):
         """Label → surface, with `EVERY` for the materials that are not listed, if they have one."""
         return self.surfaces if self.everywhere is None else {**self.surfaces, EVERY: self.everywhere}

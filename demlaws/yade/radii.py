@@ -1,4 +1,4 @@
-"""How R of contacts is chosen for shapes that are neither spheres nor flats: body, curvature, edge radius or a function."""
+"""How R of contacts is chosen for shapes that are neither spheres nor flats: body, curvature or edge radius."""
 
 import math
 from numbers import Real
@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.errors import DemlawsError, EngineStopped
+from demlaws.errors import DemlawsError
 from demlaws.yade import layout
 
 
@@ -19,8 +19,8 @@ class Curvature(NamedTuple):
 class Radii:
     """How R of contacts is chosen, and the scene's shapes as compiled code reads them.
 
-    choice: None (edge radii of surfaces, else the body's with a warning), "body", "curvature" (or `Curvature`), a number [m] or
-    a function of the interaction. edges: edge radius [m] for each number of a surface, None if it is not given.
+    choice: None (edge radii of surfaces, else the body's with a warning), "body", "curvature" (or `Curvature`), or a number
+    [m]. edges: edge radius [m] for each number of a surface, None if it is not given.
     """
 
     def __init__(self, choice, edges):
@@ -41,31 +41,9 @@ class Radii:
         elif isinstance(choice, Real) and not isinstance(choice, bool) and 0.0 < choice < math.inf:
             self.mode = layout.BODY_RADIUS
             edges[edges == 0.0] = float(choice)
-        elif callable(choice):
-            self.mode = layout.FUNCTION_RADIUS
         else:
-            raise DemlawsError(
-                f'radius={choice!r}: give "body", "curvature", Curvature(largest=…), the edge radius in m, or a '
-                "function of the interaction that returns R in m"
-            )
+            raise DemlawsError(f'radius={choice!r}: give "body", "curvature", Curvature(largest=…) or the edge radius in m')
         self.edges = edges
-        self.known = {}  # (body, body) → step in which the contact began, sum of radii, for a function
-
-    def is_new(self, contact):
-        """Whether a contact has not been seen by this method, or not with these radii: true once."""
-        key, start = (contact.id1, contact.id2), (contact.iterMadeReal, contact.geom.refR1 + contact.geom.refR2)
-        new = self.known.get(key) != start
-        self.known[key] = start
-        return new
-
-    def call(self, contact):
-        """R [m] of a contact by the user's function."""
-        value = self.choice(contact)
-        if not (isinstance(value, Real) and 0.0 < value < math.inf):
-            raise EngineStopped(
-                f"radius= returned {value!r} for contact {contact.id1}+{contact.id2}: R must be a positive, finite length in m"
-            )
-        return float(value)
 
     def refresh(self, context):
         """Write the shapes of all bodies to where compiled code reads them."""

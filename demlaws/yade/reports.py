@@ -164,8 +164,8 @@ def changed_text(first, second):
     """Message about a contact whose coefficients something else has changed."""
     return (
         f"kno or kso of contact {first}+{second} was changed by the script; the law writes both in each step, from R, E* and "
-        "surfaces. For another force give radius= a function of the contact (Hertz: kno grows as √R) or other materials, for "
-        "another K_t shear_ratio=, or use Law2_ScGeom_MindlinPhys_Mindlin"
+        "surfaces. For another force give other materials or surfaces, for another K_t shear_ratio=, "
+        "or use Law2_ScGeom_MindlinPhys_Mindlin"
     )
 
 

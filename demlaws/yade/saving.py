@@ -79,7 +79,7 @@ def pairs_text(pairs, identity=False):
         "shear": pairs.shear_name,
         "levels": pairs.levels,
         "shear_ratio": pairs.shear_ratio,
-        "radius": _radius_content(pairs.radii.choice),
+        "radius": pairs.radii.choice,
     }
     if _user_laws(pairs):
         content["answers"] = _answers(pairs)
@@ -110,13 +110,6 @@ def pairs_from(text):
             "saved: the history of the contacts belongs to the former law. Register the law unchanged"
         )
     return pairs
-
-
-def _radius_content(choice):
-    """The choice of R (`radii.Radii`) for JSON."""
-    if callable(choice):
-        raise DemlawsError("radius= is a function, which cannot be saved with the simulation: give a number or a name")
-    return [choice.largest] if isinstance(choice, Curvature) else choice
 
 
 def _user_laws(pairs):

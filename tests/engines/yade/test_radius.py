@@ -1,4 +1,4 @@
-"""R of level sets, polyhedra and other shapes that are neither spheres nor flats: body, curvature, edge radius, function."""
+"""R of level sets, polyhedra and other shapes that are neither spheres nor flats: body, curvature, edge radius."""
 
 import math
 import warnings
@@ -263,25 +263,6 @@ def test_without_a_choice_one_warning_names_shape_and_radius(omega):
             advance(4)
 
 
-def test_a_function_of_the_contact(omega):
-    seen = []
-
-    def radius(contact):
-        seen.append((contact.id1, contact.id2))
-        return 2e-3 if isinstance(yade.O.bodies[contact.id2].shape, yade.LevelSet) else -1.0
-
-    functor = cubes(law(radius))
-    advance(4)
-    assert functor.contacts().radius == pytest.approx([2e-3], rel=1e-12) and seen == [(0, 1)]
-    state = functor.contacts()
-    assert state.force[0] == pytest.approx(float(dl.law("hertz", dl.Contact(2e-3, MODULUS)).force(state.overlap[0])), rel=1e-12)
-    assert omega.interactions[0, 1].phys.normalForce.norm() == pytest.approx(state.force[0], rel=1e-12)
-    with pytest.raises(DemlawsError, match="function, which cannot be saved"):
-        omega.saveTmp("state")
-    cubes(law(lambda contact: 0.0))
-    stops(r"radius= returned 0.0 for contact 0\+1")
-
-
 def test_spheres_keep_their_radius_under_every_choice(omega):
     """Also a rough law: the same numbers to the last digit, natively."""
     from yade_scenes import force, two_spheres
@@ -322,50 +303,3 @@ def test_periodic_boundaries_are_refused(omega):
     omega.periodic = True
     omega.cell.hSize = yade.Matrix3(0.1, 0, 0, 0, 0.1, 0, 0, 0, 0.1)
     stops("not available with periodic boundaries")
-
-
-# --- clumps: overlapping members make two contacts where the grain has one
-
-CLUMP_OVERLAP = 1e-5
-RADIUS_OF_CONTACT = math.sqrt(R * CLUMP_OVERLAP)
-
-
-def standing(omega, apart, radius=None):
-    """Force on a clump of two equal spheres, `apart` from each other, both on a wall, over one sphere's."""
-    omega.reset()
-    stone = material()
-    omega.bodies.append(yade.utils.wall((0, 0, 0), 2, material=stone))
-    members = [yade.utils.sphere((x, 0, R - CLUMP_OVERLAP), R, material=stone) for x in (-apart / 2, apart / 2)]
-    clump, _ = omega.bodies.appendClumped(members)
-    omega.bodies[clump].state.blockedDOFs = "xyzXYZ"
-    functor = law(radius)
-    set_engines(functor, 1e-9)
-    advance(3)
-    one = float(dl.law("hertz", dl.Contact(R, MODULUS)).force(CLUMP_OVERLAP))
-    return functor.contacts().force.sum() / one
-
-
-def shared(contact):
-    """R/n² for n contacts of the same two grains whose areas cover each other: n of them then carry one contact's force."""
-
-    def grains(one):
-        bodies = [yade.O.bodies[number] for number in (one.id1, one.id2)]
-        return {body.clumpId if body.isClumpMember else body.id for body in bodies}
-
-    first, second = contact.geom.refR1, contact.geom.refR2
-    flat = any(isinstance(yade.O.bodies[n].shape, yade.Wall | yade.Box | yade.Facet) for n in (contact.id1, contact.id2))
-    radius = second if flat else first * second / (first + second)
-    reach = 2 * math.sqrt(radius * contact.geom.penetrationDepth)
-    near = [
-        one
-        for one in yade.O.interactions
-        if one.isReal and grains(one) == grains(contact) and (one.geom.contactPoint - contact.geom.contactPoint).norm() < reach
-    ]
-    return radius / len(near) ** 2
-
-
-def test_a_function_of_the_contact_is_the_remedy(omega):
-    """For two members at one place, whose force is else double."""
-    assert standing(omega, 0.1 * RADIUS_OF_CONTACT) == pytest.approx(2.0, rel=1e-9)
-    assert standing(omega, 0.1 * RADIUS_OF_CONTACT, shared) == pytest.approx(1.0, rel=1e-9)
-    assert standing(omega, 4 * RADIUS_OF_CONTACT, shared) == pytest.approx(2.0, rel=1e-9)

@@ -147,18 +147,6 @@ def test_radii_that_grow_are_followed(omega, overlap):
     assert omega.interactions[0, 1].phys.normalForce.norm() == pytest.approx(expected, rel=1e-9)
 
 
-def test_a_function_of_the_contact_is_called_again_where_radii_grow(omega):
-    """Its R is the script's to choose."""
-    law = functor("hertz", "elastic", None, radius=lambda contact: 0.25 * (contact.geom.refR1 + contact.geom.refR2))
-    omega.bodies.append([sphere((0, 0, z), 0.01, fixed=True, material=material()) for z in (0, 0.02 - 1e-5)])
-    set_engines(law, 1e-9)
-    advance(3)
-    assert law.contacts().radius == pytest.approx([0.005], rel=1e-12)
-    yade.utils.growParticles(1.001, True, False)
-    advance(3)
-    assert law.contacts().radius == pytest.approx([0.005005], rel=1e-12)
-
-
 def test_a_run_leaves_the_globals_of_a_script_alone(tmp_path):
     """YADE copies the local variables of the function that calls it to the script's globals when a PyRunner acts."""
     under_yade(
