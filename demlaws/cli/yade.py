@@ -1,6 +1,7 @@
 """The command `demlaws yade`."""
 
 import subprocess
+from pathlib import Path
 
 from demlaws.cli import Parser
 from demlaws.errors import DemlawsError
@@ -71,14 +72,14 @@ def _check(arguments, result):
 
     captured = {"stdout": subprocess.PIPE, "text": True} if arguments.json else {}
     words = [*(arguments.extent or []), *(f"--law-file={file}" for file in getattr(arguments, "law_files", []))]
-    ended = run(_file("check.py"), words, **captured)
+    ended = run(Path(__file__).parent.parent / "yade" / "check.py", words, **captured)
     if arguments.json:
         result.print(ended.stdout)
     return ended.returncode
 
 
 def _run(arguments, _):
-    from demlaws.yade.run import run
+    from demlaws.yade.run import become, command, run_batch
 
     if arguments.script is None:
         raise DemlawsError("no script was given: demlaws yade run [options] SCRIPT [its arguments]")
@@ -88,18 +89,6 @@ def _run(arguments, _):
         raise DemlawsError(f"--threads {arguments.threads}: at least 1")
     if arguments.json:
         raise DemlawsError("--json is not available for yade run: the script prints to the standard output itself")
-    return run(
-        arguments.script,
-        arguments.arguments,
-        arguments.threads,
-        gui=arguments.gui,
-        batch=arguments.batch,
-        stay=not arguments.leave,
-        yade_options=arguments.yade_options,
-    ).returncode
-
-
-def _file(name):
-    from pathlib import Path
-
-    return Path(__file__).parent.parent / "yade" / name
+    options = {"gui": arguments.gui, "batch": arguments.batch, "stay": not arguments.leave, "options": arguments.yade_options}
+    line = command(arguments.script, arguments.arguments, arguments.threads, **options)
+    return become(line) if arguments.batch is None else run_batch(line)

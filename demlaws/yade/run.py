@@ -1,6 +1,5 @@
 """Start YADE on a script with this package importable."""
 
-import contextlib
 import importlib.metadata
 import os
 import re
@@ -100,77 +99,33 @@ def command(script, arguments=(), threads=1, *, gui=False, batch=None, stay=Fals
     return [executable(), *ours, *options, script, *map(str, arguments)]
 
 
-def _signal_name(number):
-    """Name and meaning of a signal."""
-    try:
-        return f"signal {signal.Signals(number).name} ({signal.strsignal(number)})"
-    except ValueError:
-        return f"signal {number}"
-
-
 FAILED = re.compile(r"#\d+ \(.*\) FAILED ")
 """How a line of yade-batch about a job that failed begins; its own exit status is 0 nevertheless."""
 
 
-def run(script, arguments=(), threads=1, *, gui=False, batch=None, stay=False, yade_options=(), **options):
-    """Run a script under YADE; returns the `subprocess.CompletedProcess`, whatever its exit status (a batch of which a job has
-    failed: 1). Signals that would end or interrupt this process go to YADE."""
-    line = command(script, arguments, threads, gui=gui, batch=batch, stay=stay, options=yade_options)
-    if batch is None or options:
-        return _told(_run(line, env=environment(), **options))
+def run(script, arguments=(), threads=1, **options):
+    """Run a script under YADE: the `subprocess.CompletedProcess`, whatever its exit status; options: of `subprocess.run`."""
+    return subprocess.run(command(script, arguments, threads), env=environment(), **options)
+
+
+def become(line):
+    """Replace this process by one of a command line of YADE, which then gets the signals, and whose exit status counts."""
+    variables = environment()
+    sys.stdout.flush()
+    os.execvpe(line[0], line, variables)
+
+
+def run_batch(line):
+    """Run a command line of yade-batch; returns its exit status, 1 if a job has failed. Signals go to it and its jobs."""
     failed = 0
     unbuffered = environment() | {"PYTHONUNBUFFERED": "1"}
     with (
         subprocess.Popen(line, env=unbuffered, stdout=subprocess.PIPE, text=True, start_new_session=True) as process,
-        _signals_to(process.pid, os.killpg),  # its jobs, too
+        handling_signals(lambda number, _: os.killpg(process.pid, number), signal.SIGTERM, signal.SIGHUP, signal.SIGINT),
     ):
         for text in process.stdout:
             print(text, end="", flush=True)
             failed += FAILED.match(text) is not None
     if failed:
         print(f"demlaws: {failed} of the jobs failed: their lines above name the log files", file=sys.stderr)
-    return _told(subprocess.CompletedProcess(line, process.returncode or int(failed > 0)))
-
-
-def _told(done):
-    """A process that has ended, whose signal, if one has ended it, is printed; its status is then that of a shell."""
-    if done.returncode < 0:
-        print(f"demlaws: YADE was ended by {_signal_name(-done.returncode)}", file=sys.stderr)
-        done.returncode = 128 - done.returncode
-    return done
-
-
-def _run(line, *, capture_output=False, timeout=None, **options):
-    """`subprocess.run`, of a process that gets the signals of this one."""
-    if capture_output:
-        options |= {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    with subprocess.Popen(line, **options) as process, _signals_to(process.pid, os.kill):
-        try:
-            out, error = process.communicate(timeout=timeout)
-        except BaseException:
-            process.kill()
-            raise
-    return subprocess.CompletedProcess(line, process.returncode, out, error)
-
-
-def _signals_to(process, send):
-    """Signals that would end or interrupt this process are sent to another one, unless a terminal has sent them to both."""
-
-    def pass_on(number, frame):
-        if number != signal.SIGINT or send is os.killpg or not _in_foreground():
-            with contextlib.suppress(ProcessLookupError):
-                send(process, number)
-
-    return handling_signals(pass_on, signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
-
-
-def _in_foreground():
-    """Whether this process has a terminal whose Ctrl-C goes to all processes of its group."""
-    try:
-        terminal = os.open("/dev/tty", os.O_RDONLY)
-    except OSError:
-        return False
-    try:
-        return os.tcgetpgrp(terminal) == os.getpgrp()
-    finally:
-        os.close(terminal)
+    return process.returncode or int(failed > 0)

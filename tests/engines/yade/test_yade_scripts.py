@@ -53,7 +53,7 @@ def test_a_script_with_one_law_loads_no_code_of_other_features(tmp_path):
     loaded = {Path(file).relative_to(PACKAGE).with_suffix("").as_posix() for file in files}
     assert {"yade/kernel", "yade/shear", "laws/pohrt_popov"} <= loaded
     others = {"yade/curvature", "yade/slip", "yade/public", "core/slip", "curves/tabulate", "shear", "core/levels"}
-    others |= {"yade/contacts", "yade/reports", "yade/restitution", "yade/saving"}
+    others |= {"yade/contacts", "yade/saving"}
     others |= {"solvers/ellipsoid", "solvers/criterion", "responses/batch", "responses/path", "responses/results"}
     assert not loaded & others
 
@@ -117,16 +117,12 @@ def test_a_batch_with_a_job_that_fails(tmp_path, capsys):
 
 
 def test_command_lines(tmp_path, monkeypatch):
-    seen = []
-    monkeypatch.setattr(
-        run, "run", lambda *arguments, **options: seen.append((arguments, options)) or subprocess.CompletedProcess([], 3)
-    )
-    assert main(["yade", "run", "--gui", "--cores=0,1", "-f5", "s.py", "-x", "--threads"]) == 3  # YADE's own status
-    arguments, options = seen[0]
-    assert arguments == ("s.py", ["-x", "--threads"], 1)
-    assert options == {"gui": True, "batch": None, "stay": True, "yade_options": ["--cores=0,1", "-f5"]}
+    seen, words = [], ["yade", "run", "--gui", "--cores=0,1", "-f5", str(tmp_path / "s.py"), "-x", "--threads"]
+    (tmp_path / "s.py").write_text("")
+    monkeypatch.setattr(run, "become", seen.append)
+    main(words)
+    assert seen[0][1:] == ["-j1", "--cores=0,1", "-f5", str(tmp_path / "s.py"), "-x", "--threads"]
     script = tmp_path / "s.py"
-    script.write_text("")
     line = run.command(script, gui=True, stay=True, options=["--cores=0,1"])
     assert line[1:] == ["-j1", "--cores=0,1", str(script)]
     assert run.command(script)[1:] == ["-n", "-x", "-j1", str(script)]
