@@ -190,12 +190,12 @@ def measure_bridge(side, rounds, steps, wanted):
             O.switchToScene(number)
             attachment = law.binding.attachment
 
-            def switch(step, law=law, patch=attachment.patch):
+            def switch(step, law=law, patch=attachment.point):
                 if step % 2 == 0:
                     (patch if step % 4 == 0 else release)(law)
 
             found = clock.run(steps, switch)
-            attachment.patch(law)
+            attachment.point(law)
             for side_, first in ((0, 1), (1, 3)):  # the second step under either
                 times[name][side_].append(undisturbed(found[first::4]))
     return {

@@ -2,12 +2,11 @@
 
     from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
 
-Importing this package does not import YADE; importing one of its names does, and replaces some entry points of YADE
-(`patches`), as do `O.engines` and `O.run` of a loaded scene that contains a law. Start scripts with `demlaws yade run SCRIPT`,
+Importing this package does not import YADE; importing one of its names does. In a YADE process it replaces some entry points
+of YADE (`patches`). Start scripts with `demlaws yade run SCRIPT`, which imports it (a script that loads a saved scene may not),
 or with plain `yade SCRIPT` where this package is installed for YADE's Python.
 """
 
-import functools
 import importlib
 import sys
 
@@ -42,32 +41,7 @@ def __getattr__(name):
     return value
 
 
-def watch_loaded():
-    """Have `O.engines` and `O.run` install the replacements where the scene contains a law: before that it was loaded."""
-    omega = sys.modules["yade"].wrapper.Omega
-    engines, run = omega.engines, omega.run
-    if hasattr(run, "native"):
-        return
-
-    def now(o, name, native):
-        if any(tag.startswith("demlaws.") for tag in o.tags.keys()):  # noqa: SIM118  not a dict
-            from demlaws.yade import patches
-
-            patches.install()
-            return vars(omega)[name]
-        return native
-
-    def get(o):
-        return now(o, "engines", engines).__get__(o)
-
-    @functools.wraps(run)
-    def run_loaded(o, *arguments, **keywords):
-        return now(o, "run", run)(o, *arguments, **keywords)
-
-    get.native, run_loaded.native = engines, run
-    omega.engines = property(get, lambda o, value: now(o, "engines", engines).__set__(o, value))
-    omega.run = run_loaded
-
-
 if hasattr(sys.modules.get("yade"), "wrapper"):
-    watch_loaded()
+    from demlaws.yade import patches
+
+    patches.install()

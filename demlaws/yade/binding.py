@@ -2,16 +2,15 @@
 
 import math
 import threading
-from collections import deque
 
 import numpy as np
 import yade
 import yade.utils
 
-from demlaws.errors import DemlawsError, EngineStopped, LargeOverlap, ShapeWarning, warn
+from demlaws.errors import DemlawsError, EngineStopped, LargeOverlap, ShapeWarning, TimeStepWarning, ValidityWarning, warn
 from demlaws.units import LARGE_RADIUS, LARGE_ROUGHNESS, SMALL_OVERLAP, judge
-from demlaws.yade import layout, native
-from demlaws.yade.omega import LOOKS, is_our_contact, radius_fault, real_contacts, token_here, with_overlaps
+from demlaws.yade import layout, native, reports
+from demlaws.yade.omega import LOOKS, is_our_contact, radius_fault, real_contacts
 
 O = yade.O  # noqa: E741  YADE's name
 REACH = 4.0
@@ -23,154 +22,108 @@ NO_BOUND = 1e300
 """maxDt [s] of a time stepper that has none is larger."""
 
 
-class _Request:
-    """Work for the thread of a running simulation."""
-
-    def __init__(self, function):
-        self.function, self.result, self.error, self.done = function, None, None, threading.Event()
-
-    def answer(self):
-        try:
-            self.result = self.function()
-        except Exception as error:
-            self.error = error
-        self.done.set()
+ACCOUNT = ("banked", "open", "banked_shear", "banked_viscous")
+"""Sums of native code over ended contacts."""
 
 
 class Binding:
     """A law at work under a functor's label, in the scene whose token is `scene` (None: in none).
 
-    runner: the PyRunner before this law's contacts; share: the part of the critical step for a time stepper, from
+    share: the part of the critical step for a time stepper, from
     `engines(law, timestep=…)`; bound: the maxDt [s] that the law has given a stepper; seen: losses [J] of plasticity, of shear
     and of viscous damping when `O.energy` was last read.
     """
 
     def __init__(self, label, pairs):
         self.label, self.pairs = label, pairs
-        self.runner = self.share = self.bound = None
-        self.seen = [0.0, 0.0, 0.0]
+        self.share = self.bound = None
+        self.seen = {}
         self.attachment = native.Attachment(pairs)
         self.context = self.attachment.context
         self.context["may_be_unlisted"] = pairs.needs_no_judgement
-        self.scene, self.left, self.guards, self.warned, self._scenes = None, None, 0, False, 0
-        self._messages, self._limits = set(), {}
-        self._requests = deque()
+        self.scene, self.guards, self._scenes = None, 0, 0
+        self._messages = set()
 
     @property
     def account(self):
         """Dissipation [J] of ended contacts, number of contacts that the law has seen begin and not end, energies [J] of shear
         and of viscous damping that ended contacts have lost."""
-        shear, viscous = float(self.context["banked_shear"]), float(self.context["banked_viscous"])
-        return float(self.context["banked"]), int(self.context["open"]), shear, viscous
+        return {name: float(self.context[name]) for name in ACCOUNT}
 
-    @account.setter
-    def account(self, values):
-        for name, value in zip(("banked", "open", "banked_shear", "banked_viscous"), values, strict=True):
-            self.context[name] = value
-
-    def enter(self, scene, account=(0.0, 0, 0.0, 0.0)):
-        """Begin to act in a scene with this account; the account of a scene that was left continues."""
-        if scene != self.left:
-            self.attachment.rows.release()  # of contacts of another scene, which ends or stops
-            self.account, self.seen = account, [0.0, 0.0, 0.0]
-            self._scenes += 1
-        self.scene, self.left, self.guards, self.warned = scene, None, 0, False
-        self._messages, self._limits = set(), {}
-        self.context.forget()
-
-    def leave(self):
-        """The law is no longer in the engine list of the current scene."""
-        self.scene, self.left = None, self.scene
-        self.watched_by(None)
-        if O.interactions.countReal() == 0:
-            self.attachment.rows.release()
-
-    def end(self):
-        """The scene of the law is gone, with its contacts."""
-        self.scene = self.left = None
-        self.watched_by(None)
+    def clear(self, account=()):
+        """Begin with this account, without contacts."""
         self.attachment.rows.release()
+        for name in ACCOUNT:
+            self.context[name] = dict(account).get(name, 0.0)
 
-    def watched_by(self, runner):
-        """Set the guard's PyRunner before this law's contacts, or None."""
-        self.runner = runner
-        self.attachment.watched_by(runner)
+    def enter(self, scene, account=()):
+        """Begin to act in a scene with this account; contacts of another scene end or stop."""
+        self.clear(account)
+        self.seen = {}
+        self._scenes += 1
+        self.scene, self.guards = scene, 0
+        self._messages = set()
+        self.context.forget()
 
     def rows(self, contacts):
         """The contacts as an array of `layout.CONTACT`; tag 0 where the law has not seen the contact."""
-        return with_overlaps(self.attachment.rows_of(contacts), contacts)
+        rows = self.attachment.rows_of(contacts)
+        for row, contact in zip(rows, contacts, strict=True):
+            overlap = contact.geom.penetrationDepth  # a loaded scene does not know it before its first step
+            if not math.isnan(overlap):
+                row["overlap"] = overlap
+        return rows
 
     # --- for users
 
-    def between_engines(self, function):
-        """function(), called by the simulation's own thread where it runs: contacts do not change while they are read."""
-        _ = O.engines  # a scene that was loaded and has not made a step gets its laws
+    @staticmethod
+    def refuse_while_running():
+        """Contacts are read between steps, or by a PyRunner, in the simulation's own thread."""
         in_simulation = threading.current_thread().name.startswith("Dummy")  # Python's name for a thread made by C++
-        if not O.running or self.runner is None or self.scene != token_here() or in_simulation:
-            return function()
-        request = _Request(function)
-        self._requests.append(request)
-        while not request.done.wait(0.02):
-            self.runner.nDone = 0
-            if not O.running:
-                try:
-                    self._requests.remove(request)
-                except ValueError:
-                    continue  # being answered
-                return function()
-        if request.error is not None:
-            raise request.error
-        return request.result
-
-    def answer(self):
-        """Call the functions that `between_engines` has queued."""
-        while self._requests:
-            self._requests.popleft().answer()
+        if O.running and not in_simulation:
+            raise DemlawsError("contacts change while the simulation runs: call O.pause() first, or read them in a PyRunner")
 
     def totals(self):
-        """`Totals` of the current scene, ended contacts included; also while the simulation runs."""
-        return self.between_engines(self._totals)
-
-    def _totals(self):
+        """`Totals` of the current scene, ended contacts included."""
         from demlaws.yade.contacts import Totals
 
+        self.refuse_while_running()
+        _ = O.engines  # a scene that was loaded and has not made a step gets its laws
         self.raise_fault()
         self.judge_validity()
         rows = self.rows(real_contacts())
         rows = rows[rows["tag"] > 0]
-        energies, (past, open_count, loss, viscous) = self.pairs.energies(rows), self.account
-        more = {"shear_stored": float(rows["held"].sum()), "shear_dissipated": float(rows["lost"].sum()) + loss}
-        if self.attachment.layout.knows_velocities:
-            more["viscous"] = float(rows["viscous"].sum()) + viscous
-        stored, dissipated = float(energies["stored"].sum()), float(energies["dissipated"].sum()) + past
-        return Totals(stored, dissipated, max(open_count - len(rows), 0), **more)
+        energies, ended = self.pairs.energies(rows), self.account
+        return Totals(
+            stored=float(energies["stored"].sum()),
+            dissipated=float(energies["dissipated"].sum()) + ended["banked"],
+            shear_stored=float(rows["held"].sum()),
+            shear_dissipated=float(rows["lost"].sum()) + ended["banked_shear"],
+            viscous=float(rows["viscous"].sum()) + ended["banked_viscous"],
+            unaccounted=max(int(ended["open"]) - len(rows), 0),
+        )
 
     def account_for(self, tracker):
         """Write the energies [J] to YADE's EnergyTracker, adding what was lost since the last call; None: it does not track."""
-        totals = self._totals()
-        losses = [totals.dissipated, totals.shear_dissipated, totals.viscous]
+        totals = self.totals()
+        losses = {"Plastic": totals.dissipated, "ShearLost": totals.shear_dissipated, "Viscous": totals.viscous}
         if tracker is not None:
+            tracker[self.label + "Elastic"] = totals.stored
+            tracker[self.label + "ShearElastic"] = totals.shear_stored
             tracked = dict(tracker.items())
-            energies = {"Elastic": totals.stored, "ShearElastic": totals.shear_stored}
-            for name, loss, seen in zip(("Plastic", "ShearLost", "Viscous"), losses, self.seen, strict=True):
-                energies[name] = tracked.get(self.label + name, 0.0) + loss - seen
-            for name, energy in energies.items():
-                if energy == energy:  # the work of viscous forces is not known where the native go acts
-                    tracker[self.label + name] = energy
+            for name, loss in losses.items():
+                tracker[self.label + name] = tracked.get(self.label + name, 0.0) + loss - self.seen.get(name, 0.0)
         self.seen = losses
 
     def contacts(self, interactions=None):
-        """`Contacts`: all real contacts of the scene (or of the given ones); also while the simulation runs."""
+        """`Contacts`: all real contacts of the scene (or of the given ones)."""
+        from demlaws.yade.contacts import state_of
 
-        from demlaws.yade.contacts import SHEAR, state_of
-
-        def read():
-            selection = [interactions] if isinstance(interactions, yade.Interaction) else interactions
-            contacts = real_contacts() if selection is None else [one for one in selection if is_our_contact(one)]
-            known = list(SHEAR)[: 3 if self.attachment.layout.knows_velocities else 2]
-            return state_of(self.pairs, contacts, self.rows(contacts), known)
-
-        return self.between_engines(read)
+        self.refuse_while_running()
+        _ = O.engines  # as in `totals`
+        selection = [interactions] if isinstance(interactions, yade.Interaction) else interactions
+        contacts = real_contacts() if selection is None else [one for one in selection if is_our_contact(one)]
+        return state_of(self.pairs, contacts, self.rows(contacts))
 
     # --- checks
 
@@ -180,21 +133,13 @@ class Binding:
         if not O.dt > 0.0:
             self._judge_step()
         self.check_functor(functor)
-        self.raise_fault()
-        self.answer()
-        self.judge_unlisted(self.context.take_unlisted())
+        self.report_notes()
         self.pairs.radii.refresh(self.context)
-        self.warn_of_shapes()
-        self.warn_of_joints()
-        self.refuse_changes()
-        if self.context.take("deep"):
-            rows = self.rows(real_contacts())
-            self.warn_of_deep(rows[rows["tag"] > 0])
         self.attachment.collect(real_contacts if self._scenes == 1 else None)
         thoroughly = self.guards in LOOKS or self.guards % 1000 == 0
         if thoroughly:
             self.verify()
-        if self.guards < 20 or self.guards % 10 == 0:
+        if thoroughly or self.guards % 10 == 0:
             self.judge_validity()
         self.check_bodies(thoroughly)
 
@@ -240,49 +185,42 @@ class Binding:
             for finding in judge(density=density):
                 self._warn_once(("density", body.material.label), f"body {body.id}, {body.material.label!r}: {finding.text}")
 
+    def report_notes(self):
+        """Raise or warn of what native code has noted of contacts."""
+        self.raise_fault()
+        unlisted = self.context.take(layout.UNLISTED)
+        if unlisted:
+            self.judge_unlisted(unlisted)
+        strange = self.context.take(layout.UNKNOWN_SHAPE, once=True)
+        if strange:
+            text = reports.body_radius_text(strange, float(self.context["values"][layout.UNKNOWN_SHAPE]))
+            warn(f"law {self.label!r}: {text}", ShapeWarning)
+        joint = self.context.take(layout.SHARED, once=True)
+        if joint:
+            warn(f"law {self.label!r}: {reports.joint_text(*joint)}", ShapeWarning)
+        if self.context.take(layout.DEEP, once=True):
+            rows = self.rows(real_contacts())
+            rows = rows[(rows["tag"] > 0) & (rows["overlap"] > SMALL_OVERLAP * rows["radius"]) & (rows["modulus"] > 0.0)]
+            if len(rows):
+                warn(f"law {self.label!r}: {reports.deep_text(rows)}", LargeOverlap)
+
+    def raise_fault(self):
+        """Raise a fault of native code: a contact that the law does not serve. All faults are cleared."""
+        seen = np.flatnonzero(self.context["seen"][: layout.FAULTS])
+        if len(seen):
+            kind = int(seen[0])
+            first, second = self.context.take(kind)
+            self.context["seen"][: layout.FAULTS] = layout.UNSEEN
+            text = reports.fault_text(self, kind, (first, second), float(self.context["values"][kind]))
+            raise EngineStopped(f"contact {first}+{second}{text}")
+
     def judge_unlisted(self, bodies):
         """Raise unless two bodies, of whose materials at least one has no surface, are meant to be smooth."""
-        if bodies is None or self.context["may_be_unlisted"]:
-            return
         labels = {body.material.label for body in O.bodies if body.material is not None} | {one.label for one in O.materials}
         missing = [label for label in self.pairs.surfaces if label not in labels]  # others than the bodies' may come later
         if not self.pairs.surfaces or missing:
-            from demlaws.yade.reports import unlisted_text
-
-            raise EngineStopped(unlisted_text(self, bodies, missing))
+            raise EngineStopped(reports.unlisted_text(self, bodies, missing))
         self.context["may_be_unlisted"] = 1
-
-    def warn_of_shapes(self):
-        """Warn once where a shape that is neither sphere nor flat has the body's R without a choice."""
-        if self.context.take("unknown_shape"):
-            from demlaws.yade.reports import body_radius_text
-
-            contact = O.interactions[self.context.bodies("unknown_shape")]
-            text = body_radius_text(contact, float(self.attachment.rows_of([contact])["radius"][0]))
-            warn(f"law {self.label!r}: {text}", ShapeWarning)
-
-    def warn_of_joints(self):
-        """Warn once where two contacts have the same physics."""
-        if self.context.take("shared"):
-            from demlaws.yade.reports import joint_text
-
-            warn(f"law {self.label!r}: {joint_text(*self.context.bodies('shared'))}", ShapeWarning)
-
-    def refuse_changes(self):
-        """Raise where something else has changed the coefficients of a contact."""
-        if self.context["changed"]:
-            from demlaws.yade.reports import changed_text
-
-            self.context["changed"] = layout.UNSEEN
-            raise EngineStopped(f"law {self.label!r}: {changed_text(*self.context.bodies('changed'))}")
-
-    def warn_of_deep(self, rows):
-        """Warn of the contacts beyond SMALL_OVERLAP of their R among rows of `layout.CONTACT`."""
-        rows = rows[rows["modulus"] > 0.0]
-        if np.any(rows["overlap"] > SMALL_OVERLAP * rows["radius"]):
-            from demlaws.yade.reports import deep_text
-
-            warn(f"law {self.label!r}: {deep_text(rows)}", LargeOverlap)
 
     def check_bodies(self, thoroughly=False):
         """Raise if a body without contacts has a velocity (thoroughly: or a position, a radius) that is not a finite number."""
@@ -294,26 +232,15 @@ class Binding:
                 raise EngineStopped(text)
             place, velocity = body.state.pos, body.state.vel
             if not all(map(math.isfinite, (*place, *velocity))):
-                from demlaws.yade.reports import remedy_of_motion
-
                 raise EngineStopped(
                     f"body {body.id} is at {tuple(place)} m with velocity {tuple(velocity)} m/s, which is not finite: "
-                    + remedy_of_motion([body.id])
+                    + reports.remedy_of_motion([body.id])
                 )
 
     def check_functor(self, functor):
         """Raise if the functor has settings that do not go together with a law."""
         if functor.includeAdhesion:
             raise DemlawsError("includeAdhesion=True cannot be used with a demlaws law: it changes the force")
-
-    def raise_fault(self):
-        """Raise the last fault of native code: a contact that the law does not serve."""
-        fault = self.context.take_fault()
-        if fault is not None:
-            from demlaws.yade.reports import fault_text  # loaded only for a run that stops
-
-            kind, *bodies, value = fault
-            raise EngineStopped(f"contact {bodies[0]}+{bodies[1]}{fault_text(self, kind, bodies, value)}")
 
     def roughness_text(self, first, second, radius):
         """Finding of `judge` on the roughness of a pair of materials' labels, with that of each surface; None: nothing."""
@@ -334,29 +261,22 @@ class Binding:
                     f"material {stone.label!r} has frictionAngle = {angle:g} rad, a friction of {math.tan(angle):.3g}: "
                     "give an angle from 0 to π/2 in radians",
                 )
-        if any(key not in self._messages for key, _ in self._excesses(self.attachment.live())):
-            contacts = real_contacts()  # rows of contacts that were erased have not been looked for yet
-            for key, text in self._excesses(self.attachment.rows_of(contacts), contacts):
-                self._warn_once(key, text)
-
-    def _excesses(self, rows, contacts=None):
-        """(key, message) of each limit that contacts are beyond; without the contacts of the rows the messages are None."""
-        places = np.flatnonzero((rows["tag"] > 0.0) & (rows["modulus"] > 0.0) & (rows["overlap"] > 0.0))
-        rows = rows[places]
+        contacts = real_contacts()
+        rows = self.attachment.rows_of(contacts)
         force = self.pairs.evaluate(rows)[0]["force"]
-        for number in np.unique(rows["tag"]).astype(int) - 1:
-            mine = np.flatnonzero((rows["tag"] == number + 1) & (force > 0.0))
-            if len(mine):
-                of_pair = None if contacts is None else [contacts[place] for place in places[mine]]
-                yield from self._excesses_of_pair(number, rows[mine], force[mine], of_pair)
+        pressed = (rows["tag"] > 0.0) & (rows["modulus"] > 0.0) & (rows["overlap"] > 0.0) & (force > 0.0)
+        for tag in np.unique(rows["tag"][pressed]):
+            places = np.flatnonzero(pressed & (rows["tag"] == tag))
+            self._judge_pair(int(tag) - 1, [contacts[place] for place in places], rows[places], force[places])
 
-    def _excesses_of_pair(self, number, rows, force, contacts):
-        if self.pairs.roughnesses[number] > LARGE_ROUGHNESS * np.min(rows["radius"]):
-            smallest = int(np.argmin(rows["radius"]))
-            labels = contacts and self._labels(contacts[smallest])
-            yield (number, "roughness"), labels and self.roughness_text(*labels, float(rows["radius"][smallest]))
-        if np.max(rows["radius"]) > LARGE_RADIUS:
-            yield "radius", judge(radius=float(np.max(rows["radius"])))[0].text
+    def _judge_pair(self, number, contacts, rows, force):
+        """Warn once of the limits that contacts of one pair of surfaces are beyond."""
+        smallest, largest = int(np.argmin(rows["radius"])), float(np.max(rows["radius"]))
+        if self.pairs.roughnesses[number] > LARGE_ROUGHNESS * rows["radius"][smallest]:
+            labels = [O.bodies[body].material.label for body in (contacts[smallest].id1, contacts[smallest].id2)]
+            self._warn_once((number, "roughness"), self.roughness_text(*labels, float(rows["radius"][smallest])))
+        if largest > LARGE_RADIUS:
+            self._warn_once("radius", judge(radius=largest)[0].text)
         for reason, entries in self._beyond_limits(number, rows, force).items():
             count = sum(int(np.sum(excess > 1.0)) for _, excess, _ in entries)
             if count:
@@ -364,12 +284,12 @@ class Binding:
                 worst = group[int(np.argmax(excess))]
                 where = "above" if force[worst] > limit.maximum_force else "below"
                 bound = limit.maximum_force if where == "above" else limit.minimum_force
-                text = contacts and (
+                text = (
                     f"{count} of {len(rows)} contacts are {where} the range of {self.pairs.name}: {reason}. Worst: "
                     f"{contacts[worst].id1}+{contacts[worst].id2}, {force[worst]:.3g} N, {where} {bound:.3g} N, "
                     f"R = {rows['radius'][worst]:.3g} m"
                 )
-                yield (number, reason), text
+                self._warn_once((number, reason), text)
 
     def _beyond_limits(self, number, rows, force):
         """Reason of a limit → (rows of one size, their forces over the limit, `Limit`)."""
@@ -379,58 +299,37 @@ class Binding:
         for size in np.unique(sizes):
             group = np.flatnonzero(sizes == size)
             one = rows[group[0]]
-            key = number, complex(size)
-            if key not in self._limits:
-                self._limits[key] = self.pairs.limits(number, float(one["radius"]), float(one["modulus"]))
-            for limit in self._limits[key]:
+            for limit in self.pairs.limits(number, float(one["radius"]), float(one["modulus"])):
                 excess = np.maximum(force[group] / limit.maximum_force, limit.minimum_force / force[group])
                 beyond.setdefault(limit.reason, []).append((group, excess, limit))
         return beyond
 
-    @staticmethod
-    def _labels(contact):
-        return [O.bodies[number].material.label for number in (contact.id1, contact.id2)]
-
-    def _warn_once(self, key, text):
+    def _warn_once(self, key, text, category=ValidityWarning):
         if text is not None and key not in self._messages:
             self._messages.add(key)
-            warn(f"law {self.label!r}: {text}")
+            warn(f"law {self.label!r}: {text}", category)
 
     # --- the time step
 
     def bound_steppers(self, engines):
-        """Keep maxDt of GlobalStiffnessTimeSteppers at a bound that is stable for stiff contacts; returns a warning or None.
+        """Keep maxDt of GlobalStiffnessTimeSteppers at a bound that is stable for stiff contacts, and warn once of others.
 
         They use the present stiffness of contacts, and a young contact is soft until the step in which it is not. The bound
         follows the bodies. A maxDt of the user's, and a stepper with density scaling, are left as they are. YADE computes a
         P-wave step from spheres; before there are any, nothing is changed, and the guard looks again.
         """
         steppers = [e for e in engines if isinstance(e, yade.GlobalStiffnessTimeStepper) and not e.dead and e.active]
-        if not steppers:
-            return None
-        if not any(isinstance(body.shape, yade.Sphere) for body in O.bodies):
-            return self._without_wave(steppers)
-        wave = yade.utils.PWaveTimeStep()
-        message = None
-        for stepper in steppers if 0.0 < wave < np.inf else ():
-            bound = REACH * wave * min(stepper.timestepSafetyCoefficient, 1.0)
-            former, scaled = stepper.maxDt, stepper.densityScaling
+        spheres = bool(steppers) and any(isinstance(body.shape, yade.Sphere) for body in O.bodies)
+        limit = REACH * yade.utils.PWaveTimeStep() if spheres else math.inf
+        known = 0.0 < limit < math.inf
+        for stepper in steppers:
+            former, scaled, bound = stepper.maxDt, stepper.densityScaling, None
             ours = not scaled and (former == self.bound or former > NO_BOUND)
-            if ours and former != bound:
-                stepper.maxDt = self.bound = bound
-            unbounded = former > NO_BOUND if ours else min(former, stepper.targetDt if scaled else former) > REACH * wave
-            if unbounded and (self.share is None or not ours) and not self.warned:
-                self.warned = True
-                from demlaws.yade.reports import stepper_text
-
-                message = stepper_text(self.label, stepper, former, bound, REACH)
-        return message
-
-    def _without_wave(self, steppers):
-        """Warning about steppers that have no bound, in a scene with contacts of other shapes than spheres; or None."""
-        if self.warned or O.interactions.countReal() == 0 or all(stepper.maxDt < NO_BOUND for stepper in steppers):
-            return None
-        self.warned = True
-        from demlaws.yade.reports import no_wave_text
-
-        return no_wave_text(self.label)
+            unbounded = former > NO_BOUND if ours else min(former, stepper.targetDt if scaled else former) > limit
+            if known:
+                bound = limit * min(stepper.timestepSafetyCoefficient, 1.0)
+                if ours:
+                    stepper.maxDt = self.bound = bound
+            chosen = ours and known and self.share is not None
+            if unbounded and not chosen and (known or O.interactions.countReal()):
+                self._warn_once("stepper", reports.stepper_text(stepper, bound, REACH), TimeStepWarning)

@@ -1,6 +1,5 @@
 """The contacts of the current scene as a table, and their energies."""
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -9,37 +8,28 @@ import yade
 O = yade.O  # noqa: E741  YADE's name
 
 
-class _Energies(NamedTuple):
-    stored: float
-    dissipated: float
+class Totals(NamedTuple):
+    """Energies [J] of the contacts of a scene, ended contacts included.
 
-
-class Totals(_Energies):
-    """Energy in the normal direction [J]: `stored` in the contacts, and `dissipated` by plasticity since the law began.
-
-    unaccounted: number of contacts that ended without the law (erased with a body, by the script or by another engine). What
-    they had dissipated is not known and is missing in `dissipated`.
+    In the normal direction: `stored`, and `dissipated` by plasticity since the law began. In shear: stored, and lost by
+    friction and opening. viscous: taken by damping. unaccounted: number of contacts that ended without the law (erased with a
+    body, by the script or by another engine). What they had dissipated is not known and is missing.
     """
 
-    def __new__(cls, stored, dissipated, unaccounted=0, *, shear_stored=math.nan, shear_dissipated=math.nan, viscous=math.nan):
-        """A pair of energies, and what else is known of them."""
-        totals = super().__new__(cls, stored, dissipated)
-        totals.unaccounted, totals.shear_stored, totals.shear_dissipated = unaccounted, shear_stored, shear_dissipated
-        totals.viscous = viscous
-        return totals
-
-    def __repr__(self):
-        missing = f", without the dissipation of {self.unaccounted} erased contacts" if self.unaccounted else ""
-        shear = f"shear_stored={self.shear_stored!r}, shear_dissipated={self.shear_dissipated!r}, viscous={self.viscous!r}"
-        return f"Totals(stored={self.stored!r}, dissipated={self.dissipated!r}, {shear}{missing})"
+    stored: float
+    dissipated: float
+    shear_stored: float
+    shear_dissipated: float
+    viscous: float
+    unaccounted: int
 
 
 SHEAR = {"shear_stored": "held", "shear_dissipated": "lost", "viscous": "viscous"}
 """Energy of `Contacts` → field of a contact's history."""
 
 
-def state_of(pairs, contacts, rows, known):
-    """`Contacts` that a law has seen; rows: their histories; known: which of SHEAR these contain."""
+def state_of(pairs, contacts, rows):
+    """`Contacts` that a law has seen; rows: their histories."""
     from demlaws.responses.contacts import Contacts
 
     active = rows["tag"] > 0
@@ -74,7 +64,7 @@ def state_of(pairs, contacts, rows, known):
         bulk_yielded=pairs.bulk_yielded(before, highest),
         sliding=np.array([bool(c.phys.isSliding) for c in contacts], bool),
         shear_force=np.array(shears, float),
-        **{name: before[SHEAR[name]].copy() for name in known},
+        **{name: before[field].copy() for name, field in SHEAR.items()},
         centre1=np.array([ends[0] for ends in centres], float).reshape(-1, 3),
         centre2=np.array([ends[1] for ends in centres], float).reshape(-1, 3),
     )

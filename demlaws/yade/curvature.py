@@ -18,9 +18,8 @@ import yade
 from demlaws.core.numba_compat import callback, kernel, loop
 from demlaws.errors import DemlawsError
 from demlaws.solvers.ellipsoid import quick_factors
-from demlaws.yade import layout
 from demlaws.yade.layout import FIELD, PLANE, SHAPE, SPHERE
-from demlaws.yade.records import array, cross, minus_scaled, scaled, unit_perpendicular, vector, view
+from demlaws.yade.records import array, cross, dot, minus_scaled, scaled, unit_perpendicular, vector, view
 from demlaws.yade.search import address
 
 WINDOW = 4.5
@@ -82,13 +81,10 @@ def _turned_back(orientation, a):
 
 
 @kernel
-def _quadratic(k0, k1, k2, k3, k4, k5, u, v):
+def _quadratic(diagonal, rest, u, v):
     """uᵀ K v."""
-    return (
-        u[0] * (k0 * v[0] + k5 * v[1] + k4 * v[2])
-        + u[1] * (k5 * v[0] + k1 * v[1] + k3 * v[2])
-        + u[2] * (k4 * v[0] + k3 * v[1] + k2 * v[2])
-    )
+    mixed = u[1] * v[2] + u[2] * v[1], u[0] * v[2] + u[2] * v[0], u[0] * v[1] + u[1] * v[0]
+    return dot(diagonal, (u[0] * v[0], u[1] * v[1], u[2] * v[2])) + dot(rest, mixed)
 
 
 @kernel
@@ -107,26 +103,19 @@ def _curvatures(shape, position, orientation, point, t, s):
     i, j, k = min(int(x), n0 - 2), min(int(y), n1 - 2), min(int(z), n2 - 2)
     x, y, z = x - i, y - j, z - k
     numbers = array(shape.index, (n0, n1, n2), np.int64)
-    k0 = k1 = k2 = k3 = k4 = k5 = 0.0
+    diagonal = rest = (0.0, 0.0, 0.0)
     for corner in range(8):
         a, b, c = corner & 1, corner >> 1 & 1, corner >> 2
         weight = (x if a else 1.0 - x) * (y if b else 1.0 - y) * (z if c else 1.0 - z)
         number = numbers[i + a, j + b, k + c]
         if number < 0:
             return math.nan, math.nan, math.nan
-        tensor = array(shape.tensors, (number + 1, 6), np.float64)[number]
-        k0 += weight * tensor[0]
-        k1 += weight * tensor[1]
-        k2 += weight * tensor[2]
-        k3 += weight * tensor[3]
-        k4 += weight * tensor[4]
-        k5 += weight * tensor[5]
+        tensor = array(shape.tensors, (number + 1, 2, 3), np.float64)[number]
+        diagonal = minus_scaled(diagonal, -weight, vector(tensor[0]))
+        rest = minus_scaled(rest, -weight, vector(tensor[1]))
     u, v = _turned_back(orientation, t), _turned_back(orientation, s)
-    return (
-        _quadratic(k0, k1, k2, k3, k4, k5, u, u) / size,
-        _quadratic(k0, k1, k2, k3, k4, k5, u, v) / size,
-        _quadratic(k0, k1, k2, k3, k4, k5, v, v) / size,
-    )
+    first, mixed = _quadratic(diagonal, rest, u, u) / size, _quadratic(diagonal, rest, u, v) / size
+    return first, mixed, _quadratic(diagonal, rest, v, v) / size
 
 
 @kernel
@@ -182,9 +171,10 @@ class Shapes:
         self.largest = largest
         self.table, self._shapes = np.zeros(0, SHAPE), {}
 
-    def gap_address(self):
-        """Address of the compiled `gap_radius`."""
-        return _compiled_gap_radius().address
+    def fill(self, context):
+        """Write what compiled code needs to find R."""
+        context["gap_radius"] = _compiled_gap_radius().address
+        context["largest_radius"] = self.largest
 
     def record_of(self, body):
         """`layout.SHAPE` of a body; a shape is fitted once, and kept so that no other shape can have its address."""
@@ -226,18 +216,3 @@ class Shapes:
         self.table = table
         context["shapes"], context["shape_count"] = table.ctypes.data, len(table)
         context["shapes_stale"] = 0
-
-
-def fault_text(kind, value, shapes):
-    """Message about a contact without a curvature; value: R of the bodies [m]; shapes: names of their classes."""
-    pair = " on ".join(shapes)
-    if kind == layout.FLAT_GAP:
-        return (
-            f" ({pair}): flat on flat, whose radius of curvature is above {FAR:g} times the bodies' R of {value:g} m, so "
-            "that Hertz's contact has no R: give an upper bound, radius=demlaws.yade.Curvature(largest=…), or the measured "
-            "edge radius in m, radius=…"
-        )
-    return (
-        f' ({pair}): radius="curvature" needs level sets, spheres, facets, walls or boxes, and a contact point within '
-        f"{BAND:g} cells of the surface of a level set: give the measured edge radius in m, radius=…"
-    )

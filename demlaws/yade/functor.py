@@ -3,13 +3,12 @@
 import builtins
 import keyword
 import math
-import warnings
 
 import yade
 
 from demlaws.contact import compliance
 from demlaws.core.shear import DEFAULT
-from demlaws.errors import BridgeWarning, DemlawsError, page, warn
+from demlaws.errors import DemlawsError, page, warn
 from demlaws.laws import HERTZ
 from demlaws.yade import native, selftest
 from demlaws.yade.binding import Binding
@@ -84,25 +83,23 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
 
             raise DemlawsError(unavailable_text(error)) from None
         self.binding.attachment.patch(self)
-        _warn_of_untested(stacklevel=3)
 
     @classmethod
-    def _from_text(cls, label, text):
-        """The functor described by `saving.law_text`, in no scene."""
-        from demlaws.yade.saving import law_from
+    def _remade(cls, label, pairs, attributes):
+        """The functor of a law that `saving.pairs_text` describes, in no scene."""
+        from demlaws.yade.saving import pairs_from
 
-        binding, attributes = law_from(label, text)
         functor = cls.__new__(cls)
         yade.Law2_ScGeom_MindlinPhys_Mindlin.__init__(functor, label=label, **attributes)
-        functor.binding = binding
-        binding.attachment.patch(functor)
+        functor.binding = Binding(label, pairs_from(pairs))
+        functor.binding.attachment.patch(functor)
         return functor
 
     def __reduce__(self):
         """Copies and pickles: YADE's own would make a functor without arguments, which is Hertz's law."""
-        from demlaws.yade.saving import law_text
+        from demlaws.yade.saving import pairs_text
 
-        return type(self)._from_text, (self.label, law_text(self.binding, self.settings()))
+        return type(self)._remade, (self.label, pairs_text(self.binding.pairs), self.settings())
 
     def __repr__(self):
         from demlaws.yade.reports import describe
@@ -110,18 +107,6 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         return f"<{type(self).__name__} {self.label!r}: {describe(self.binding)}>"
 
     __str__ = __repr__
-
-    @property
-    def label(self):
-        """How guard and saved files know the law; read-only."""
-        return _native_label.__get__(self)
-
-    @label.setter
-    def label(self, value):
-        raise DemlawsError(
-            f"the label {self.label!r} of a law cannot be changed to {value!r}, since saved scenes know the law by it: "
-            f"make the law with label={value!r}"
-        )
 
     def totals(self):
         """`Totals` of the current scene: stored energy and plastic dissipation [J], ended contacts included."""
@@ -152,18 +137,6 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
     def settings(self):
         """Attributes that change how the functor acts."""
         return {name: value for name, value in self.attributes().items() if isinstance(value, bool)}
-
-
-_native_label = yade.Law2_ScGeom_MindlinPhys_Mindlin.label
-_reported = set()
-
-
-def _warn_of_untested(stacklevel):
-    """Warn once of a YADE that has not been tested."""
-    line = native.find_layout().untested
-    if line is not None and line not in _reported:
-        _reported.add(line)
-        warnings.warn(line, BridgeWarning, stacklevel=stacklevel)
 
 
 def _softest_modulus():

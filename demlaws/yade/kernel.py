@@ -16,12 +16,24 @@ from demlaws.core.numba_compat import callback, kernel, loop
 from demlaws.core.shear import shear_stiffness
 from demlaws.core.unloading import rule_of_smooth_contact
 from demlaws.laws.hertz import HertzParams, HertzShape
-from demlaws.units import LARGEST_ROUGHNESS, RANGES, SMALL_OVERLAP
+from demlaws.units import LARGEST_OVERLAP, LARGEST_ROUGHNESS, RANGES, SMALL_OVERLAP
 from demlaws.yade import layout, objects
-from demlaws.yade.layout import CONTEXT, SEEN, SHAPE
+from demlaws.yade.layout import CONTEXT, SHAPE
 from demlaws.yade.mindlin import Pointers, body_of, native_go, with_states
-from demlaws.yade.notes import alarm, check_depth, cold, note_changed, note_fault, note_shared
-from demlaws.yade.records import add_float, add_integer, array, assign, exchange_if, foreign, pointee, vector, view
+from demlaws.yade.records import (
+    add_float,
+    add_integer,
+    alarm,
+    array,
+    assign,
+    cold,
+    exchange_if,
+    foreign,
+    note,
+    pointee,
+    vector,
+    view,
+)
 from demlaws.yade.shear import Slip, apply_mindlin, compress, synchronise
 from demlaws.yade.tuples import keep_params, keep_state, params_of_row, shape_of, state_of
 
@@ -161,7 +173,7 @@ def curvature_radius(context, geom, interaction, body1, body2, radius):
         arguments = (*places1, *places2, *where, radius, context.largest_radius)
         result = call_gap_radius(context.gap_radius, arguments)
     if not result > 0.0:
-        note_fault(context, layout.FLAT_GAP if result < 0.0 else layout.NO_CURVATURE, interaction, radius)
+        note(context, layout.FLAT_GAP if result < 0.0 else layout.NO_CURVATURE, interaction, radius)
         return radius
     return result
 
@@ -177,11 +189,8 @@ def chosen_radius(context, geom, interaction, body1, body2, first, second, radiu
     edges = array(context.edges, context.surfaces, np.float64)
     edge1 = edges[first] if unknown1 else 0.0
     edge2 = edges[second] if unknown2 else 0.0
-    if ((unknown1 and edge1 == 0.0) or (unknown2 and edge2 == 0.0)) and context.unknown_shape == layout.UNSEEN:
-        context.unknown_shape = SEEN
-        context.unknown_shape_body1 = interaction.id1
-        context.unknown_shape_body2 = interaction.id2
-        alarm(context)
+    if (unknown1 and edge1 == 0.0) or (unknown2 and edge2 == 0.0):
+        note(context, layout.UNKNOWN_SHAPE, interaction, radius)
     flat = is_flat(context, body1) or is_flat(context, body2)
     return edged_radius(radius, geom.refR1, geom.refR2, edge1, edge2, flat)
 
@@ -228,9 +237,9 @@ def follow_radii(kind, context, geom, interaction, row, pair):
 def take_radius(kind, context, interaction, row, pair, radius):
     """Give a contact another R [m]; a fault where the law does not serve it."""
     if not serves(pair, radius, row.modulus):
-        note_fault(context, layout.WRONG_CONTACT, interaction, radius)
+        note(context, layout.WRONG_CONTACT, interaction, radius)
     elif pair.roughness > LARGEST_ROUGHNESS * radius:
-        note_fault(context, layout.TOO_ROUGH, interaction, radius)
+        note(context, layout.TOO_ROUGH, interaction, radius)
     row.radius = radius
     fill_params(kind, row, pair)
 
@@ -269,11 +278,8 @@ def initialise_contact(context, pairs, row, geom, phys, interaction):
     body1, body2 = body_of(context, interaction.id1, 0), body_of(context, interaction.id2, 0)
     radius = contact_radius(context, geom, body1, body2)
     first, second = surface_of(context, body1), surface_of(context, body2)
-    if (first == 0 or second == 0) and context.may_be_unlisted == 0 and context.unlisted == 0:
-        context.unlisted_body1 = interaction.id1
-        context.unlisted_body2 = interaction.id2
-        context.unlisted = 1
-        alarm(context)
+    if (first == 0 or second == 0) and context.may_be_unlisted == 0:
+        note(context, layout.UNLISTED, interaction, radius)
     radius = chosen_radius(context, geom, interaction, body1, body2, first, second, radius)
     number = array(context.pair_numbers, (context.surfaces, context.surfaces), np.int64)[first, second]
     pair = pairs[number]
@@ -284,28 +290,15 @@ def initialise_contact(context, pairs, row, geom, phys, interaction):
     if phys.kno == 0.0:
         return number  # a marker
     if not LOWEST_MODULUS < modulus < math.inf:
-        note_fault(context, layout.WRONG_MODULUS, interaction, modulus)
+        note(context, layout.WRONG_MODULUS, interaction, modulus)
         row.modulus = 0.0  # a marker until the guard stops the run: no force
     elif not serves(pair, radius, modulus):
-        note_fault(context, layout.WRONG_CONTACT, interaction, radius)
+        note(context, layout.WRONG_CONTACT, interaction, radius)
     elif pair.roughness > LARGEST_ROUGHNESS * radius:
-        note_fault(context, layout.TOO_ROUGH, interaction, radius)
+        note(context, layout.TOO_ROUGH, interaction, radius)
     else:
         row.ratio = context.shear_ratio if context.shear_ratio > 0.0 else phys.kso / (1.5 * phys.kno)
     return number
-
-
-@kernel
-def block_address(context, number):
-    """Address of the block that has a row; 0: it has not been made."""
-    return array(context.blocks, layout.BLOCKS, np.int64)[number >> layout.ROWS_BITS]
-
-
-@kernel
-def place_of_row(block, number, row_dtype):
-    """Address of a row in the block at an address."""
-    rows = array(block, layout.ROWS, row_dtype)
-    return block + (number & (layout.ROWS - 1)) * rows.itemsize
 
 
 @kernel
@@ -319,14 +312,11 @@ def find_row(context, mark, phys, phys_address, row_dtype):
 
 @cold
 def make_block(context, number, size):
-    """Make the block that has a row, unless another thread has made it; 0: there is no memory, or no such block."""
-    if number >> layout.ROWS_BITS >= layout.BLOCKS:
-        return 0
+    """Address of a block of rows that is made now, unless another thread has made it; 0: there is no memory."""
     made = call_map_memory(context.map_memory, (0, size, layout.READ_AND_WRITE, layout.OF_ITS_OWN, -1, 0))
     if made == -1:
         return 0
-    place = context.blocks + (number >> layout.ROWS_BITS) * 8
-    other = exchange_if(place, 0, made)
+    other = exchange_if(context.blocks + number * 8, 0, made)
     return made if other == 0 else other  # a second one remains unused
 
 
@@ -345,34 +335,53 @@ def free_row(context):
     return number
 
 
-@kernel
-def clear(row_address, size):
-    """Zeros in a row."""
-    words = array(row_address, size // 8, np.int64)
-    for n in range(words.size):
-        words[n] = 0
+@cold
+def take_row(context, row_dtype):
+    """Address of a row that no contact has, of zeros; 0: there is no memory for it."""
+    number, size = free_row(context), array(context.blocks, 1, row_dtype).itemsize
+    block_number = number >> layout.ROWS_BITS
+    if block_number >= layout.BLOCKS:
+        return 0
+    block = array(context.blocks, layout.BLOCKS, np.int64)[block_number]
+    if block == 0:
+        block = make_block(context, block_number, layout.ROWS * size)
+    if block == 0:
+        return 0
+    place = block + (number & (layout.ROWS - 1)) * size
+    array(place, size // 8, np.int64)[:] = 0
+    return place
 
 
 @cold
 def make_row(kind, context, pairs, row_dtype, geom, phys, interaction, phys_address, interaction_address):
     """Address of a new contact's row, negative for a smooth pair; 0: there is no memory for it, or its row is lost."""
     if phys.prevU[1] != 0.0:
-        note_fault(context, layout.LOST_ROW, interaction, 0.0)
+        note(context, layout.LOST_ROW, interaction, 0.0)
         return 0
-    number, size = free_row(context), array(context.blocks, 1, row_dtype).itemsize
-    block = block_address(context, number) if number >> layout.ROWS_BITS < layout.BLOCKS else 0
-    block = make_block(context, number, layout.ROWS * size) if block == 0 else block
-    if block == 0:
-        note_fault(context, layout.NO_ROW, interaction, 0.0)
+    place = take_row(context, row_dtype)
+    if place == 0:
+        note(context, layout.NO_ROW, interaction, 0.0)
         return 0
-    place = place_of_row(block, number, row_dtype)
-    clear(place, size)
     row = view(place, row_dtype)
     pair = initialise_contact(context, pairs, row, geom, phys, interaction)
     row.phys, row.interaction, row.pair = phys_address, interaction_address, context.pairs + pair * pairs.itemsize
     mark = -place if fill_params(kind, row, pairs[pair]) else place
     phys.prevU[1], phys.prevU[2] = float(mark), context.generation
     return mark
+
+
+@loop
+def new_row(contexts, row_dtype):
+    """`take_row` for Python."""
+    return take_row(contexts[0], row_dtype)
+
+
+@loop
+def gather_rows(addresses, words):
+    """Copy the rows at addresses, 0 for none, into an array of their 64-bit words."""
+    for n in range(addresses.size):
+        if addresses[n] != 0:
+            words[n] = array(addresses[n], words.shape[1], np.int64)
 
 
 @cold
@@ -406,7 +415,7 @@ def without_row(context, contact, phys):
 @cold
 def unknown_class(context, contact, interaction):
     """The step of a contact of other classes: the native law's, and a fault."""
-    note_fault(context, layout.WRONG_CLASS, interaction, 0.0)
+    note(context, layout.WRONG_CLASS, interaction, 0.0)
     return native_go(context, contact)
 
 
@@ -426,17 +435,31 @@ def law_of_contact(kind, params_kind, shear, mode, rule, mark, pair, row, overla
     return 0.0, 0.0, 0.0, old
 
 
-@kernel
-def fault_of(context, row, overlap, force):
-    """Kind of fault of a contact, or 0."""
-    wrong = layout.NOT_FINITE if force - force != 0.0 else layout.UNGUARDED if context.alarm == 0 else 0
-    if overlap > SMALL_OVERLAP * row.radius:
-        wrong = max(wrong, check_depth(context, row, overlap))
-    return wrong
+@cold
+def is_too_deep(context, interaction, row, overlap):
+    """Whether an overlap is beyond LARGEST_OVERLAP of R; the guard warns of the first one beyond SMALL_OVERLAP."""
+    if row.modulus == 0.0:
+        return False  # a marker
+    note(context, layout.DEEP, interaction, overlap)
+    return overlap > LARGEST_OVERLAP * row.radius and row.hertz == 0.0  # a smooth contact has Hertz's force, as in YADE's law
 
 
 @kernel
-def go(kind, params_kind, shear, mode, rule, own, pair_dtype, row_dtype, context, contact):
+def is_faulty(context, interaction, row, overlap, force):
+    """Whether a contact has no force that can be applied, of which a note is made."""
+    if overlap > SMALL_OVERLAP * row.radius and is_too_deep(context, interaction, row, overlap):
+        note(context, layout.TOO_DEEP, interaction, overlap)
+    elif context.alarm == 0:
+        note(context, layout.UNGUARDED, interaction, overlap)
+    elif force - force != 0.0:
+        note(context, layout.NOT_FINITE, interaction, overlap)
+    else:
+        return False
+    return True
+
+
+@kernel
+def go(kind, params_kind, shear, mode, rule, pair_dtype, row_dtype, context, contact):
     """The body of `go`: our force and stiffness as coefficients kno and kso of Mindlin's law, which then acts."""
     phys_address = pointee(contact.phys_pointer)
     geom, phys = view(contact.geom, objects.ScGeom), view(phys_address, objects.MindlinPhys)
@@ -452,33 +475,31 @@ def go(kind, params_kind, shear, mode, rule, own, pair_dtype, row_dtype, context
             return without_row(context, contact, phys)
     row = view(abs(mark), row_dtype)
     pair = view(row.pair, pair_dtype)
-    if row.interaction != contact.interaction and context.shared == layout.UNSEEN:
-        note_shared(context, interaction)
+    if row.interaction != contact.interaction:
+        note(context, layout.SHARED, interaction, 0.0)
     if geom.refR1 + geom.refR2 != row.reach:
         follow_radii(kind, context, geom, interaction, row, pair)
     if overlap > 0.0 and context.radius_mode == layout.CURVATURE_RADIUS:
         renew_radius(kind, context, geom, interaction, row, pair)
     old = state_of(rule, row)
     force, stiffness, sideways, new = law_of_contact(kind, params_kind, shear, mode, rule, mark, pair, row, overlap, old)
-    wrong = fault_of(context, row, overlap, force)
-    if wrong != 0:
-        note_fault(context, wrong, interaction, overlap)
+    if is_faulty(context, interaction, row, overlap, force):
         # without a guard, which would stop the run, propagate NaN
         force, stiffness, sideways, new = 0.0 if context.alarm != 0 else math.nan, 0.0, 0.0, old
     tangential = 0.0
-    if abs(phys.kno + phys.kso - row.written) > 1e-9 * row.written and context.changed == layout.UNSEEN:
-        note_changed(context, interaction)
+    if abs(phys.kno + phys.kso - row.written) > 1e-9 * row.written:
+        note(context, layout.CHANGED, interaction, 0.0)
     if overlap > 0.0:
         phys.kno, phys.kso = coefficients(force, sideways, overlap, row.ratio)
         row.written = phys.kno + phys.kso
         tangential = phys.kso * math.sqrt(overlap)
     elif overlap - overlap != 0.0:
-        note_fault(context, layout.NOT_FINITE, interaction, overlap)  # NaN: a body's position is not finite
+        note(context, layout.NOT_FINITE, interaction, overlap)  # NaN: a body's position is not finite
     keep_state(new, row)
-    contact = with_states(own, context, contact)
+    contact = with_states(context, contact)
     if overlap > 0.0:
-        synchronise(own, mode, context, contact, row)
-    keep = apply_mindlin(own, mode, context, contact, row, tangential)
+        synchronise(mode, context, contact, row)
+    keep = apply_mindlin(mode, context, contact, row, tangential)
     row.overlap = overlap
     assign(row.left, vector(phys.shearElastic))
     if overlap > 0.0:
@@ -494,19 +515,19 @@ def go(kind, params_kind, shear, mode, rule, own, pair_dtype, row_dtype, context
 
 
 # what `entry` gives to a copy of the function below
-KIND = PARAMS_KIND = SHEAR = MODE = RULE = STEP = PAIR = ROW = BEHIND = None
+KIND = PARAMS_KIND = SHEAR = MODE = RULE = PAIR = ROW = BEHIND = None
 
 
 def _go(functor, geom_pointer, phys_pointer, interaction):
     context = view(pointee(pointee(functor) + BEHIND), CONTEXT)
     contact = Pointers(functor, geom_pointer, phys_pointer, interaction, pointee(geom_pointer), 0, 0)
-    return go(KIND, PARAMS_KIND, SHEAR, MODE, RULE, STEP, PAIR, ROW, context, contact)
+    return go(KIND, PARAMS_KIND, SHEAR, MODE, RULE, PAIR, ROW, context, contact)
 
 
-def entry(pairs, own, behind):
+def entry(pairs, behind):
     """`go` for the kind of laws of `pairs` as native code (`.address`).
 
-    own: `mindlin.OwnStep` or `NativeStep`. The address of the context is `behind` bytes after the functor's table of virtual
+    The address of the context is `behind` bytes after the functor's table of virtual
     functions. The dtypes, with offsets in YADE's objects, are constants of the code.
     """
     if isinstance(pairs.mode, Slip):
@@ -518,7 +539,6 @@ def entry(pairs, own, behind):
         "SHEAR": pairs.shear,
         "MODE": pairs.mode,
         "RULE": pairs.rule,
-        "STEP": own,
         "PAIR": pairs.records.dtype,
         "ROW": pairs.row,
         "BEHIND": behind,

@@ -8,9 +8,12 @@ import mmap
 
 import numpy as np
 
-WRONG_CLASS, NOT_FINITE, WRONG_CONTACT, TOO_ROUGH, TOO_DEEP, WRONG_MODULUS, NO_ROW, LOST_ROW, UNGUARDED = range(1, 10)
-FLAT_GAP, NO_CURVATURE = 20, 21
-"""Kinds of faults."""
+FAULTS = 13
+WRONG_CLASS, NOT_FINITE, WRONG_CONTACT, TOO_ROUGH, TOO_DEEP, WRONG_MODULUS = range(6)
+NO_ROW, LOST_ROW, FLAT_GAP, NO_CURVATURE, CHANGED, SET_SHEAR, UNGUARDED = range(6, FAULTS)
+UNLISTED, UNKNOWN_SHAPE, SHARED, DEEP = range(FAULTS, FAULTS + 4)
+"""Kinds of notes of native code for the guard: faults, which stop the run, and others."""
+NOTES = FAULTS + 4
 
 BODY_RADIUS, BODY_RADIUS_MEANT, CURVATURE_RADIUS = 0, 1, 2
 """Values of `radius_mode`."""
@@ -19,7 +22,7 @@ ROUND, FLAT, NO_LEVER = 0, 1, 2
 """Values of `lever`, of a contact: both bodies have a radius, the first one is flat, one of them has neither."""
 
 UNSEEN, SEEN, REPORTED = 0, 1, 2
-"""Values of the notes `deep`, `unknown_shape`, `shared` and `changed`."""
+"""Values of `seen` of a kind of notes; what is reported once is not noted again."""
 
 MOST_CLASSES = 8
 """Classes of geometry or shapes of which a context can have the tables of virtual functions."""
@@ -30,7 +33,7 @@ ROWS, BLOCKS = 2**ROWS_BITS, 2**BLOCKS_BITS
 READ_AND_WRITE, OF_ITS_OWN = mmap.PROT_READ | mmap.PROT_WRITE, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS
 """How a block of memory is mapped: used only where something is written."""
 
-_FUNCTIONS = ("go", "body_by_id", "rotate", "apply_force", "gap_radius")  # addresses; go: the native one
+_FUNCTIONS = ("go", "body_by_id", "apply_force", "gap_radius")  # addresses; go: the native one
 _CLASSES = ("physics", "capillary", "facet", "wall", "box")  # addresses of tables of virtual functions: how objects begin
 _TABLES = (
     "surfaces",  # number of surfaces: of labels, and the unlisted materials
@@ -45,37 +48,14 @@ _TABLES = (
     "collect_at",  # number of a row, or place in `free`, at which the guard looks for rows of contacts that have ended
     "shapes",  # address of SHAPE of each body
     "shape_count",
-    "normal_offset",  # of ScGeom [bytes]
     "functor_offset",  # bytes from the start of the functor to what the native `go` gets as `this`
     "alarm",  # address of the guard's PyRunner.nDone, or 0: a zero written there has it run before the next step's contacts
 )
 _CHOICES = (
     "plane_flats",  # 1: R of a sphere on a facet, wall or box is the sphere's radius
     "radius_mode",
-    "own_step",  # 1: where possible a contact step without the native function (`mindlin`), 0: never
-    "own_damping",  # the same of contacts with viscous damping
-    "own_period",  # the same in a periodic scene
+    "own_step",  # 1: where possible a contact step without the native function (`mindlin`), 0: never, for tests
     "may_be_unlisted",  # 1: materials without a surface are meant so
-)
-_NOTES = (  # of native code for the guard
-    "fault",
-    "fault_kind",
-    "fault_body1",
-    "fault_body2",
-    "unlisted",
-    "unlisted_body1",
-    "unlisted_body2",
-    "unknown_shape",  # a contact with R of a body of another shape than sphere or flat
-    "unknown_shape_body1",
-    "unknown_shape_body2",
-    "shared",  # a contact with the physics of another one
-    "shared_body1",
-    "shared_body2",
-    "changed",  # a contact of which something else has changed kno or kso
-    "changed_body1",
-    "changed_body2",
-    "deep",  # a contact was beyond SMALL_OVERLAP of its R
-    "shapes_stale",
 )
 
 
@@ -89,7 +69,8 @@ def _context():
         ("shear_ratio", "f8"),
         ("apart", "i8", (8,)),
     ]  # what threads write is a cache line apart
-    fields += [*[(name, "i8") for name in _NOTES], ("fault_value", "f8"), ("deep_radius", "f8"), ("apart_too", "i8", (8,))]
+    fields += [("seen", "i8", (NOTES,)), ("bodies", "i8", (NOTES, 2)), ("values", "f8", (NOTES,))]  # notes, by their kind
+    fields += [("shapes_stale", "i8"), ("apart_too", "i8", (8,))]
     # sums of all threads, each an array of one so that it has an address
     fields += [("open", "i8", (1,)), ("rows_used", "i8", (1,)), ("free_taken", "i8", (1,))]
     fields += [(name, "f8", (1,)) for name in ("banked", "banked_shear", "banked_viscous")]
@@ -141,25 +122,9 @@ def row_dtype(levels, own_fields, springs):
     return np.dtype([*fields, ("hertz", "f8")])
 
 
-def saved_fields(row):
-    """Names of the fields of a row that are saved with a scene."""
-    return [name for name in row.names if name in CONTACT.names or name in ("bound", "stretch")] + [
-        name for name in ("tangent", "share", "scale", "end", "compression", "spring") if name in row.names
-    ]
-
-
-def part(dtype, names):
-    """dtype of some fields of a packed dtype, packed."""
-    fields = [(name, dtype.fields[name][0]) for name in names]
-    return np.dtype([(name, *(kind.subdtype or (kind,))) for name, kind in fields])
-
-
-def copied(rows, dtype):
-    """The fields of a packed dtype out of an array of larger records."""
-    result = np.zeros(len(rows), dtype)
-    for name in dtype.names:
-        result[name] = rows[name]
-    return result
+SAVED = [name for name, *_ in _HISTORY]
+SAVED += ["lever", "bound", "stretch", "tangent", "share", "scale", "end", "compression", "spring"]
+"""Fields of a row that are saved with a scene."""
 
 
 def label_hash(label):
@@ -184,33 +149,14 @@ class Context:
     def __setitem__(self, name, value):
         self.record[name][0] = value
 
-    def bodies(self, note):
-        """Numbers of the two bodies of a note."""
-        return int(self[f"{note}_body1"]), int(self[f"{note}_body2"])
-
-    def take_fault(self):
-        """The last fault of native code as (kind, body, body, value), or None; it is cleared."""
-        if not self["fault"]:
+    def take(self, kind, once=False):
+        """Numbers of the two bodies of a note, which is cleared, or None; once: it is not made again until `forget`."""
+        if self["seen"][kind] != SEEN:
             return None
-        self["fault"] = 0
-        return int(self["fault_kind"]), *self.bodies("fault"), float(self["fault_value"])
-
-    def take(self, note):
-        """Whether native code has made this note since `forget`: true once."""
-        if self[note] != SEEN:
-            return False
-        self[note] = REPORTED
-        return True
-
-    def take_unlisted(self):
-        """Bodies of a contact of materials without a surface that has not been judged yet, or None; it is cleared."""
-        if not self["unlisted"]:
-            return None
-        self["unlisted"] = 0
-        return self.bodies("unlisted")
+        self["seen"][kind] = REPORTED if once else UNSEEN
+        return tuple(self["bodies"][kind].tolist())
 
     def forget(self):
         """Clear all notes of native code."""
-        for name in ("fault", "unlisted", "deep", "unknown_shape", "shared", "changed"):
-            self[name] = 0
+        self["seen"] = UNSEEN
         self["shapes_stale"] = 1

@@ -1,21 +1,20 @@
 """Mindlin's law with the coefficients kno and kso of a contact, as Law2_ScGeom_MindlinPhys_Mindlin has it: normal and shear
 force, viscous damping, Coulomb's limit, forces and torques on the bodies. Every attribute is left as YADE leaves it.
 
-`advance` does this for a contact where it can, and calls the native `go` for includeMoment, includeAdhesion, calcEnergy and
-neverErase, for the first step of a contact, and for contacts that share their physics.
+`advance` does this for a contact where it can (`own_step`), and calls the native `go` for includeMoment, includeAdhesion,
+calcEnergy and neverErase, for the first step of a contact, and for contacts that share their physics.
 """
 
 from typing import NamedTuple
 
-import numpy as np
 from numba import types
 from numba.extending import overload
 
+from demlaws.core.dispatch import generic
 from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import INLINED, kernel
 from demlaws.yade import objects
 from demlaws.yade.records import (
-    array,
     assign,
     cross,
     dot,
@@ -33,24 +32,14 @@ call_go = foreign(types.uint8, *[_ADDRESS] * 4)
 """bool Law2::go(shared_ptr<IGeom>&, shared_ptr<IPhys>&, Interaction*)."""
 call_body_by_id = foreign(_ADDRESS, _NUMBER, _ADDRESS)
 """const shared_ptr<Body>& Body::byId(int, Scene*); scene 0: the current one."""
-call_rotate = foreign(_ADDRESS, _ADDRESS, _ADDRESS)
-"""Vector3& ScGeom::rotate(Vector3&) const: turns the vector with the contact."""
 call_apply_force = foreign(types.void, _ADDRESS, _ADDRESS, _ADDRESS, _NUMBER, _ADDRESS, _NUMBER, _ADDRESS)
 """void LawFunctor::applyForceAtContactPoint(force, point, id, position, id, position)."""
 NO_DEGREES_OF_FREEDOM = 63
 """State.blockedDOFs of a body that is not dynamic."""
 
 
-class OwnStep(NamedTuple):
-    """The members of YADE's objects that `own_step` needs are known."""
-
-
-class NativeStep(NamedTuple):
-    """They are not: the native `go` acts."""
-
-
 class Pointers(NamedTuple):
-    """Addresses of what the native `go` is called with, of the contact's geometry, and of its bodies' states (0: not known)."""
+    """Addresses of what the native `go` is called with, of the contact's geometry, and of its bodies' states."""
 
     functor: int
     geom_pointer: int
@@ -67,50 +56,27 @@ def body_of(context, number, scene):
     return view(pointee(call_body_by_id(context.body_by_id, (number, scene))), objects.Body)
 
 
-def with_states(step, context, contact):
+@kernel
+def with_states(context, contact):
     """The contact with the states of its bodies."""
+    law = view(contact.functor - context.functor_offset, objects.Functor)
+    interaction = view(contact.interaction, objects.Interaction)
+    first = body_of(context, interaction.id1, law.scene).state
+    second = body_of(context, interaction.id2, law.scene).state
+    known = contact.functor, contact.geom_pointer, contact.phys_pointer, contact.interaction, contact.geom
+    return Pointers(*known, first, second)
 
 
-@overload(with_states, jit_options=INLINED)
-def _with_states(step, context, contact):
-    if step.instance_class is NativeStep:
-        return lambda step, context, contact: contact
-
-    def found(step, context, contact):
-        law = view(contact.functor - context.functor_offset, objects.Functor)
-        interaction = view(contact.interaction, objects.Interaction)
-        first = body_of(context, interaction.id1, law.scene).state
-        second = body_of(context, interaction.id2, law.scene).state
-        return Pointers(
-            contact.functor, contact.geom_pointer, contact.phys_pointer, contact.interaction, contact.geom, first, second
-        )
-
-    return found
-
-
-def turned(context, geom, a):
+@kernel
+def turned(geom, a):
     """A tangential vector, turned with the contact in this step as ScGeom::rotate does."""
-
-
-@overload(turned, jit_options=INLINED)
-def _turned(context, geom, a):
-    if not set(objects.AXES) <= set(geom.fields):
-        return lambda context, geom, a: rotated(context, geom, a)
-    return lambda context, geom, a: turned_by(turned_by(a, geom.orthonormal_axis), geom.twist_axis)
+    return turned_by(turned_by(a, geom.orthonormal_axis), geom.twist_axis)
 
 
 @kernel
 def turned_by(a, axis):
     """a - a × axis."""
     return minus_scaled(a, 1.0, cross(a, vector(axis)))
-
-
-@kernel
-def rotated(context, geom, a):
-    """`turned` by ScGeom::rotate itself."""
-    place = on_stack(a)
-    call_rotate(context.rotate, (geom.normal.ctypes.data - context.normal_offset, place))
-    return vector(array(place, 3, np.float64))
 
 
 @kernel
@@ -207,9 +173,9 @@ def own_step(mode, context, contact, geom, phys, row):
     if damped:
         normal_force = damped_force(contact, law, geom, phys, row, first, second, normal_force)
     increment = vector(geom.shearInc)
-    shear_force = trial_force(mode, context, geom, phys, row, increment)
-    stretch = minus_scaled(turned(context, geom, vector(phys.usElastic)), 1.0, increment)
-    assign(phys.usTotal, minus_scaled(turned(context, geom, vector(phys.usTotal)), 1.0, increment))
+    shear_force = trial_force(mode, geom, phys, row, increment)
+    stretch = minus_scaled(turned(geom, vector(phys.usElastic)), 1.0, increment)
+    assign(phys.usTotal, minus_scaled(turned(geom, vector(phys.usTotal)), 1.0, increment))
     limit, square = phys.tangensOfFrictionAngle * abs(normal_force), dot(shear_force, shear_force)
     sliding = square > limit * limit
     viscous = (0.0, 0.0, 0.0)
@@ -247,36 +213,30 @@ def _exponent_of_damping(phys):
 @kernel
 def supports_options(context, contact, geom, phys, row):
     """Whether `own_step` does what the native law would do: the functor has no option, the contact is not new, no other contact
-    has its physics, and the self-test has passed for its damping and its cell."""
+    has its physics."""
     if not (context.own_step != 0 and geom.penetrationDepth > 0.0 and row.overlap > 0.0):
         return False
     law = view(contact.functor - context.functor_offset, objects.Functor)
-    damped, periodic = phys.betan != 0.0 or phys.betas != 0.0, view(law.scene, objects.Scene).isPeriodic != 0
-    return (
-        row.interaction == contact.interaction
-        and law.options == 0
-        and exponent_of_damping(phys) == 0.0
-        and (context.own_damping != 0 or not damped)
-        and (context.own_period != 0 or not periodic)
-    )
+    return row.interaction == contact.interaction and law.options == 0 and exponent_of_damping(phys) == 0.0
 
 
-def trial_force(mode, context, geom, phys, row, increment):
+@generic(lambda *_: _force_of_one_spring)
+def trial_force(mode, geom, phys, row, increment):
     """Elastic shear force after the step's displacement `increment` [m], before Coulomb's limit: turned with the contact."""
 
 
+def _force_of_one_spring(mode, geom, phys, row, increment):
+    return minus_scaled(turned(geom, vector(phys.shearElastic)), phys.ks, increment)
+
+
+@generic(lambda *_: lambda mode, row, share: None)
 def slide(mode, row, share):
     """What else is reduced to a share where Coulomb's limit reduces the shear force."""
 
 
-def after_native_step(mode, context, contact, row):
+@generic(lambda *_: lambda mode, contact, row: None)
+def after_native_step(mode, contact, row):
     """What else the native law's own step changes."""
-
-
-@kernel
-def trial_of_one_spring(context, geom, phys, increment):
-    """`trial_force` of a force without further memory."""
-    return minus_scaled(turned(context, geom, vector(phys.shearElastic)), phys.ks, increment)
 
 
 @kernel
@@ -290,30 +250,14 @@ def viscous_loss(context, contact, geom, phys):
     return loss + dot(vector(phys.shearViscous), vector(geom.shearInc))
 
 
-def advance(step, mode, context, contact, row):
-    """Mindlin's law; returns whether the contact lasts."""
-
-
-@overload(advance, jit_options=INLINED)
-def _advance(step, mode, context, contact, row):
-    if step.instance_class is NativeStep:
-        return lambda step, mode, context, contact, row: native_step(mode, context, contact, row)
-
-    def either(step, mode, context, contact, row):
-        geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
-        if supports_options(context, contact, geom, phys, row):
-            return own_step(mode, context, contact, geom, phys, row)
-        keep = native_step(mode, context, contact, row)
-        if geom.penetrationDepth > 0.0 and (phys.betan != 0.0 or phys.betas != 0.0 or exponent_of_damping(phys) != 0.0):
-            row.viscous += viscous_loss(context, contact, geom, phys)
-        return keep
-
-    return either
-
-
 @kernel
-def native_step(mode, context, contact, row):
-    """The native `go`."""
+def advance(mode, context, contact, row):
+    """Mindlin's law; returns whether the contact lasts."""
+    geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
+    if supports_options(context, contact, geom, phys, row):
+        return own_step(mode, context, contact, geom, phys, row)
     keep = native_go(context, contact)
-    after_native_step(mode, context, contact, row)
+    after_native_step(mode, contact, row)
+    if geom.penetrationDepth > 0.0 and (phys.betan != 0.0 or phys.betas != 0.0 or exponent_of_damping(phys) != 0.0):
+        row.viscous += viscous_loss(context, contact, geom, phys)
     return keep

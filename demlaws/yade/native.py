@@ -14,15 +14,15 @@ Mindlin functor of the process. It would survive `O.load`; here a guard attaches
 
 import ctypes
 import os
-import warnings
 import weakref
 
 import numpy as np
 import yade
 import yade.config
+from numpy.lib.recfunctions import repack_fields
 
-from demlaws.errors import BridgeWarning, DemlawsError, page
-from demlaws.yade import kernel, layout, mindlin, objects
+from demlaws.errors import BridgeWarning, DemlawsError, warn
+from demlaws.yade import kernel, layout, objects
 from demlaws.yade.omega import O, scratch_scene, set_engines
 from demlaws.yade.records import memory_at
 from demlaws.yade.search import (
@@ -61,9 +61,6 @@ OPTIONS = ("includeAdhesion", "calcEnergy", "includeMoment", "neverErase")
 """Options of Mindlin's law with which `mindlin.own_step` is not used."""
 DAMPING_EXPONENTS = ("alpha", "beta")
 """Names that MindlinPhys had for the exponent of another viscous damping."""
-OWN_STEP_FIELDS = ("own_step", "own_damping", "own_period")
-"""Fields of the context by which contacts without damping, with damping and in periodic scenes do without the native `go`."""
-NOT_TRIED = "not tried"
 SINGLE_BASE = "_ZTVN10__cxxabiv120__si_class_type_infoE"
 ROUND_SHAPES = ("Sphere", "GridNode", "GridConnection", "PFacet", "ChainedCylinder")
 """Shapes with a radius of their own, where YADE has them."""
@@ -111,22 +108,12 @@ class Layout:
         self.addresses = self._find_classes() | {
             "go": self.slot[2],
             "body_by_id": symbol(self.core, BODY_BY_ID),
-            "rotate": symbol(self.library, ROTATE),
         }
-        found = self._find_members()
-        axes = find_axes(self.addresses["rotate"])
-        if axes is not None:
-            found["ScGeom"] |= {name: (*objects.VECTOR, place) for name, place in zip(objects.AXES, axes, strict=True)}
-        try:
-            further = self.find_step()
-        except (BridgeUnavailable, AttributeError, TypeError) as error:
-            self.step, self.step_refused = mindlin.NativeStep(), str(error)
-        else:
-            self.step, self.step_refused = mindlin.OwnStep(), NOT_TRIED  # the self-test decides
-            found = {name: found.get(name, {}) | further.get(name, {}) for name in {**found, **further}}
-        self.addresses["normal_offset"] = found["ScGeom"]["normal"][-1]
-        self.allowed = dict.fromkeys(OWN_STEP_FIELDS, 0)  # by the self-test
-        objects.define(**found)
+        found, further = self._find_members(), self.find_step()
+        axes = find_axes(symbol(self.library, ROTATE))
+        found["ScGeom"] |= {name: (*objects.VECTOR, place) for name, place in zip(objects.AXES, axes, strict=True)}
+        objects.define(**{name: found.get(name, {}) | further.get(name, {}) for name in {**found, **further}})
+        self.own_step_is_proved = False  # by the first self-test
 
     @staticmethod
     def _find_members():
@@ -181,7 +168,7 @@ class Layout:
     def find_step(self):
         """Find what a contact step without the native `go` needs (`mindlin.own_step`): further members, as `_find_members`."""
         if O.running:
-            raise BridgeUnavailable("a simulation runs, in which the scene's own members cannot be looked for")
+            raise BridgeUnavailable("a simulation runs, which hides members of the scene: `import demlaws.yade` before O.run")
         with scratch_scene():
             scene, functor = O._sceneObj, yade.Law2_ScGeom_MindlinPhys_Mindlin()
             O.periodic = True
@@ -192,6 +179,7 @@ class Layout:
             return self._find_members_of_step(functor, scene)
 
     def _find_members_of_step(self, functor, scene):
+        cell = find_word(scene, O.cell)
         base = symbol(self.library, f"_ZTI{TABLE[4:]}")
         base_kind, _, parent = read_memory(base, 24, ctypes.c_uint64).tolist()
         if symbol_at(base_kind - 16) != SINGLE_BASE or parent != symbol(self.core, "_ZTIN4yade10LawFunctorE"):
@@ -211,7 +199,7 @@ class Layout:
             "Scene": {
                 "isPeriodic": ("u1", find_flag(scene, "periodic", O)),
                 "dt": ("f8", find_scene_number(scene, "dt")),
-                "cell": ("i8", self._find_cell(scene)),
+                "cell": ("i8", cell),
             },
             "Cell": {"hSize": ("f8", (3, 3), find_cell_size(O.cell)), "shiftVelocity": ("f8", (3, 3), find_shift_velocity())},
             "MindlinPhys": {name: ("f8", find_number(yade.MindlinPhys, name)) for name in ("ks", "betan")}
@@ -235,11 +223,6 @@ class Layout:
             },
         }
 
-    @staticmethod
-    def _find_cell(scene):
-        O.periodic = True
-        return find_word(scene, O.cell)
-
     def find_slot(self, functor):
         """Where `functor` points to the table of virtual functions that holds `go`: (byte offset, index in table)."""
         start, size = window(functor)
@@ -261,21 +244,6 @@ class Layout:
             raise BridgeUnavailable(f"the virtual function go of {LAW} was found at {len(slots)} places, not one")
         return slots[0]
 
-    @property
-    def knows_velocities(self):
-        """Whether the work of viscous forces is known."""
-        return isinstance(self.step, mindlin.OwnStep)
-
-    @property
-    def untested(self):
-        """A line about a YADE on which the tests have not run, or None."""
-        if self.version in TESTED:
-            return None
-        return (
-            f"this is YADE {self.version}, on which demlaws has not been tested ({', '.join(TESTED)} are): the checks of its "
-            "memory layout have passed, and a self-test is made with each kind of law"
-        )
-
 
 _layout = None
 
@@ -288,33 +256,30 @@ def find_layout():
             raise BridgeUnavailable(
                 f"it needs Linux on a processor of x86-64, this is {os.uname().sysname} {os.uname().machine}"
             )
-        _layout = Layout()
-        if not _layout.knows_velocities:
-            line = f"shear has the lever of YADE's full step: small grains may stick between much larger ones ({page('shear')})"
-            warnings.warn(f"{line}; {_layout.step_refused}", BridgeWarning, stacklevel=2)
+        try:
+            _layout = Layout()
+        except (AttributeError, TypeError) as error:  # a member that this YADE does not have
+            raise BridgeUnavailable(str(error)) from None
+        if _layout.version not in TESTED:
+            warn(
+                f"this is YADE {_layout.version}, on which demlaws has not been tested ({', '.join(TESTED)} are): the checks "
+                "of its memory layout have passed, and a self-test is made with each kind of law",
+                BridgeWarning,
+            )
     return _layout
 
 
 _entries = {}
 
 
-def _entry(pairs, step):
+def _entry(pairs):
     """Address of native code for laws of this kind."""
-    tags = pairs.shear, pairs.mode, pairs.rule, step
+    tags = pairs.shear, pairs.mode, pairs.rule
     # the tags themselves are empty tuples, all equal
     key = pairs.kind, pairs.params_kind, *map(type, tags), pairs.records.dtype, pairs.row, objects.identity()
     if key not in _entries:
-        _entries[key] = kernel.entry(pairs, step, 8 * COPIED)
+        _entries[key] = kernel.entry(pairs, 8 * COPIED)
     return _entries[key].address
-
-
-_attachments = weakref.WeakValueDictionary()  # address of a patched table of virtual functions → Attachment
-
-
-def acting(functor):
-    """The `Attachment` to which a functor points, or None."""
-    offset, _, _ = find_layout().slot
-    return _attachments.get(memory_at(window(functor)[0] + offset).value)
 
 
 class Rows:
@@ -336,61 +301,26 @@ class Rows:
         self.context["collect_at"] = FEW_ROWS
         self.context["generation"] = 1 + int.from_bytes(os.urandom(6), "little")
 
-    def _block(self, number):
-        """The rows of a block, not copied."""
-        return read_memory(int(self.blocks[number]), self.size, ctypes.c_uint8).view(self.dtype)
+    def addresses(self, contacts):
+        """Addresses of the rows of contacts that the law has seen, 0 for others."""
+        marks = np.array([tuple(contact.phys.prevU) for contact in contacts], float).reshape(-1, 3)
+        mine = marks[:, 2] == self.context["generation"]
+        return np.abs(np.where(mine, marks[:, 1], 0.0)).astype(np.int64)
 
-    def __getitem__(self, number):
-        """One row, not copied."""
-        return self._block(number >> layout.ROWS_BITS)[number & (layout.ROWS - 1)]
-
-    def place(self, number):
-        """Address of a row."""
-        return int(self.blocks[number >> layout.ROWS_BITS]) + (number & (layout.ROWS - 1)) * self.dtype.itemsize
-
-    def numbers(self, places):
-        """Numbers of the rows at these addresses, -1 where no row is."""
-        blocks = np.flatnonzero(self.blocks)
-        if not len(blocks):
-            return np.full(len(places), -1)
-        blocks = blocks[np.argsort(self.blocks[blocks])]
-        block = blocks[np.maximum(np.searchsorted(self.blocks[blocks], places, "right") - 1, 0)]
-        row, rest = np.divmod(places - self.blocks[block], self.dtype.itemsize)
-        return np.where((rest == 0) & (row >= 0) & (row < layout.ROWS), block * layout.ROWS + row, -1)
-
-    def copied(self, numbers, dtype):
-        """The fields of a packed dtype of the rows of these numbers; zeros for numbers of no row."""
-        result, blocks = np.zeros(len(numbers), dtype), numbers >> layout.ROWS_BITS
-        for block in np.unique(blocks[numbers >= 0]):
-            mine = blocks == block
-            result[mine] = layout.copied(self._block(block)[numbers[mine] & (layout.ROWS - 1)], dtype)
-        return result
+    def at(self, addresses):
+        """Copies of the rows at addresses, zeros for 0."""
+        words = np.zeros((len(addresses), self.dtype.itemsize // 8), np.int64)
+        kernel.gather_rows(addresses, words)
+        return words.view(self.dtype)[:, 0]
 
     def used(self):
         """Blocks of rows that contacts have or have had, not copied, in order, up to one for which there was no memory."""
         count = min(int(self.context["rows_used"]), layout.ROWS * layout.BLOCKS)
-        for block in range(-(-count // layout.ROWS)):
-            if not self.blocks[block]:
+        for number, block in enumerate(self.blocks[: -(-count // layout.ROWS)].tolist()):
+            if block == 0:
                 return
-            yield self._block(block)[: count - block * layout.ROWS]
-
-    def new(self):
-        """Number of a new row, of zeros."""
-        number = int(self.context["rows_used"])
-        block = number >> layout.ROWS_BITS
-        if block >= layout.BLOCKS or not (self.blocks[block] or self._make(block)):
-            raise DemlawsError(f"no memory for the history of contact {number + 1} of a law: {MORE_MEMORY}")
-        self.context["rows_used"] = number + 1
-        self[number] = np.zeros((), self.dtype)
-        return number
-
-    def __setitem__(self, number, row):
-        self._block(number >> layout.ROWS_BITS)[number & (layout.ROWS - 1)] = row
-
-    def _make(self, block):
-        made = _libc.mmap(None, self.size, layout.READ_AND_WRITE, layout.OF_ITS_OWN, -1, 0)
-        self.blocks[block] = 0 if made in (None, ctypes.c_void_p(-1).value) else made
-        return self.blocks[block] != 0
+            rows = read_memory(block, self.size, ctypes.c_uint8).view(self.dtype)
+            yield rows[: count - number * layout.ROWS]
 
 
 def _retire(context, blocks, size):
@@ -413,7 +343,7 @@ class Attachment:
         self.layout, self.context = find_layout(), layout.Context()
         self._fill_context(pairs)
         self.saved_dtype = pairs.saved
-        self._pairs, self._runner = pairs, None  # referenced: native code reads the pairs and writes into the runner
+        self._pairs, self.runner = pairs, None  # referenced: native code reads the pairs and writes into the runner
         self.rows, self._free = Rows(pairs.row, self.context), np.zeros(0, np.int64)
         probe = yade.Law2_ScGeom_MindlinPhys_Mindlin()
         offset, index, _ = self.layout.find_slot(probe)
@@ -422,10 +352,9 @@ class Attachment:
         self.table[: COPIED + 2] = read_memory(
             point - 16, 8 * (COPIED + 2), ctypes.c_int64
         )  # from two before its address point
-        self.table[2 + index] = _entry(pairs, self.layout.step)
+        self.table[2 + index] = _entry(pairs)
         self.table[COPIED + 2] = self.context.address
         _forever.append((self.table, self.context))
-        _attachments[self.table.ctypes.data + 16] = self
 
     def _fill_context(self, pairs):
         context, found = self.context, self.layout
@@ -434,39 +363,30 @@ class Attachment:
         for name, classes in (("geometry", found.geometries), ("round_shape", found.round_shapes)):
             context[f"{name}_classes"][: len(classes)] = classes
             context[f"{name}_count"] = len(classes)
-        for name in OWN_STEP_FIELDS:
-            context[name] = found.allowed[name]
+        context["own_step"] = 1
         context["surfaces"], context["label_hashes"] = len(pairs.labels), pairs.hashes.ctypes.data
         context["pair_numbers"], context["pairs"] = pairs.numbers.ctypes.data, pairs.records.ctypes.data
         context["plane_flats"] = pairs.flats == "plane"
         context["shear_ratio"] = pairs.shear_ratio or 0.0  # 0: of the materials
-        context["radius_mode"], context["edges"] = pairs.radii.mode, pairs.radii.edges.ctypes.data
-        context["gap_radius"] = pairs.radii.gap_address()
-        context["largest_radius"] = pairs.radii.shapes.largest if pairs.radii.shapes else 0.0
+        pairs.radii.fill(context)
 
     def watched_by(self, runner):
         """Set the guard's PyRunner, which native code can have run before the next step; None: no guard."""
-        if self._runner is not None:
-            self._runner.nDone = 0  # a guard that is still in a scene reports that its law has left
-        self._runner = runner
+        if self.runner is not None:
+            self.runner.nDone = 0  # a guard that is still in a scene reports that its law has left
+        self.runner = runner
         self.context["alarm"] = 0 if runner is None else address(runner) + self.layout.number_done
-
-    def _numbers(self, contacts):
-        """Numbers of the rows of contacts that the law has seen, -1 for others."""
-        marks = np.array([tuple(contact.phys.prevU) for contact in contacts], float).reshape(-1, 3)
-        mine = marks[:, 2] == self.context["generation"]
-        return self.rows.numbers(np.abs(np.where(mine, marks[:, 1], 0.0)).astype(np.int64))
 
     def rows_of(self, contacts):
         """The contacts' histories as an array of `layout.CONTACT`; tag 0 where the law has not seen the contact."""
-        numbers = self._numbers(contacts)
-        return self.rows.copied(numbers, layout.CONTACT)
+        rows = self.rows.at(self.rows.addresses(contacts))
+        return repack_fields(rows[[*layout.CONTACT.names]])
 
     def saved(self, contacts):
         """Bodies and rows, without addresses, of contacts that the law has seen: what `restore` takes."""
-        numbers = self._numbers(contacts)
-        bodies = np.array([(c.id1, c.id2) for c in contacts], np.int64).reshape(-1, 2)[numbers >= 0]
-        return bodies, self.rows.copied(numbers[numbers >= 0], self.saved_dtype)
+        addresses = self.rows.addresses(contacts)
+        bodies = np.array([(c.id1, c.id2) for c in contacts], np.int64).reshape(-1, 2)[addresses != 0]
+        return bodies, repack_fields(self.rows.at(addresses[addresses != 0])[[*self.saved_dtype.names]])
 
     def restore(self, bodies, saved, contacts):
         """Give contacts of a scene that was loaded the rows that `saved` has of them."""
@@ -476,30 +396,17 @@ class Attachment:
             place = place_of.get((contact.id1, contact.id2))
             if place is None:
                 continue
-            number = self.rows.new()
-            row = self.rows[number]
+            mark = kernel.new_row(self.context.record, self.rows.dtype)
+            if mark == 0:
+                raise DemlawsError(f"no memory for the history of contact {contact.id1}+{contact.id2}: {MORE_MEMORY}")
+            row = read_memory(mark, self.rows.dtype.itemsize, ctypes.c_uint8).view(self.rows.dtype)[0]
             for name in saved.dtype.names:
                 row[name] = saved[name][place]
-            self._fill(number, contact)
-
-    def _fill(self, number, contact):
-        """Write what a row has beside the history, and its code to the contact."""
-        row, contact_phys = self.rows[number], contact.phys
-        row["phys"], row["interaction"] = address(contact_phys), address(contact)
-        row["lever"] = self._lever(contact)
-        pair = self._pairs.records[int(row["tag"]) - 1]
-        row["pair"] = self.context["pairs"] + (int(row["tag"]) - 1) * self._pairs.records.itemsize
-        mark = self.rows.place(number)
-        mark = -mark if kernel.fill_row(self._pairs.kind, row, pair) else mark
-        contact_phys.prevU = yade.Vector3(0.0, mark, self.context["generation"])
-
-    def _lever(self, contact):
-        """`kernel.lever_of` the contact's bodies."""
-        first, second = (memory_at(address(O.bodies[number].shape)).value for number in (contact.id1, contact.id2))
-        flats = {self.layout.addresses[name] for name in ("facet", "wall", "box")}
-        if first in flats:
-            return layout.FLAT
-        return layout.ROUND if {first, second} <= {*self.layout.round_shapes, *flats} else layout.NO_LEVER
+            number = int(row["tag"]) - 1
+            row["phys"], row["interaction"] = address(contact.phys), address(contact)
+            row["pair"] = self.context["pairs"] + number * self._pairs.records.itemsize
+            smooth = kernel.fill_row(self._pairs.kind, row, self._pairs.records[number])
+            contact.phys.prevU = yade.Vector3(0.0, -mark if smooth else mark, self.context["generation"])
 
     def collect(self, contacts):
         """Between steps: make rows of contacts that have ended or were erased free again, before the free ones are used up.
@@ -516,7 +423,9 @@ class Attachment:
         live = np.concatenate([rows["tag"] != 0.0 for rows in blocks])
         count = len(live)
         if contacts is not None and 2 * live.sum() > count:
-            live = np.isin(np.arange(count), self._numbers(contacts()))
+            known = self.rows.addresses(contacts())
+            places = [rows.ctypes.data + rows.itemsize * np.arange(len(rows)) for rows in blocks]
+            live = np.isin(np.concatenate(places), known)
             for first, rows in zip(range(0, count, layout.ROWS), blocks, strict=True):
                 rows[~live[first : first + layout.ROWS]] = np.zeros((), rows.dtype)
         free = np.flatnonzero(~live)
@@ -526,22 +435,15 @@ class Attachment:
         context["free_count"], context["free_taken"] = len(free), 0
         context["collect_at"] = len(free) - len(free) // 8 if len(free) else count + count // 2 + FEW_ROWS
 
-    def watch_itself(self):
-        """Act without a guard, for a test: who calls this looks for faults."""
-        self._alarm = np.zeros(1, np.int64)
-        self.context["alarm"] = self._alarm.ctypes.data
-
-    def live(self):
-        """Histories of the law's contacts in all scenes (`layout.CONTACT`), those that were erased lately among them."""
-        parts = [layout.copied(rows[rows["phys"] != 0], layout.CONTACT) for rows in self.rows.used()]
-        return np.concatenate(parts or [np.zeros(0, layout.CONTACT)])
-
     def patch(self, functor):
-        """Make `functor` act by this law: an unchanged Mindlin functor, or one that acts by a law of ours."""
-        offset, _, _ = self.layout.slot if acting(functor) is not None else self.layout.find_slot(functor)
-        memory_at(address(functor) + offset).value = self.table.ctypes.data + 16
+        """Make a Mindlin functor that is unchanged act by this law."""
+        self.layout.find_slot(functor)
+        self.point(functor)
+
+    def point(self, functor):
+        """Make a functor that acts by a law of ours act by this one."""
+        memory_at(address(functor) + self.layout.slot[0]).value = self.table.ctypes.data + 16
 
     def acts_in(self, functor):
         """Whether `functor` calls this law."""
-        offset, _, _ = self.layout.slot
-        return memory_at(window(functor)[0] + offset).value == self.table.ctypes.data + 16
+        return memory_at(window(functor)[0] + self.layout.slot[0]).value == self.table.ctypes.data + 16

@@ -10,7 +10,7 @@ from demlaws.errors import DemlawsError
 from demlaws.units import RANGES
 
 O = yade.O  # noqa: E741  YADE's name
-_engines = getattr(yade.wrapper.Omega.engines.fget, "native", yade.wrapper.Omega.engines)  # `watch_loaded` has replaced it
+_engines = yade.wrapper.Omega.engines
 PHYSICS = tuple(getattr(yade, name) for name in ("MindlinPhys", "MindlinCapillaryPhys") if hasattr(yade, name))
 TOKEN = "demlaws-scene"
 """Tag of a scene that identifies it; a loaded scene gets another one."""
@@ -86,12 +86,3 @@ def radius_fault(body):
     if 0.0 < radius < math.inf:
         return None
     return f"body {body.id} is a sphere with radius = {radius:g} m: {RANGES['radius'].remedy}"
-
-
-def with_overlaps(rows, contacts):
-    """Rows of `layout.CONTACT` with the present overlaps, which a loaded scene does not know before its first step."""
-    for row, contact in zip(rows, contacts, strict=True):
-        overlap = contact.geom.penetrationDepth
-        if not math.isnan(overlap):
-            row["overlap"] = overlap
-    return rows

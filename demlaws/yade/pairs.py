@@ -5,6 +5,7 @@ from numbers import Integral
 
 import numba
 import numpy as np
+from numpy.lib.recfunctions import repack_fields
 
 from demlaws.contact import Contact, Material, Surface, surface_of
 from demlaws.core.loops import clamped_roughness, loading_part, scale_contact
@@ -341,7 +342,7 @@ class Pairs:
         self.params_kind = numba.typeof(params)
         own = tuples.own_fields(self.params_kind, self.kind)
         self.row = layout.row_dtype(self.levels, own, self.springs)
-        self.saved = layout.part(self.row, layout.saved_fields(self.row))
+        self.saved = repack_fields(self.row[[name for name in self.row.names if name in layout.SAVED]])
         self._keep = []
         self.records = np.zeros(len(self.shapes), layout.pair_dtype(tuples.fields(self.kind, "shape")))
         for record, shape, roughness, serves_only in zip(
@@ -436,12 +437,8 @@ class Pairs:
     @property
     def needs_no_judgement(self):
         """Whether materials that are not listed are known to be meant as they are served."""
-        return self.smooth or self.only_hertz or self.everywhere is not None
-
-    @property
-    def only_hertz(self):
-        """Whether the law needs no surface, being Hertz for every pair."""
-        return all(source.definition.hertzian for source in self.sources)
+        only_hertz = all(source.definition.hertzian for source in self.sources)
+        return self.smooth or only_hertz or self.everywhere is not None
 
     @property
     def name(self):

@@ -24,24 +24,24 @@ class Radii:
     """
 
     def __init__(self, choice, edges):
-        self.choice, self.shapes = choice, None
+        if isinstance(choice, str) and choice == "curvature":
+            choice = Curvature()
+        self.choice, self.shapes, self.mode = choice, None, layout.BODY_RADIUS
         edges = np.array([edge or 0.0 for edge in edges])
-        if choice is None or (isinstance(choice, str) and choice == "body"):
-            self.mode = layout.BODY_RADIUS if choice is None else layout.BODY_RADIUS_MEANT
-            if choice is not None:
-                edges[:] = 0.0
-        elif isinstance(choice, Curvature) or (isinstance(choice, str) and choice == "curvature"):
+        if isinstance(choice, Curvature):
             self.mode = layout.CURVATURE_RADIUS
-            largest = choice.largest if isinstance(choice, Curvature) else None
+            largest = choice.largest
             if largest is not None and not (isinstance(largest, Real) and 0.0 < largest < math.inf):
                 raise DemlawsError(f"Curvature(largest={largest!r}): the largest principal radius must be positive, in m")
             from demlaws.yade.curvature import Shapes
 
             self.shapes = Shapes(float(largest or 0.0))
+        elif isinstance(choice, str) and choice == "body":
+            self.mode = layout.BODY_RADIUS_MEANT
+            edges[:] = 0.0
         elif isinstance(choice, Real) and not isinstance(choice, bool) and 0.0 < choice < math.inf:
-            self.mode = layout.BODY_RADIUS
             edges[edges == 0.0] = float(choice)
-        else:
+        elif choice is not None:
             raise DemlawsError(f'radius={choice!r}: give "body", "curvature", Curvature(largest=…) or the edge radius in m')
         self.edges = edges
 
@@ -50,6 +50,9 @@ class Radii:
         if self.shapes is not None:
             self.shapes.refresh(context)
 
-    def gap_address(self):
-        """Address of `curvature.gap_radius` for compiled code; 0 for other choices."""
-        return 0 if self.shapes is None else self.shapes.gap_address()
+    def fill(self, context):
+        """Write the choice to where compiled code reads it."""
+        context["radius_mode"] = self.mode
+        context["edges"] = self.edges.ctypes.data
+        if self.shapes is not None:
+            self.shapes.fill(context)

@@ -15,6 +15,7 @@ from numba.extending import intrinsic
 
 from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import kernel
+from demlaws.yade import layout
 
 POINTER = np.dtype([("target", "i8")])
 """A C++ pointer, or the first word of a shared pointer."""
@@ -187,3 +188,27 @@ def unit_perpendicular(a):
     else:
         side = (-a[1], a[0], 0.0)
     return scaled(1.0 / sqrt(dot(side, side)), side)
+
+
+# --- notes for the guard
+
+cold = numba.njit(error_model="numpy", nogil=True)
+"""Compile a function that few contacts call, not inlined."""
+
+
+@kernel
+def alarm(context):
+    """Have the guard run before the contacts of the next step."""
+    if context.alarm != 0:
+        array(context.alarm, 1, np.int64)[0] = 0
+
+
+@cold
+def note(context, kind, interaction, value):
+    """Note something of a contact for the guard, which runs before the next step; a fault stops the run there."""
+    if context.seen[kind] != layout.REPORTED:
+        context.bodies[kind, 0] = interaction.id1
+        context.bodies[kind, 1] = interaction.id2
+        context.values[kind] = value
+        context.seen[kind] = layout.SEEN
+        alarm(context)

@@ -8,7 +8,7 @@ import yade
 import yade.config
 
 from demlaws.errors import did_you_mean
-from demlaws.units import RANGES, SMALL_OVERLAP, large_overlap, too_large_overlap
+from demlaws.units import RANGES, large_overlap, too_large_overlap
 from demlaws.yade import layout, native
 from demlaws.yade.omega import radius_fault, real_contacts
 from demlaws.yade.pairs import NOT_SERVED
@@ -38,22 +38,29 @@ def fault_text(binding, kind, bodies, value):
     wrong = next(filter(None, (radius_fault(O.bodies[number]) for number in bodies)), None)
     if wrong is not None:
         return f": {wrong}"
-    if kind in (layout.FLAT_GAP, layout.NO_CURVATURE):
-        from demlaws.yade import curvature
-
-        return curvature.fault_text(kind, value, [type(O.bodies[number].shape).__name__ for number in (first, second)])
+    shapes = [type(O.bodies[number].shape).__name__ for number in bodies]
+    if kind == layout.FLAT_GAP:
+        return (
+            f" ({' on '.join(shapes)}): flat on flat, whose radius of curvature is far above the bodies' R of {value:g} m, so "
+            "that Hertz's contact has no R: give an upper bound, radius=demlaws.yade.Curvature(largest=…), or the measured "
+            "edge radius in m, radius=…"
+        )
+    if kind == layout.NO_CURVATURE:
+        return (
+            f' ({" on ".join(shapes)}): radius="curvature" needs level sets, spheres, facets, walls or boxes, and a contact '
+            "point within two cells of the surface of a level set: give the measured edge radius in m, radius=…"
+        )
     if kind == layout.WRONG_CLASS:
         contact = O.interactions[first, second]
-        shapes = " and ".join(type(O.bodies[number].shape).__name__ for number in (first, second))
         return (
-            f" of {shapes} is described by {type(contact.geom).__name__} and {type(contact.phys).__name__}: the law does "
-            "not act on these, native Mindlin did. Use an Ig2 functor that makes ScGeom or a class derived from it, and "
-            "Ip2_FrictMat_FrictMat_MindlinPhys"
+            f" of {' and '.join(shapes)} is described by {type(contact.geom).__name__} and {type(contact.phys).__name__}: the "
+            "law does not act on these, native Mindlin did. Use an Ig2 functor that makes ScGeom or a class derived from it, "
+            "and Ip2_FrictMat_FrictMat_MindlinPhys"
         )
     geometry = O.interactions[first, second].geom
     if isinstance(geometry, yade.ScGeom) and geometry.refR1 == geometry.refR2 == 0.0:  # PotentialParticle
         return (
-            f" of {type(O.bodies[first].shape).__name__}: YADE's geometry has no radius (refR1 = refR2 = 0), so that the "
+            f" of {shapes[0]}: YADE's geometry has no radius (refR1 = refR2 = 0), so that the "
             "stiffness of MindlinPhys is not finite, also natively. Use level sets or polyhedra"
         )
     if kind == layout.UNGUARDED:
@@ -66,10 +73,21 @@ def fault_text(binding, kind, bodies, value):
             " has a history that this process does not have: its scene was saved or loaded without demlaws. "
             "Load it by O.load after `import demlaws.yade`, or let all contacts begin again: O.interactions.clear()"
         )
+    if kind == layout.CHANGED:
+        return (
+            ": kno or kso was changed by the script; the law writes both in each step, from R, E* and surfaces. For another "
+            "force give other materials or surfaces, for another K_t shear_ratio=, or use Law2_ScGeom_MindlinPhys_Mindlin"
+        )
+    if kind == layout.SET_SHEAR:
+        return (
+            ': its shearElastic was set by the script, which springs of shear="slip" cannot take over: use shear="elastic", or '
+            "let contacts begin again, O.interactions.clear()"
+        )
     if kind == layout.NO_ROW:
         return f" has no memory for its history: {native.MORE_MEMORY}"
     if kind == layout.TOO_DEEP:
-        text = too_large_overlap(value, float(binding.context["deep_radius"]))
+        radius = binding.attachment.rows_of([O.interactions[first, second]])["radius"][0]
+        text = too_large_overlap(value, float(radius))
         return f": {text}. Of softened grains: a larger `young`"
     if kind == layout.WRONG_MODULUS:
         of = ", ".join(f"{stone.label!r} young={stone.young:g} Pa, poisson={stone.poisson:g}" for stone in stones)
@@ -150,59 +168,40 @@ def joint_text(first, second):
     )
 
 
-def body_radius_text(contact, radius):
-    """Warning about a contact with the body's R."""
-    names = " on ".join(type(O.bodies[number].shape).__name__ for number in (contact.id1, contact.id2))
+def body_radius_text(bodies, radius):
+    """Warning about a contact of two bodies with the body's R."""
+    first, second = bodies
+    names = " on ".join(type(O.bodies[number].shape).__name__ for number in bodies)
     return (
-        f"contact {contact.id1}+{contact.id2} ({names}) has R = {radius:.4g} m from the distances between "
+        f"contact {first}+{second} ({names}) has R = {radius:.4g} m from the distances between "
         "the bodies' centres and the contact, which is not a radius of curvature; force, yield and the effect of roughness "
         'follow from it. Choose radius="curvature" (level sets), the measured edge radius in m, or radius="body"'
     )
 
 
-def changed_text(first, second):
-    """Message about a contact whose coefficients something else has changed."""
-    return (
-        f"kno or kso of contact {first}+{second} was changed by the script; the law writes both in each step, from R, E* and "
-        "surfaces. For another force give other materials or surfaces, for another K_t shear_ratio=, "
-        "or use Law2_ScGeom_MindlinPhys_Mindlin"
-    )
-
-
 def deep_text(rows):
-    """Message about the contacts beyond SMALL_OVERLAP of their R among rows of `layout.CONTACT`."""
-    ratio = rows["overlap"] / rows["radius"]
-    deepest = rows[np.argmax(ratio)]
-    return large_overlap(float(deepest["overlap"]), float(deepest["radius"]), int(np.sum(ratio > SMALL_OVERLAP)), len(rows))
+    """Message about the contacts beyond SMALL_OVERLAP of their R, given as rows of `layout.CONTACT`."""
+    deepest = rows[np.argmax(rows["overlap"] / rows["radius"])]
+    return large_overlap(float(deepest["overlap"]), float(deepest["radius"]), len(rows), O.interactions.countReal())
 
 
-def stepper_text(label, stepper, former, bound, reach):
-    """Message about a time stepper without a valid bound; former: its maxDt before [s]; reach: `binding.REACH`."""
-    why = (
-        "it uses the present stiffness of contacts, and a young contact is soft until the step in which it is not. The bound "
-        f"is {bound:.3g} s ({reach:g} PWaveTimeStep() of the bodies times its safety coefficient)"
-    )
-    if stepper.densityScaling:
+def stepper_text(stepper, bound, reach):
+    """Message about a time stepper without a valid bound; bound: the valid one [s], which is its maxDt if the user gave none;
+    None without spheres; reach: `binding.REACH`."""
+    why = "it uses the present stiffness of contacts, and a young contact is soft until the step in which it is not"
+    if bound is None:
         return (
-            f"GlobalStiffnessTimeStepper has densityScaling, whose targetDt = {stepper.targetDt:.3g} s is above the bound "
-            f"that is valid for law {label!r} without it: {why}; it is not changed. Take a smaller targetDt if grains rebound "
-            "faster than they came"
+            f"GlobalStiffnessTimeStepper has no bound that is valid for the law: {why}. Without spheres YADE has no "
+            "PWaveTimeStep() to compute a bound from: give it a maxDt"
         )
-    if stepper.maxDt == former:
+    why += f". The bound is {bound:.3g} s ({reach:g} PWaveTimeStep() of the bodies times its safety coefficient)"
+    if stepper.maxDt == bound:
         return (
-            f"GlobalStiffnessTimeStepper has maxDt = {former:.3g} s, above the bound that is valid for law {label!r}: {why}; "
-            "it is not changed. Give a smaller maxDt"
+            f"GlobalStiffnessTimeStepper had no bound that is valid for the law: {why}, which is now its maxDt and follows "
+            "the bodies; give it a maxDt to choose another, or use demlaws.yade.engines(law, timestep=…)"
         )
+    name = "targetDt" if stepper.densityScaling else "maxDt"
     return (
-        f"GlobalStiffnessTimeStepper had no bound that is valid for law {label!r}: {why}, which is now its maxDt and follows "
-        "the bodies; give it a maxDt to choose another, or use demlaws.yade.engines(law, timestep=…)"
-    )
-
-
-def no_wave_text(label):
-    """Message about a time stepper without a longest step in a scene without spheres."""
-    return (
-        f"GlobalStiffnessTimeStepper has no bound that is valid for law {label!r}: it uses the present stiffness of contacts, "
-        "and a young contact is soft until the step in which it is not. Without spheres YADE has no PWaveTimeStep() to "
-        "compute a bound from: give it a maxDt"
+        f"GlobalStiffnessTimeStepper has {name} = {getattr(stepper, name):.3g} s, above the bound that is valid for the law: "
+        f"{why}; it is not changed. Give a smaller {name}"
     )

@@ -14,7 +14,6 @@ from demlaws.errors import DemlawsError
 from demlaws.law import Table
 from demlaws.laws.registry import home_of, laws
 from demlaws.yade import layout
-from demlaws.yade.binding import Binding
 from demlaws.yade.omega import real_contacts
 from demlaws.yade.pairs import TYPICAL_MODULUS, LawSource, Pairs
 from demlaws.yade.radii import Curvature
@@ -25,42 +24,31 @@ FORMER_VERSION = (
 )
 
 
-def law_text(binding, attributes):
-    """JSON from which `law_from` restores a law in another process; attributes: the functor's."""
-    content = {"account": binding.account, "seen": binding.seen, "bound": binding.bound, "attributes": attributes}
+def law_text(functor):
+    """JSON of a law at work in the current scene, with the history of its contacts."""
+    binding = functor.binding
+    bodies, rows = binding.attachment.saved(real_contacts())
+    history = zlib.compress(bodies.tobytes() + rows.tobytes())
+    content = {"account": binding.account, "seen": binding.seen, "bound": binding.bound, "attributes": functor.attributes()}
+    content |= {"contacts": len(rows), "history": base64.b64encode(history).decode()}
     return json.dumps(content | {"pairs": pairs_text(binding.pairs)})
 
 
-def law_from(label, text):
-    """The binding described by `law_text`, in no scene, and the functor's attributes."""
-    content = json.loads(text)
-    return Binding(label, pairs_from(content["pairs"])), content["attributes"]
+def restore(binding, content):
+    """Give the contacts of the current scene, which was loaded, the history in the content of `law_text`."""
+    if "history" not in content:
+        raise DemlawsError(FORMER_VERSION)
+    count, history = content["contacts"], zlib.decompress(base64.b64decode(content["history"]))
+    bodies = np.frombuffer(history, np.int64, 2 * count).reshape(count, 2)
+    dtype = binding.attachment.saved_dtype
+    if len(history) != bodies.nbytes + count * dtype.itemsize:
+        raise DemlawsError(FORMER_VERSION)
+    binding.attachment.restore(bodies, np.frombuffer(history, dtype, count, bodies.nbytes), real_contacts())
 
 
 def are_same(one, other):
     """Whether two bindings are the same law: contacts of one may continue with the other."""
     return pairs_text(one.pairs, True) == pairs_text(other.pairs, True)
-
-
-# --- history of contacts
-
-
-def history(binding):
-    """Text of the current scene's contacts with their history, for `restore`."""
-    bodies, rows = binding.attachment.saved(real_contacts())
-    content = zlib.compress(bodies.tobytes() + rows.tobytes())
-    return json.dumps({"contacts": len(rows), "content": base64.b64encode(content).decode()})
-
-
-def restore(binding, text):
-    """Give the contacts of the current scene, which was loaded, the history that they were saved with."""
-    saved = json.loads(text)
-    count, content = saved["contacts"], zlib.decompress(base64.b64decode(saved["content"]))
-    bodies = np.frombuffer(content, np.int64, 2 * count).reshape(count, 2)
-    dtype = binding.attachment.saved_dtype
-    if len(content) != bodies.nbytes + count * dtype.itemsize:
-        raise DemlawsError(FORMER_VERSION)
-    binding.attachment.restore(bodies, np.frombuffer(content, dtype, count, bodies.nbytes), real_contacts())
 
 
 # --- laws between surfaces

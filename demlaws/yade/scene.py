@@ -6,7 +6,7 @@ saved scene a functor that does not accept Mindlin's contacts is in the law's pl
 loading and puts the law there. Without a guard YADE ends with an error; the native law never acts instead.
 """
 
-import functools
+import contextlib
 import json
 import sys
 import uuid
@@ -14,7 +14,7 @@ from numbers import Real
 
 import yade
 
-from demlaws.errors import DemlawsError, EngineStopped, TimeStepWarning, warn
+from demlaws.errors import DemlawsError, EngineStopped
 from demlaws.yade import native
 from demlaws.yade.functor import Law2_ScGeom_MindlinPhys_Demlaws
 from demlaws.yade.omega import TOKEN, O, contact_engines, get_engines, set_engines, tag, token_here
@@ -25,13 +25,9 @@ PERIOD = 100
 IN_SECONDS = 1.0
 """Longest time between two calls of a guard."""
 LAW = "demlaws.{label}"
-"""Tag that describes a law."""
-HISTORY = "demlaws-history.{label}"
-"""Tag with the history of a law's contacts."""
+"""Tag that describes a law, with the history of its contacts."""
 CONTACT = ["ScGeom", "MindlinPhys"]
 """Classes of the contacts that a law acts on."""
-FUNCTORS = yade.LawDispatcher.functors
-"""YADE's own property, which `patches` replaces after this module is imported."""
 
 
 # --- engines
@@ -79,14 +75,14 @@ def visible(engines):
 
 def get_visible():
     """`O.engines` for users."""
-    attach_loaded()
+    attach()
     return visible(get_engines())
 
 
 def set_visible(engines):
     """`O.engines = …` for users: check the list, put guards before the laws, and let the laws enter the scene."""
     engines = visible(list(engines))
-    attach_loaded()
+    attach()
     refuse_mpi(DemlawsError if any(is_our_law(f) for _, _, f in law_functors(engines)) else None)
     before, old = get_engines(), laws_here()
     laws = _laws_in(engines)
@@ -97,46 +93,24 @@ def set_visible(engines):
     set_engines(completed(engines, laws, before))
     for label, functor in old.items():
         if label not in laws or laws[label].binding is not functor.binding:
-            functor.binding.leave()
+            functor.binding.attachment.watched_by(None)
     if laws and token_here() is None:
         O.tags[TOKEN] = uuid.uuid4().hex
     for functor in laws.values():
         if functor.binding.scene != token_here():
             functor.binding.enter(token_here())
-        functor.binding.watched_by(functor.binding.runner)
-        _warn(functor.binding.bound_steppers(engines))
+        functor.binding.bound_steppers(engines)
     _at_work[O.thisScene] = laws
-
-
-def set_functors(dispatcher, functors):
-    """`dispatcher.functors = …` for users: a law that comes into the scene so gets its guard, too."""
-    before, functors = list(dispatcher.functors), list(functors)
-    here = any(native.address(one) == native.address(dispatcher) for engine in get_engines() for one in dispatchers(engine))
-    if not here or not any(is_our_law(one) for one in (*before, *functors)):
-        FUNCTORS.__set__(dispatcher, functors)
-        return
-    if O.interactions.countReal():
-        raise DemlawsError(_switch_text())
-    old = [f for f in before if is_our_law(f) and not any(f is other for other in functors)]
-    try:
-        FUNCTORS.__set__(dispatcher, functors)
-        set_visible(get_visible())
-    except Exception:
-        FUNCTORS.__set__(dispatcher, before)
-        set_visible(get_visible())
-        raise
-    for functor in old:
-        functor.binding.leave()
 
 
 def with_energies(tracker):
     """YADE's EnergyTracker with the present energies [J] of the laws of the scene, if it tracks energies; as YADE's own they
     exist from the first step. It gets what was lost since it was read before: `clear` is such a reading."""
-    attach_loaded()
+    attach()
     present = tracker if O.trackEnergy and O.iter else None
-    for binding in {functor.binding for functor in laws_here().values()}:
-        if binding.scene == token_here():
-            binding.between_engines(functools.partial(binding.account_for, present))
+    for functor in laws_here().values():
+        if functor.binding.scene == token_here():
+            functor.binding.account_for(present)
     return tracker
 
 
@@ -215,7 +189,7 @@ def _take_over(functor, old):
     from demlaws.yade.saving import are_same
 
     if are_same(functor.binding, old.binding):
-        old.binding.attachment.patch(functor)  # while its own attachment still exists
+        old.binding.attachment.point(functor)
         functor.binding = old.binding
 
 
@@ -237,15 +211,11 @@ def _refuse_switch(engines, before, laws, old):
         former = old[label]
         same &= functor is former or (are_same(former.binding, functor.binding) and former.settings() == functor.settings())
     if not same:
-        raise DemlawsError(_switch_text())
-
-
-def _switch_text():
-    return (
-        f"the law is switched while {O.interactions.countReal()} contacts exist, which YADE would leave with the old one. "
-        "The same law made again (same arguments, label and attributes) continues them; for another one call "
-        "O.interactions.clear() first, which erases all contacts with their history (shear forces, plastic overlaps)"
-    )
+        raise DemlawsError(
+            f"the law is switched while {O.interactions.countReal()} contacts exist, which YADE would leave with the old one. "
+            "The same law made again (same arguments, label and attributes) continues them; for another one call "
+            "O.interactions.clear() first, which erases all contacts with their history (shear forces, plastic overlaps)"
+        )
 
 
 def completed(engines, laws, before):
@@ -261,14 +231,9 @@ def completed(engines, laws, before):
             runner.iterPeriod, runner.realPeriod, runner.initRun, runner.dead = PERIOD, IN_SECONDS, True, False
             runner.nDone = 0
             complete.append(runner)
-            law.binding.runner = runner
+            law.binding.attachment.watched_by(runner)
         complete.append(engine)
     return complete
-
-
-def _warn(line):
-    if line is not None:
-        warn(line, TimeStepWarning)
 
 
 def engines(law, *, geometries=None, bounds=None, physics=None, before=(), after=(), newton=None, verlet=0.1, timestep=None):
@@ -298,29 +263,28 @@ def engines(law, *, geometries=None, bounds=None, physics=None, before=(), after
 # --- saving and loading
 
 
-class as_saved:
+@contextlib.contextmanager
+def as_saved():
     """Within this context the scene is as in its file: laws in tags, placeholders in their places, guards due at once."""
+    from demlaws.yade import saving
 
-    def __enter__(self):
-        from demlaws.yade import saving
-
-        _ = O.energy  # gets what was lost until now
-        self.kept = []
-        for _, dispatcher, functor in law_functors(get_engines()):
-            if is_our_law(functor):
-                O.tags[LAW.format(label=functor.label)] = saving.law_text(functor.binding, functor.attributes())
-                O.tags[HISTORY.format(label=functor.label)] = saving.history(functor.binding)
-                self.kept.append((dispatcher, list(dispatcher.functors)))
-        self.runners = [(engine, engine.nDone) for engine in get_engines() if is_guard(engine)]
-        for dispatcher, functors in self.kept:
-            FUNCTORS.__set__(dispatcher, [_placeholder(label=f.label) if is_our_law(f) else f for f in functors])
-        for runner, _ in self.runners:
-            runner.nDone = 0
-
-    def __exit__(self, *error):
-        for dispatcher, functors in self.kept:
-            FUNCTORS.__set__(dispatcher, functors)
-        for runner, count in self.runners:
+    _ = O.energy  # gets what was lost until now
+    kept = []
+    for _, dispatcher, functor in law_functors(get_engines()):
+        if is_our_law(functor):
+            O.tags[LAW.format(label=functor.label)] = saving.law_text(functor)
+            kept.append((dispatcher, list(dispatcher.functors)))
+    runners = [(engine, engine.nDone) for engine in get_engines() if is_guard(engine)]
+    for dispatcher, functors in kept:
+        dispatcher.functors = [_placeholder(label=f.label) if is_our_law(f) else f for f in functors]
+    for runner, _ in runners:
+        runner.nDone = 0
+    try:
+        yield
+    finally:
+        for dispatcher, functors in kept:
+            dispatcher.functors = functors
+        for runner, count in runners:
             runner.nDone = count
 
 
@@ -332,120 +296,59 @@ _at_work = {}
 """Number of a scene → label → functor: those that were at work before loading continue if the file describes the same laws."""
 
 
-def attach_saved():
-    """Replace placeholders by the laws that the scene's tags describe."""
+def attach():
+    """Replace placeholders, of a scene that was loaded, by the laws that its tags describe."""
     placeholders = [
-        (dispatcher, functor, tag(LAW.format(label=functor.label)))
+        (dispatcher, functor.label, tag(LAW.format(label=functor.label)))
         for _, dispatcher, functor in law_functors(get_engines())
         if type(functor) is _placeholder
     ]
-    placeholders = [(dispatcher, functor.label, text) for dispatcher, functor, text in placeholders if text]
+    placeholders = [one for one in placeholders if one[-1]]
     if not placeholders:
         return
     from demlaws.yade import saving
 
     token = O.tags[TOKEN] = uuid.uuid4().hex  # the one in the file may be that of another scene of this process
     for dispatcher, label, text in placeholders:
-        law = _restored(label, _at_work.get(O.thisScene, {}).get(label), text)
-        FUNCTORS.__set__(dispatcher, [law if f.label == label else f for f in dispatcher.functors])
         content = json.loads(text)
+        former = _at_work.get(O.thisScene, {}).get(label)
+        if former is not None and saving.pairs_text(former.binding.pairs) == content["pairs"]:
+            law = former
+            law.updateAttrs(content["attributes"])
+        else:
+            law = Law2_ScGeom_MindlinPhys_Demlaws._remade(label, content["pairs"], content["attributes"])
+        dispatcher.functors = [law if f.label == label else f for f in dispatcher.functors]
         law.binding.enter(token, content["account"])
         law.binding.seen, law.binding.bound = content["seen"], content["bound"]
-        saving.restore(law.binding, tag(HISTORY.format(label=label)))
+        saving.restore(law.binding, content)
         command = GUARD_COMMAND.format(label=label)
-        law.binding.watched_by(next((e for e in get_engines() if getattr(e, "command", None) == command), None))
+        law.binding.attachment.watched_by(next((e for e in get_engines() if getattr(e, "command", None) == command), None))
     set_engines(get_engines())  # YADE sets its variables named by labels
     _at_work[O.thisScene] = laws_here()
-
-
-def end_laws():
-    """All scenes are gone: return the memory of their contacts."""
-    _stops.clear()
-    for laws in _at_work.values():
-        for functor in laws.values():
-            functor.binding.end()
-
-
-def attach_loaded():
-    """Attach the laws of a scene that was loaded and has not made a step, in which the guards do this."""
-    if not O.running:
-        attach_saved()
-
-
-def _restored(label, former, text):
-    from demlaws.yade import saving
-
-    content = json.loads(text)
-    if former is not None:
-        current = json.loads(saving.law_text(former.binding, content["attributes"]))
-        changing = dict.fromkeys(("account", "seen", "bound"))
-        if current | changing == content | changing:
-            former.updateAttrs(content["attributes"])
-            return former
-    return Law2_ScGeom_MindlinPhys_Demlaws._from_text(label, text)
 
 
 # --- called by engines
 
 
-_stops, _waiting = [], []
-"""The message of a stop that has not been raised; an entry for each method that waits for the run."""
-
-
-class _Stop(Exception):
-    """Ends a run. YADE prints it, and what it prints, several times."""
-
-    def __str__(self):
-        return "a law of demlaws stops the run"
+stops = []
+"""Messages with which guards have stopped the scene since O.run was called."""
 
 
 def guard(label):
-    """Called by a law's PyRunner: `watch`; the method that waits for the run raises the message of a fault.
-
-    Where no method waits, the message is printed here.
-    """
+    """Called by a law's PyRunner: `watch`. YADE ends the run where this raises an error, prints it and raises it in O.run."""
     try:
         watch(label)
     except DemlawsError as error:
-        _stops[:] = [str(error)]
-        if not _waiting:
-            print(f"demlaws stops the run: {error}", file=sys.stderr, flush=True)
-        sys.excepthook = functools.partial(_silent, sys.excepthook)
-        raise _Stop from None
-
-
-def _silent(former, kind, error, traceback):
-    """Python's hook for one error: YADE has it print the error, and throws a text of the error and its traceback."""
-    sys.excepthook = former
-    if kind is _Stop:
-        sys.last_traceback = None
-    else:
-        former(kind, error, traceback)
-
-
-def call_and_wait(native, omega, *arguments, **keywords):
-    """Call a method of O that waits for the run, and raise the message of a stop."""
-    _waiting.append(functools.partial(native, omega, *arguments, **keywords))
-    try:
-        _call_last()
-    except RuntimeError:
-        if not _stops:
-            raise
-    finally:
-        _waiting.pop()
-    if _stops:
-        raise EngineStopped(_stops.pop())
-
-
-def _call_last():
-    """Call what waits last. It has no local variables: YADE's PyRunners copy those of the calling function to the script's
-    globals."""
-    _waiting[-1]()
+        stops.append(str(error))
+        raise error.with_traceback(None) from None
 
 
 def begin():
-    """A new run: the stop of a former one, for which nothing has waited, was printed."""
-    _stops.clear()
+    """Before a run: attach the laws of a loaded scene, and raise where a law has no guard."""
+    stops.clear()
+    attach()
+    for label in laws_here():
+        at_work(label)
 
 
 def watch(label):
@@ -456,26 +359,24 @@ def watch(label):
     if not binding.attachment.acts_in(functor):
         raise EngineStopped(f"the functor of law {label!r} does not use it: assign O.engines again")
     binding.watch(functor)
-    _warn(binding.bound_steppers(get_engines()))
+    binding.bound_steppers(get_engines())
     if binding.guards == 1:
-        binding.runner.nDone = 0  # once more at the second step, when there are contacts
+        binding.attachment.runner.nDone = 0  # once more at the second step, when there are contacts
 
 
 def at_work(label):
     """The functor of this label in the current scene."""
+    attach()
     functor = laws_here().get(label)
-    if functor is None:
-        attach_saved()
-        functor = laws_here().get(label)
     if functor is None:
         labels = ", ".join(map(repr, laws_here())) or "none"
         raise EngineStopped(
             f"law {label!r} is not used in this scene, or its tag {LAW.format(label=label)!r} is missing: {labels}"
         )
-    if functor.binding.scene != token_here():
+    if functor.binding.scene != token_here() or functor.binding.attachment.runner is None:
         raise EngineStopped(
-            f"the law {label!r} is now used in another scene, and its energies would be mixed: make one law functor "
-            "for each scene"
+            f"the law {label!r} has no guard in this scene: it is now used in another scene, and its energies would be mixed, "
+            "or it was given to a dispatcher. Make one law functor for each scene, and assign O.engines (O.engines = O.engines)"
         )
     return functor
 

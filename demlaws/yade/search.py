@@ -201,6 +201,13 @@ def first_word(cls):
     return first
 
 
+def _places_of_matrix(start, size, matrix):
+    """Byte offsets at which an object has the numbers of a Matrix3, column by column."""
+    expected = [matrix[row, column] for column in range(3) for row in range(3)]
+    numbers = np.lib.stride_tricks.sliding_window_view(read_memory(start, size, ctypes.c_double), 9)
+    return 8 * np.flatnonzero(np.isclose(numbers, expected, rtol=1e-14, atol=0.0).all(axis=1))
+
+
 def find_shift_velocity():
     """Byte offset in Cell of velGrad times prevHSize, column by column: velocity [m/s] of a neighbouring cell per cell."""
 
@@ -211,10 +218,7 @@ def find_shift_velocity():
         return cell
 
     def matches(start, size, cell):
-        product = cell.velGrad * cell.prevHSize
-        expected = np.array([product[row, column] for column in range(3) for row in range(3)])
-        numbers = read_memory(start, size, ctypes.c_double)
-        return [8 * n for n in range(numbers.size - 8) if np.allclose(numbers[n : n + 9], expected, rtol=1e-14, atol=0.0)]
+        return _places_of_matrix(start, size, cell.velGrad * cell.prevHSize)
 
     return one_place(yade.Cell, "velGrad * prevHSize", [make(value) for value in (1.5, 2.5, 3.5)], matches)
 
@@ -244,9 +248,7 @@ def find_degrees_of_freedom():
 
 def find_cell_size(cell):
     """Byte offset in Cell of hSize, column by column; `cell` has moved, so that it differs from former sizes."""
-    expected = np.array([cell.hSize[row, column] for column in range(3) for row in range(3)])
-    numbers = read_memory(*window(cell), ctypes.c_double)
-    return _only([8 * n for n in range(numbers.size - 8) if np.array_equal(numbers[n : n + 9], expected)], "Cell.hSize")
+    return _only(_places_of_matrix(*window(cell), cell.hSize), "Cell.hSize")
 
 
 def _turned(v, axes):
@@ -258,7 +260,7 @@ def _turned(v, axes):
 
 def find_axes(rotate):
     """Byte offsets in ScGeom of the two axes by which ScGeom::rotate, at this address, turns a vector v: to v - v × axis, first
-    by the one and then by the other; None where it does something else.
+    by the one and then by the other.
 
     They are no attributes: they are where a change of memory changes what rotate does.
     """
@@ -280,14 +282,12 @@ def find_axes(rotate):
             memory[n] = 0.5
             acting += [n] if any((turned(vector) != vector).any() for vector in vectors) else []
             memory[n] = 0.0
-        if len(acting) != 6:
-            return None
-        memory[acting] = np.random.default_rng(2).uniform(-1.0, 1.0, 6)
-        places = acting[0], acting[3]
+        memory[acting] = np.random.default_rng(2).uniform(-1.0, 1.0, len(acting))
+        places = (acting[0], acting[3]) if len(acting) == 6 else (1, 1)
         for first, second in (places, places[::-1]):
             axes = memory[first : first + 3], memory[second : second + 3]
             if all(np.allclose(turned(vector), _turned(vector, axes), rtol=0.0, atol=1e-14) for vector in vectors):
                 return 8 * first, 8 * second
     finally:
         memory[:] = kept
-    return None
+    raise BridgeUnavailable(f"ScGeom::rotate does not turn vectors by two axes, but by the words {acting}")

@@ -1,5 +1,6 @@
 """Self-test of a law on two spheres in a scene of their own: the force that YADE applied against the force of the law."""
 
+import itertools
 from collections import defaultdict
 
 import numpy as np
@@ -37,51 +38,27 @@ def _deepest(pairs, row, overlap):
     return overlap
 
 
-def run(binding):
-    """Take two spheres of surfaces that the law is for along a path; returns (steps, largest error over largest force).
-
-    Works in a scene apart: the user's is left as it is. Raises `native.BridgeUnavailable`.
-    """
-    if O.running:
-        raise DemlawsError(
-            "the law is made while a simulation runs (in a PyRunner?), and its self-test needs a scene of its own: make the "
-            "law before O.run and let the PyRunner use it"
-        )
-    with scratch_scene():
-        return _compare(binding)
-
-
 DAMPING = ({"en": 0.7, "es": 0.5}, {"betan": 0.2, "betas": 0.1})
-"""Arguments of Ip2_FrictMat_FrictMat_MindlinPhys of the contacts by which damping without the native `go` is judged."""
+"""Arguments of Ip2_FrictMat_FrictMat_MindlinPhys of the contacts by which damping is judged."""
 
 
 def try_own_step(context, functor, overlap):
-    """Use the contact step without the native `go` from now on where it leaves what `go` leaves: without damping, with it, in a
-    periodic scene; else note why not."""
-    found = native.find_layout()
-    found.step_refused = None
-    cases = [("own_step", {}, False), *(("own_damping", damping, False) for damping in DAMPING)]
-    cases += [("own_period", damping, True) for damping in ({}, *DAMPING)]
-    found.allowed = dict.fromkeys(native.OWN_STEP_FIELDS, 1)
-    for name, damping, periodic in cases:
-        for own in native.OWN_STEP_FIELDS:
-            context[own] = 0
+    """Raise unless the contact step without the native `go` leaves what `go` leaves: without damping, with it, in a periodic
+    scene."""
+    for damping, periodic in itertools.product(({}, *DAMPING), (False, True)):
+        context["own_step"] = 0
         natively = _sheared(functor, overlap, damping, periodic)
-        for own in native.OWN_STEP_FIELDS:
-            context[own] = 1
+        context["own_step"] = 1
         alone = _sheared(functor, overlap, damping, periodic)
         different = [
             attribute
             for attribute, values in natively.items()
             if not np.abs(alone[attribute] - values).max() <= STEP_TOLERANCE * np.abs(values).max()
         ]
-        if different and found.allowed[name]:
-            found.allowed[name] = 0
+        if different:
             where = f"with {damping} " * bool(damping) + "in a periodic scene " * periodic
-            what = f"{where}it leaves other values of {', '.join(different)} than the native go"
-            found.step_refused = what if found.step_refused is None else f"{found.step_refused}; {what}"
-    for name in native.OWN_STEP_FIELDS:
-        context[name] = found.allowed[name]
+            raise SelfTestFailed(f"{where}a contact step leaves other values of {', '.join(different)} than YADE's own")
+    native.find_layout().own_step_is_proved = True
 
 
 def _sheared(functor, overlap, damping, periodic):
@@ -135,11 +112,25 @@ def _engines(functor, radius, damping):
     return [*contact_engines(functor, physics, 0.1 * radius), yade.NewtonIntegrator(damping=0)]
 
 
+def run(binding):
+    """Take two spheres of surfaces that the law is for along a path; returns (steps, largest error over largest force).
+
+    Works in a scene apart: the user's is left as it is. Raises `native.BridgeUnavailable`.
+    """
+    if O.running:
+        raise DemlawsError(
+            "the law is made while a simulation runs (in a PyRunner?), and its self-test needs a scene of its own: make the "
+            "law before O.run and let the PyRunner use it"
+        )
+    with scratch_scene():
+        return _compare(binding)
+
+
 def _compare(binding):
     pairs = binding.pairs
     functor = yade.Law2_ScGeom_MindlinPhys_Mindlin(label="")
     binding.attachment.patch(functor)
-    binding.attachment.watch_itself()
+    binding.attachment.watched_by(yade.PyRunner())
     labels, number = pairs.pair_of_law()
     effective_radius, modulus = pairs.typical_contact(number)
     radius, young = 2.0 * effective_radius, 2.0 * modulus * (1.0 - POISSON**2)
@@ -166,11 +157,10 @@ def _compare(binding):
                 raise SelfTestFailed(f"YADE has the tangent stiffness {contact.phys.kn:g} N/m, the law {tangent:g} N/m")
     if not largest > 0 or not wrong <= TOLERANCE * largest * 100:
         raise SelfTestFailed(f"YADE applied up to {max(forces):g} N, the law gives {largest:g} N; they differ by {wrong:g} N")
-    if binding.context.take_fault() is not None:
+    if binding.context["seen"][: layout.FAULTS].any():
         raise SelfTestFailed("the native code received unknown contacts")
-    if native.find_layout().step_refused == native.NOT_TRIED:
+    if not native.find_layout().own_step_is_proved:
         try_own_step(binding.context, functor, deepest)
-    binding.account = 0.0, 0, 0.0, 0.0
-    binding.attachment.rows.release()
+    binding.clear()
     binding.attachment.watched_by(None)
     return steps, wrong / largest

@@ -9,23 +9,12 @@ displacement of the step, and turns vectors with the contact.
 
 from typing import NamedTuple
 
-from numba.extending import overload
-
+from demlaws.core.dispatch import bind, generic
 from demlaws.core.fastmath import sqrt
-from demlaws.core.numba_compat import INLINED, kernel
+from demlaws.core.numba_compat import kernel
 from demlaws.core.shear import EMPTY
 from demlaws.yade import layout, objects
-from demlaws.yade.mindlin import (
-    NativeStep,
-    advance,
-    after_native_step,
-    rotated,
-    slide,
-    trial_force,
-    trial_of_one_spring,
-    turned,
-    velocity_apart,
-)
+from demlaws.yade.mindlin import advance, turned, velocity_apart
 from demlaws.yade.records import assign, cross, dot, minus_scaled, pointee, scaled, vector, view
 
 SPRINGS = 12
@@ -47,7 +36,8 @@ class Slip(NamedTuple):
 # --- the displacement of a step
 
 
-def synchronise(step, mode, context, contact, row):
+@generic(lambda *_: lambda mode, context, contact, row: None)
+def synchronise(mode, context, contact, row):
     """Correct the displacement of the step, shearInc, which YADE has from spins ω of the half step and n of the full step.
 
     Surfaces move by -(r1 ω1 + r2 ω2) × n. With n of the half step the displacement differs by dt/2 (r1 ω1 + r2 ω2) × (n -
@@ -57,21 +47,15 @@ def synchronise(step, mode, context, contact, row):
     """
 
 
-@overload(synchronise, jit_options=INLINED)
-def _synchronise(step, mode, context, contact, row):
-    if step.instance_class is NativeStep or mode.instance_class is Native:
-        return lambda step, mode, context, contact, row: None
-
-    def to_half_step(step, mode, context, contact, row):
-        geom, law = view(contact.geom, objects.ScGeom), view(contact.functor - context.functor_offset, objects.Functor)
-        scene, interaction = view(law.scene, objects.Scene), view(contact.interaction, objects.Interaction)
-        first, second = view(contact.first, objects.State), view(contact.second, objects.State)
-        shift = half_step_shift(context, scene, interaction, geom, row, first, second)
-        moved = minus_scaled(vector(geom.shearInc), -0.5 * scene.dt, shift)
-        normal, spins = vector(geom.normal), minus_scaled(vector(first.angVel), -1.0, vector(second.angVel))
-        assign(geom.shearInc, turned_about(moved, normal, 0.25 * scene.dt * dot(spins, normal)))
-
-    return to_half_step
+@kernel
+def _to_half_step(mode, context, contact, row):
+    geom, law = view(contact.geom, objects.ScGeom), view(contact.functor - context.functor_offset, objects.Functor)
+    scene, interaction = view(law.scene, objects.Scene), view(contact.interaction, objects.Interaction)
+    first, second = view(contact.first, objects.State), view(contact.second, objects.State)
+    shift = half_step_shift(scene, interaction, geom, row, first, second)
+    moved = minus_scaled(vector(geom.shearInc), -0.5 * scene.dt, shift)
+    normal, spins = vector(geom.normal), minus_scaled(vector(first.angVel), -1.0, vector(second.angVel))
+    assign(geom.shearInc, turned_about(moved, normal, 0.25 * scene.dt * dot(spins, normal)))
 
 
 @kernel
@@ -82,9 +66,9 @@ def turned_about(a, normal, angle):
 
 
 @kernel
-def half_step_shift(context, scene, interaction, geom, row, first, second):
+def half_step_shift(scene, interaction, geom, row, first, second):
     """2/dt times the change of the displacement by the lever of the half step [m/s]."""
-    normal, axis = vector(geom.normal), turn_of_normal(context, geom)
+    normal, axis = vector(geom.normal), vector(geom.orthonormal_axis)  # n_before × n
     spin1, spin2 = vector(first.angVel), vector(second.angVel)
     if row.lever == layout.ROUND:
         return scaled(geom.refR1 * dot(spin1, normal) + geom.refR2 * dot(spin2, normal), axis)
@@ -94,22 +78,6 @@ def half_step_shift(context, scene, interaction, geom, row, first, second):
     moved = scaled(scene.dt, velocity_apart(scene, interaction, vector(first.vel), vector(second.vel)))
     shift = minus_scaled(cross(spin1, moved), geom.refR2 * (dot(spin1, normal) - dot(spin2, normal)), axis)
     return minus_scaled(shift, dot(shift, normal), normal)
-
-
-def turn_of_normal(context, geom):
-    """n_before × n of the contact's normal n."""
-
-
-@overload(turn_of_normal, jit_options=INLINED)
-def _turn_of_normal(context, geom):
-    if objects.AXES[0] in geom.fields:
-        return lambda context, geom: vector(geom.orthonormal_axis)
-
-    def by_rotation(context, geom):
-        normal = vector(geom.normal)
-        return cross(normal, rotated(context, geom, normal))
-
-    return by_rotation
 
 
 # --- levels
@@ -131,8 +99,8 @@ def force_of_levels(row):
 
 
 @kernel
-def energy_of_levels(row):
-    """Energy [J] that the springs store."""
+def energy_of_levels(mode, phys, row, stiffness):
+    """`stored_energy` of levels."""
     energy = 0.0
     for level in range(len(row.bound)):
         stretch = vector(row.stretch[level])
@@ -185,96 +153,60 @@ def relax_levels(row, stiffness):
     return cut_levels(row, stiffness)
 
 
-@overload(trial_force, jit_options=INLINED)
-def _trial_force(mode, context, geom, phys, row, increment):
-    if mode.instance_class is not Levels:
-        return lambda mode, context, geom, phys, row, increment: trial_of_one_spring(context, geom, phys, increment)
-
-    def displaced(mode, context, geom, phys, row, increment):
-        move_levels(context, geom, row, increment)
-        return force_of_levels(row)
-
-    return displaced
+@kernel
+def _force_of_displaced_levels(mode, geom, phys, row, increment):
+    move_levels(geom, row, increment)
+    return force_of_levels(row)
 
 
 @kernel
-def move_levels(context, geom, row, increment):
+def move_levels(geom, row, increment):
     """Turn the stretches with the contact and add the displacement of the step."""
     for level in range(len(row.bound)):
-        assign(row.stretch[level], minus_scaled(turned(context, geom, vector(row.stretch[level])), 1.0, increment))
+        assign(row.stretch[level], minus_scaled(turned(geom, vector(row.stretch[level])), 1.0, increment))
 
 
 @kernel
-def scale_levels(row, share):
+def scale_levels(mode, row, share):
     """Reduce all stretches to a share."""
     for level in range(len(row.bound)):
         assign(row.stretch[level], scaled(share, vector(row.stretch[level])))
 
 
 @kernel
-def reduce_levels(row, force):
-    """Reduce all stretches such that their force is as large as this one [N]."""
-    trial = force_of_levels(row)
-    scale_levels(row, sqrt(dot(force, force) / dot(trial, trial)))
-
-
-@overload(slide, jit_options=INLINED)
-def _slide(mode, row, share):
-    if mode.instance_class is Levels:
-        return lambda mode, row, share: scale_levels(row, share)
-    return lambda mode, row, share: None
-
-
-@overload(after_native_step, jit_options=INLINED)
-def _after_native_step(mode, context, contact, row):
-    if mode.instance_class is not Levels:
-        return lambda mode, context, contact, row: None
-
-    def moved(mode, context, contact, row):
-        geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
-        if not geom.penetrationDepth > 0.0:
-            return
-        move_levels(context, geom, row, vector(geom.shearInc))
-        if phys.isSliding != 0:
-            reduce_levels(row, vector(phys.shearElastic))
-
-    return moved
+def _follow_native_step(mode, contact, row):
+    geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
+    if not geom.penetrationDepth > 0.0:
+        return
+    move_levels(geom, row, vector(geom.shearInc))
+    if phys.isSliding != 0:
+        force, trial = vector(phys.shearElastic), force_of_levels(row)
+        scale_levels(mode, row, sqrt(dot(force, force) / dot(trial, trial)))
 
 
 # --- Mindlin's law with an account of energy
 
 
+@generic(lambda *_: lambda mode, phys, row, stiffness: row.held - stored_energy(mode, phys, row, stiffness))
 def relax_shear(mode, phys, row, stiffness):
     """Change the shear force for K_t now, `stiffness` [N/m], before Mindlin's law acts; energy [J] that is lost by this."""
 
 
-@overload(relax_shear, jit_options=INLINED)
-def _relax_shear(mode, phys, row, stiffness):
-    if mode.instance_class is not Levels:
-        return lambda mode, phys, row, stiffness: row.held - stored_energy(mode, phys, row, stiffness)
-
-    def relax(mode, phys, row, stiffness):
-        loss = relax_levels(row, stiffness)
-        assign(phys.shearElastic, force_of_levels(row))
-        return loss
-
-    return relax
+@kernel
+def _relax_levels(mode, phys, row, stiffness):
+    loss = relax_levels(row, stiffness)
+    assign(phys.shearElastic, force_of_levels(row))
+    return loss
 
 
+@generic(lambda *_: _energy_of_force)
 def stored_energy(mode, phys, row, stiffness):
     """Energy of shear [J] that the contact stores."""
 
 
-@overload(stored_energy, jit_options=INLINED)
-def _stored_energy(mode, phys, row, stiffness):
-    if mode.instance_class is Levels:
-        return lambda mode, phys, row, stiffness: energy_of_levels(row)
-
-    def of_force(mode, phys, row, stiffness):
-        force = vector(phys.shearElastic)
-        return 0.5 * dot(force, force) / stiffness if stiffness > 0.0 else 0.0
-
-    return of_force
+def _energy_of_force(mode, phys, row, stiffness):
+    force = vector(phys.shearElastic)
+    return 0.5 * dot(force, force) / stiffness if stiffness > 0.0 else 0.0
 
 
 @kernel
@@ -284,23 +216,18 @@ def is_changed(phys, row):
     return now[0] != left[0] or now[1] != left[1] or now[2] != left[2]
 
 
+@generic(lambda *_: lambda mode, phys, row, stiffness, force: stored_energy(mode, phys, row, stiffness))
 def adopt(mode, phys, row, stiffness, force):
     """Take over an elastic shear force [N] that a script has set; energy [J] of the contact with it."""
 
 
-@overload(adopt, jit_options=INLINED)
-def _adopt(mode, phys, row, stiffness, force):
-    if mode.instance_class is not Levels:
-        return lambda mode, phys, row, stiffness, force: stored_energy(mode, phys, row, stiffness)
-
-    def as_one_level(mode, phys, row, stiffness, force):
-        if stiffness > 0.0:
-            for level in range(len(row.bound)):
-                assign(row.stretch[level], scaled(1.0 / stiffness, force))
-            assign(phys.shearElastic, force)
-        return energy_of_levels(row)
-
-    return as_one_level
+@kernel
+def _adopt_as_one_level(mode, phys, row, stiffness, force):
+    if stiffness > 0.0:
+        for level in range(len(row.bound)):
+            assign(row.stretch[level], scaled(1.0 / stiffness, force))
+        assign(phys.shearElastic, force)
+    return energy_of_levels(mode, phys, row, stiffness)
 
 
 @kernel
@@ -312,7 +239,7 @@ def account(row, stiffness, stored, loss):
 
 
 @kernel
-def apply_with_account(step, mode, context, contact, row, stiffness):
+def apply_with_account(mode, context, contact, row, stiffness):
     """Mindlin's law, with an account of the energy of shear."""
     geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
     given, changed = vector(phys.shearElastic), is_changed(phys, row)
@@ -320,39 +247,38 @@ def apply_with_account(step, mode, context, contact, row, stiffness):
     if changed:
         held, loss = adopt(mode, phys, row, stiffness, given), 0.0
     first, old = held - loss, vector(phys.shearElastic)
-    keep = advance(step, mode, context, contact, row)
+    keep = advance(mode, context, contact, row)
     if not stiffness > 0.0:
         account(row, 0.0, 0.0, held)
         return keep
     last = stored_energy(mode, phys, row, stiffness)
     if phys.isSliding != 0 and first + last > 0.0:
         increment, new = vector(geom.shearInc), vector(phys.shearElastic)  # its work on the body is positive against the force
-        loss -= 0.5 * (dot(turned(context, geom, old), increment) + dot(new, increment)) + (last - first)
+        loss -= 0.5 * (dot(turned(geom, old), increment) + dot(new, increment)) + (last - first)
     account(row, stiffness, last, loss)
     return keep
 
 
+@generic(lambda *_: lambda mode, rule, p, row, overlap, force, stiffness, state: None)
 def compress(mode, rule, p, row, overlap, force, stiffness, state):
     """Write the mean compressions [m] of the springs; stiffness: with which the contact would unload now [N/m]."""
 
 
-@overload(compress, jit_options=INLINED)
-def _compress(mode, rule, p, row, overlap, force, stiffness, state):
-    if mode.instance_class is not Slip:
-        return lambda mode, rule, p, row, overlap, force, stiffness, state: None
-
-
-def apply_mindlin(step, mode, context, contact, row, stiffness):
+@generic(lambda *_: apply_with_account.py_func)
+def apply_mindlin(mode, context, contact, row, stiffness):
     """Mindlin's law; stiffness: K_t [N/m]. Returns whether the contact lasts."""
 
 
-@overload(apply_mindlin, jit_options=INLINED)
-def _apply_mindlin(step, mode, context, contact, row, stiffness):
-    if mode.instance_class is not Slip:
-        return lambda step, mode, context, contact, row, stiffness: apply_with_account(
-            step, mode, context, contact, row, stiffness
-        )
-
-
+bind(
+    Levels,
+    synchronise=_to_half_step,
+    trial_force=_force_of_displaced_levels,
+    slide=scale_levels,
+    after_native_step=_follow_native_step,
+    relax_shear=_relax_levels,
+    stored_energy=energy_of_levels,
+    adopt=_adopt_as_one_level,
+)
+bind(Slip, synchronise=_to_half_step)
 MODES = {"elastic": Levels(), "loading": Levels(), "native": Native(), "slip": Slip()}
 """Choice of `shear=` → how the shear force follows K_t."""

@@ -3,16 +3,15 @@ components in a tangent frame. Compiled code, loaded for shear="slip" only."""
 
 from numba.extending import overload
 
-from demlaws.core.dispatch import curves_of, first_loading
+from demlaws.core.dispatch import bind, curves_of, first_loading
 from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import INLINED, kernel
 from demlaws.core.slip import stretched
 from demlaws.core.unloading import rule_of
-from demlaws.yade import objects
+from demlaws.yade import layout, objects
 from demlaws.yade.mindlin import advance, turned
-from demlaws.yade.notes import cold
-from demlaws.yade.records import assign, cross, dot, minus_scaled, pointee, scaled, unit_perpendicular, vector, view
-from demlaws.yade.shear import Slip, account, apply_mindlin, compress, is_changed
+from demlaws.yade.records import assign, cross, dot, minus_scaled, note, pointee, scaled, unit_perpendicular, vector, view
+from demlaws.yade.shear import Slip, account, is_changed
 
 SLACK = 1e-11
 """Of Coulomb's limit: a contact within this is sliding."""
@@ -100,74 +99,44 @@ def join(row, previous, share):
             row.spring[axis, k] = mean
 
 
-@overload(compress, jit_options=INLINED)
-def _compress(mode, rule, p, row, overlap, force, stiffness, state):
-    if mode.instance_class is not Slip:
-        return None
-
-    def write(mode, rule, p, row, overlap, force, stiffness, state):
-        """`shear.compress` with springs: their mean compressions [m]."""
-        if not (stiffness > 0.0 and overlap > 0.0):
-            return
-        count, share = len(row.end), row.share
-        previous = row.shear / row.ratio if row.ratio > 0.0 else 0.0
-        old = share
-        if share == 0.0:
-            share = stiffness / count
-        while stiffness > count * share * (1.0 + 1e-12):
-            join(row, previous, share)
-            share *= 2.0
-        if share != old:
-            row.share = share
-            for k in range(count):
-                row.end[k] = -1.0
-        depth = recoverable(rule, overlap, state)
-        before, total = 0.0, 0.0
+@kernel
+def write_compressions(mode, rule, p, row, overlap, force, stiffness, state):
+    """`shear.compress` with springs: their mean compressions [m]."""
+    if not (stiffness > 0.0 and overlap > 0.0):
+        return
+    count, share = len(row.end), row.share
+    previous = row.shear / row.ratio if row.ratio > 0.0 else 0.0
+    old = share
+    if share == 0.0:
+        share = stiffness / count
+    while stiffness > count * share * (1.0 + 1e-12):
+        join(row, previous, share)
+        share *= 2.0
+    if share != old:
+        row.share = share
         for k in range(count):
-            low, high = k * share, (k + 1) * share
-            if low >= stiffness:
-                break
-            if high < stiffness:
-                end = spring_end(rule, p, row.end, k, depth, state, high)
-            else:
-                high, end = stiffness, stiffness * depth - force
-            mean = max(depth - (end - before) / (high - low), 0.0) if high > low else 0.0
-            row.compression[k] = mean
-            total += (high - low) * mean
-            before = end
-        row.scale = force / total if total > 0.0 else 0.0
-
-    return write
-
-
-@kernel
-def slipped(u, v, longest):
-    """A stretch [m], at most as long as Coulomb's limit allows."""
-    length = sqrt(u * u + v * v)
-    share = longest / length if length > longest else 1.0
-    return share * u, share * v
-
-
-@cold
-def common_stretch(row, top, limit, force):
-    """Stretch over force [m/N] with which all springs, slipped where they must, have this force [N], and their energy [J]."""
-    stretch, energy = force / (top * row.ratio), 0.0
-    for _ in range(100):
-        total, energy = 0.0, 0.0
-        for k in range(len(row.end)):
-            spring = row.ratio * row.share * part_in_contact(top, row.share, k)
-            length = min(stretch, limit * row.compression[k])
-            total, energy = total + spring * length, energy + 0.5 * spring * length * length
-        if total == 0.0 or total >= (1.0 - 1e-13) * force:
+            row.end[k] = -1.0
+    depth = recoverable(rule, overlap, state)
+    before, total = 0.0, 0.0
+    for k in range(count):
+        low, high = k * share, (k + 1) * share
+        if low >= stiffness:
             break
-        stretch *= force / total
-    return stretch / force if force > 0.0 else 0.0, energy
+        if high < stiffness:
+            end = spring_end(rule, p, row.end, k, depth, state, high)
+        else:
+            high, end = stiffness, stiffness * depth - force
+        mean = max(depth - (end - before) / (high - low), 0.0) if high > low else 0.0
+        row.compression[k] = mean
+        total += (high - low) * mean
+        before = end
+    row.scale = force / total if total > 0.0 else 0.0
 
 
 @kernel
-def turned_tangent(context, geom, tangent, normal):
+def turned_tangent(geom, tangent, normal):
     """Unit vector of a tangent that turns with the contact, and the length which the turn gave it; any one and 0 for zeros."""
-    first = turned(context, geom, tangent)
+    first = turned(geom, tangent)
     first = minus_scaled(first, dot(first, normal), normal)  # `turned` leaves the plane by the square of the turn
     length = sqrt(dot(first, first))
     if length > 0.0:
@@ -185,19 +154,19 @@ def open_springs(phys, row):
 
 
 @kernel
-def apply_to_springs(step, mode, context, contact, row, stiffness):
+def apply_to_springs(mode, context, contact, row, stiffness):
     """Set the shear force to that of the springs, apply Mindlin's law and account for the energy; stiffness: K_t [N/m]."""
     geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
-    count, energy = len(row.end), row.held
+    count = len(row.end)
     old_first, old_second = vector(row.tangent[0]), vector(row.tangent[1])
     if not stiffness > 0.0:
         open_springs(phys, row)
-        keep = advance(step, mode, context, contact, row)
+        keep = advance(mode, context, contact, row)
         assign(row.tangent[0], (0.0, 0.0, 0.0))
         return keep
     displacement = scaled(-1.0, vector(geom.shearInc))  # positive along the force that it makes
     normal = vector(geom.normal)
-    first, length = turned_tangent(context, geom, old_first, normal)
+    first, length = turned_tangent(geom, old_first, normal)
     if length == 0.0:  # a new contact
         length, old_first, old_second = 1.0, first, cross(normal, first)
     second = cross(normal, first)
@@ -205,14 +174,8 @@ def apply_to_springs(step, mode, context, contact, row, stiffness):
     top, previous = stiffness / ratio, row.shear / ratio
     limit = phys.tangensOfFrictionAngle * row.scale / ratio
     along, across, most, work, stored = 0.0, 0.0, 0.0, 0.0, 0.0
-    changed, given_u, given_v = is_changed(phys, row), 0.0, 0.0
-    if changed:  # by a script
-        given_u, given_v = (
-            dot(vector(phys.shearElastic), old_first) / length,
-            dot(vector(phys.shearElastic), old_second) / length,
-        )
-        stretch, energy = common_stretch(row, top, limit, sqrt(given_u * given_u + given_v * given_v))
-        given_u, given_v = stretch * given_u, stretch * given_v
+    if is_changed(phys, row):
+        note(context, layout.SET_SHEAR, view(contact.interaction, objects.Interaction), 0.0)
     du, dv = dot(displacement, first), dot(displacement, second)
     for k in range(count):  # as `slip_step`
         part, part_before = part_in_contact(top, share, k), part_in_contact(previous, share, k)
@@ -222,8 +185,6 @@ def apply_to_springs(step, mode, context, contact, row, stiffness):
         u, v = row.spring[0, k], row.spring[1, k]
         if part > part_before:
             u, v = u * (part_before / part), v * (part_before / part)
-        if changed:
-            u, v = slipped(given_u, given_v, limit * row.compression[k])
         spring = ratio * share * part
         longest = limit * row.compression[k]
         most += spring * longest
@@ -238,18 +199,13 @@ def apply_to_springs(step, mode, context, contact, row, stiffness):
     assign(phys.shearElastic, minus_scaled(scaled(first_part, old_first), -second_part, old_second))
     assign(row.tangent[0], first)
     assign(row.tangent[1], second)
-    account(row, stiffness, stored, work - (stored - energy))
+    account(row, stiffness, stored, work - (stored - row.held))
     betas = phys.betas
     if along * along + across * across >= (1.0 - SLACK) * most * most:  # sliding, which Mindlin's law does not see
         phys.betas = 0.0
-    keep = advance(step, mode, context, contact, row)
+    keep = advance(mode, context, contact, row)
     phys.betas = betas
     return keep
 
 
-@overload(apply_mindlin, jit_options=INLINED)
-def _apply_mindlin(step, mode, context, contact, row, stiffness):
-    if mode.instance_class is Slip:
-        return lambda step, mode, context, contact, row, stiffness: apply_to_springs(
-            step, mode, context, contact, row, stiffness
-        )
+bind(Slip, compress=write_compressions, apply_mindlin=apply_to_springs)

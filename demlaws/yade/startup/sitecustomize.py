@@ -1,7 +1,7 @@
 """What Python does at the start of a process of `demlaws yade run`, in whose PYTHONPATH this folder is.
 
-The package yade gets the replacement of `demlaws.yade.watch_loaded` when it is imported: a script that loads a saved scene may
-not import demlaws. The sitecustomize of the system, which this file hides, is executed, too.
+`demlaws.yade` is imported right after the package yade: a script that loads a saved scene may not import it. The
+sitecustomize of the system, which this file hides, is executed, too.
 """
 
 import importlib.abc
@@ -14,7 +14,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 
 
 class _Finder(importlib.abc.MetaPathFinder):
-    """Finds yade once, and has the replacement made after its import."""
+    """Finds yade once, and has demlaws.yade imported after it."""
 
     def find_spec(self, name, path=None, target=None):
         if name != "yade":
@@ -24,13 +24,11 @@ class _Finder(importlib.abc.MetaPathFinder):
         if spec is not None and spec.loader is not None:
             execute = spec.loader.exec_module
 
-            def execute_and_replace(module):
+            def execute_both(module):
                 execute(module)
-                from demlaws.yade import watch_loaded
+                importlib.import_module("demlaws.yade")
 
-                watch_loaded()
-
-            spec.loader.exec_module = execute_and_replace
+            spec.loader.exec_module = execute_both
         return spec
 
 

@@ -102,8 +102,6 @@ def contact_steps(found):
 
 
 def test_hertz_leaves_what_stock_mindlin_leaves(omega):
-    from demlaws.yade import native
-
     stock = seen(box_of_stones(yade.Law2_ScGeom_MindlinPhys_Mindlin()))
     law = hertz()
     calls = Counted(law)
@@ -113,7 +111,6 @@ def test_hertz_leaves_what_stock_mindlin_leaves(omega):
     assert 0.05 < sliding.mean() < 0.95 and np.abs(stock["torque"]).max() > 0.0
     pairs = {tuple(pair) for pair in stock["pair"].tolist()}
     assert len(pairs) > 150 and len(stock["pair"]) < len(pairs) * STEPS / 10  # some begin or end
-    assert native.find_layout().step_refused is None
     assert 0 < calls.calls < 0.1 * contact_steps(stock)  # of new contacts and those that end
 
 
@@ -183,11 +180,9 @@ def test_on_two_threads(tmp_path):
     under_yade(
         """
 from test_yade_step import *
-from demlaws.yade import native
 assert yade.O.numThreads == 2
 stock = seen(box_of_stones(yade.Law2_ScGeom_MindlinPhys_Mindlin()))
 assert_same(seen(box_of_stones(hertz())), stock)
-assert native.find_layout().step_refused is None
 print("SAME")
 """,
         tmp_path,
@@ -195,57 +190,33 @@ print("SAME")
     ).stdout.index("SAME")
 
 
-def test_a_step_that_differs_is_refused(tmp_path):
-    """The self-test compares: with another offset of a force, the native `go` goes on to act. (In a process of its own: code
-    that is compiled has the offsets built in.)"""
-    under_yade(
-        """
+@pytest.mark.parametrize(
+    ("cls", "member", "other", "words"),
+    [
+        ("MindlinPhys", "shearForce", "usElastic", "leaves other values of .*shearForce"),
+        ("State", "mass", "vel", "with {'en': 0.7, 'es': 0.5} a contact step leaves other values of .*normalViscous"),
+    ],
+)
+def test_a_step_that_differs_is_refused(tmp_path, cls, member, other, words):
+    """The self-test compares with YADE's own step, here with another offset of a member. (In a process of its own: code that is
+    compiled has the offsets built in.)"""
+    done = under_yade(
+        f"""
+import demlaws
 from test_yade_step import *
 from demlaws.yade import native
 find = native.Layout.find_step
 
 def wrong(layout):
     found = find(layout)
-    found["MindlinPhys"]["shearForce"] = found["MindlinPhys"]["usElastic"]
+    found[{cls!r}][{member!r}] = *found[{cls!r}][{member!r}][:-1], found[{cls!r}][{other!r}][-1]
     return found
 
 native.Layout.find_step = wrong
-law = hertz()
-assert "shearForce" in native.find_layout().step_refused and not any(native.find_layout().allowed.values())
-calls = Counted(law)
-found = seen(box_of_stones(law))
-assert calls.calls >= contact_steps(found) and found["kn"].max() > 1e-4 * 60.6e9
+with pytest.raises(demlaws.DemlawsError, match={words!r}):
+    hertz()
 print("REFUSED")
 """,
         tmp_path,
-    ).stdout.index("REFUSED")
-
-
-def test_what_differs_with_damping_alone_is_refused_there(tmp_path):
-    """Another formula of damping, or of turning vectors: the rest of the step is still ours."""
-    under_yade(
-        """
-from test_yade_step import *
-from demlaws.yade import native
-find = native.Layout.find_step
-
-def wrong(layout):
-    found = find(layout)
-    found["State"]["mass"] = found["State"]["vel"][0], found["State"]["vel"][-1]
-    return found
-
-native.Layout.find_step, native.find_axes = wrong, lambda rotate: None
-law = hertz()
-assert native.find_layout().allowed == {"own_step": 1, "own_damping": 0, "own_period": 0}
-assert "normalViscous" in native.find_layout().step_refused
-for damping, most in (({}, 0.1), ({"en": 0.6, "es": 0.6}, 1.1)):
-    physics = yade.Ip2_FrictMat_FrictMat_MindlinPhys(**damping)
-    stock = seen(box_of_stones(yade.Law2_ScGeom_MindlinPhys_Mindlin(), physics))
-    law = hertz()
-    calls = Counted(law)
-    assert_same(seen(box_of_stones(law, physics)), stock)
-    assert most - 0.2 < calls.calls / contact_steps(stock) < most
-print("REFUSED")
-""",
-        tmp_path,
-    ).stdout.index("REFUSED")
+    )
+    assert "REFUSED" in done.stdout, done.stdout + done.stderr

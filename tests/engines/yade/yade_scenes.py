@@ -122,12 +122,12 @@ def assert_guarded():
     stops(r"contact 0\+1", 20)
 
 
-def under_yade(text, tmp_path, threads=1, stay=False):
+def under_yade(text, tmp_path, threads=1):
     """Run a script in a YADE process of its own."""
     script = tmp_path / "script.py"
     script.write_text(f"import sys\nsys.path.insert(0, {str(Path(__file__).parent)!r})\n{text}")
     options = {"capture_output": True, "text": True, "timeout": 600, "cwd": tmp_path, "stdin": subprocess.DEVNULL}
-    return run(script, (), threads, stay=stay, **options)
+    return run(script, (), threads, **options)
 
 
 def cloud(law, number=150, seed=3, rate=-20.0, damping=0.1, physics=None, friction=0.5):
