@@ -179,7 +179,8 @@ class Layout:
             return self._find_members_of_step(functor, scene)
 
     def _find_members_of_step(self, functor, scene):
-        cell = find_word(scene, O.cell)
+        cell = find_word(scene, O.cell)  # before the flag of a periodic scene is looked for
+        size = find_cell_size(O.cell)
         base = symbol(self.library, f"_ZTI{TABLE[4:]}")
         base_kind, _, parent = read_memory(base, 24, ctypes.c_uint64).tolist()
         if symbol_at(base_kind - 16) != SINGLE_BASE or parent != symbol(self.core, "_ZTIN4yade10LawFunctorE"):
@@ -201,7 +202,7 @@ class Layout:
                 "dt": ("f8", find_scene_number(scene, "dt")),
                 "cell": ("i8", cell),
             },
-            "Cell": {"hSize": ("f8", (3, 3), find_cell_size(O.cell)), "shiftVelocity": ("f8", (3, 3), find_shift_velocity())},
+            "Cell": {"hSize": ("f8", (3, 3), size), "shiftVelocity": ("f8", (3, 3), find_shift_velocity())},
             "MindlinPhys": {name: ("f8", find_number(yade.MindlinPhys, name)) for name in ("ks", "betan")}
             | exponent
             | {name: (*objects.VECTOR, find_vector(yade.MindlinPhys, name)) for name in vectors},

@@ -31,6 +31,28 @@ def unlisted_text(binding, bodies, missing):
     )
 
 
+WITHOUT_VALUE = {
+    layout.UNGUARDED: (
+        " was computed by a functor that has no guard in the scene, and got no force: give the law to an InteractionLoop in "
+        "O.engines (engines within an integrator are not served)"
+    ),
+    layout.LOST_ROW: (
+        " has a history that this process does not have: its scene was saved or loaded without demlaws. Load it by O.load "
+        "after `import demlaws.yade`, or let all contacts begin again: O.interactions.clear()"
+    ),
+    layout.CHANGED: (
+        ": kno or kso was changed by the script; the law writes both in each step, from R, E* and surfaces. For another force "
+        "give other materials or surfaces, for another K_t shear_ratio=, or use Law2_ScGeom_MindlinPhys_Mindlin"
+    ),
+    layout.SET_SHEAR: (
+        ': its shearElastic was set by the script, which springs of shear="slip" cannot take over: use shear="elastic", or let '
+        "contacts begin again, O.interactions.clear()"
+    ),
+    layout.NO_ROW: f" has no memory for its history: {native.MORE_MEMORY}",
+}
+"""Kind of fault → message that has nothing of the contact."""
+
+
 def fault_text(binding, kind, bodies, value):
     """Message about a fault of the contact of two bodies; value: overlap or R [m], or E* [Pa]."""
     first, second = bodies
@@ -63,28 +85,8 @@ def fault_text(binding, kind, bodies, value):
             f" of {shapes[0]}: YADE's geometry has no radius (refR1 = refR2 = 0), so that the "
             "stiffness of MindlinPhys is not finite, also natively. Use level sets or polyhedra"
         )
-    if kind == layout.UNGUARDED:
-        return (
-            " was computed by a functor that has no guard in the scene, and got no force: give the law to an "
-            "InteractionLoop in O.engines (engines within an integrator are not served)"
-        )
-    if kind == layout.LOST_ROW:
-        return (
-            " has a history that this process does not have: its scene was saved or loaded without demlaws. "
-            "Load it by O.load after `import demlaws.yade`, or let all contacts begin again: O.interactions.clear()"
-        )
-    if kind == layout.CHANGED:
-        return (
-            ": kno or kso was changed by the script; the law writes both in each step, from R, E* and surfaces. For another "
-            "force give other materials or surfaces, for another K_t shear_ratio=, or use Law2_ScGeom_MindlinPhys_Mindlin"
-        )
-    if kind == layout.SET_SHEAR:
-        return (
-            ': its shearElastic was set by the script, which springs of shear="slip" cannot take over: use shear="elastic", or '
-            "let contacts begin again, O.interactions.clear()"
-        )
-    if kind == layout.NO_ROW:
-        return f" has no memory for its history: {native.MORE_MEMORY}"
+    if kind in WITHOUT_VALUE:
+        return WITHOUT_VALUE[kind]
     if kind == layout.TOO_DEEP:
         radius = binding.attachment.rows_of([O.interactions[first, second]])["radius"][0]
         text = too_large_overlap(value, float(radius))

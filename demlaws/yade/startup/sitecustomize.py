@@ -26,7 +26,7 @@ class _Finder(importlib.abc.MetaPathFinder):
 
             def execute_both(module):
                 execute(module)
-                importlib.import_module("demlaws.yade")
+                import demlaws.yade  # noqa: F401
 
             spec.loader.exec_module = execute_both
         return spec

@@ -210,7 +210,7 @@ def test_totals_count_contacts_that_were_erased(omega, tmp_path, erase):
     omega.bodies[omega.bodies[-1].id].state.pos = (0.1, 0, 0.03)  # this contact ends
     advance(2)
     before = law.totals()
-    assert before.stored > 0 and before.dissipated > 0 and before.unaccounted == 0 and "without" not in repr(before)
+    assert before.stored > 0 and before.dissipated > 0 and before.unaccounted == 0
     {
         "body": lambda: omega.bodies.erase(1),
         "contact": lambda: omega.interactions.erase(0, 1),
@@ -218,7 +218,7 @@ def test_totals_count_contacts_that_were_erased(omega, tmp_path, erase):
         "clump": lambda: omega.bodies.erase(clump, True),
     }[erase]()
     after = law.totals()
-    assert after.unaccounted == 1 and "without the dissipation of 1 erased contacts" in repr(after)
+    assert after.unaccounted == 1 and "unaccounted=1" in repr(after)
     assert 0 < after.dissipated < before.dissipated and after.stored == 0
     omega.saveTmp()
     omega.loadTmp()

@@ -26,7 +26,7 @@ SHEARS = {
     "rough": lambda: functor("pohrt-popov", "hertz"),
     "loading": lambda: functor("pohrt-popov", "hertz", shear="loading"),
     "slip": lambda: functor("pohrt-popov", "hertz", shear="slip"),
-    "native": lambda: functor("pohrt-popov", "hertz", shear="native"),
+    "native": lambda: functor("hertz", "elastic", None, shear="native"),
 }
 
 

@@ -190,18 +190,11 @@ print("SAME")
     ).stdout.index("SAME")
 
 
-@pytest.mark.parametrize(
-    ("cls", "member", "other", "words"),
-    [
-        ("MindlinPhys", "shearForce", "usElastic", "leaves other values of .*shearForce"),
-        ("State", "mass", "vel", "with {'en': 0.7, 'es': 0.5} a contact step leaves other values of .*normalViscous"),
-    ],
-)
-def test_a_step_that_differs_is_refused(tmp_path, cls, member, other, words):
-    """The self-test compares with YADE's own step, here with another offset of a member. (In a process of its own: code that is
-    compiled has the offsets built in.)"""
+def test_a_step_that_differs_is_refused(tmp_path):
+    """The self-test compares with YADE's own step, here with another mass of damped bodies. (In a process of its own: code that
+    is compiled has the offsets built in.)"""
     done = under_yade(
-        f"""
+        """
 import demlaws
 from test_yade_step import *
 from demlaws.yade import native
@@ -209,11 +202,11 @@ find = native.Layout.find_step
 
 def wrong(layout):
     found = find(layout)
-    found[{cls!r}][{member!r}] = *found[{cls!r}][{member!r}][:-1], found[{cls!r}][{other!r}][-1]
+    found["State"]["mass"] = found["State"]["vel"][0], found["State"]["vel"][-1]
     return found
 
 native.Layout.find_step = wrong
-with pytest.raises(demlaws.DemlawsError, match={words!r}):
+with pytest.raises(demlaws.DemlawsError, match="with .* a contact step leaves other values of .*normalViscous"):
     hertz()
 print("REFUSED")
 """,

@@ -166,18 +166,11 @@ def test_a_law_in_two_scenes_stops_the_first(omega):
 
 
 @pytest.mark.parametrize(
-    ("law", "surfaces", "why"),
-    [
-        ("pohrt-popov", {"granit": GRANITE}, "label 'granit'.*'granite'"),
-        ("pohrt-popov", None, "no surface was given.*'granite'"),
-        ("table", None, "no surface was given.*'granite'"),
-    ],
+    ("surfaces", "why"),
+    [({"granit": GRANITE}, "label 'granit'.*'granite'"), (None, "no surface was given.*'granite'")],
 )
-def test_smooth_contacts_of_a_rough_law_are_an_error(omega, tmp_path, law, surfaces, why):
-    if law == "table":
-        contact = dl.Contact(0.005, 32e9, 2.4e-6, 2.22)
-        law = str(dl.law("pohrt-popov", contact, "hertz").tabulate(1e-4).save(tmp_path / "rough.tbl"))
-    still(functor(law, None if "." in law else "hertz", surfaces, label="unsaid"))
+def test_smooth_contacts_of_a_rough_law_are_an_error(omega, surfaces, why):
+    still(functor(surfaces=surfaces, label="unsaid"))
     stops(why)
 
 
@@ -328,7 +321,7 @@ def test_hertzian_flats_are_understood(omega, flat):
     on_flat(flat)
     geometries = [yade.Ig2_Facet_Sphere_ScGeom(hertzian=True), yade.Ig2_Wall_Sphere_ScGeom(hertzian=True)]
     for flats in ("plane", "yade"):
-        law = functor("yip-venart", "elastic", flats=flats)
+        law = functor(flats=flats)
         set_engines(law, 1e-9, geometries=geometries)
         advance(3)
         assert law.contacts().radius[0] == pytest.approx(0.01, rel=1e-7) and law.contacts().force[0] > 0
