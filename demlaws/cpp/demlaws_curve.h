@@ -102,8 +102,8 @@ public:
   // d ln s / d ln u of a row: the exponent of the power law below it.
   static double exponent(const Row &row) { return row.u * row.slope / row.s; }
 
-  // Number of the first row that the grid does not allow, with what is wrong; -1: they are a curve.
-  static int off_grid(const std::vector<Row> &rows, int bits, std::string &what);
+  // Number of the first row that the grid does not allow; -1: they are a curve.
+  static int off_grid(const std::vector<Row> &rows, int bits);
   // From rows on the grid. straight: below the first row; else a power law, for 40 octaves or about down to s =
   // `until`.
   void build(const std::vector<Row> &rows, int bits, bool straight, double until = 0.);
@@ -164,30 +164,19 @@ private:
   }
 };
 
-inline int Curve::off_grid(const std::vector<Row> &rows, int bits, std::string &what) {
-  const int n = (int)rows.size();
-  int64_t next = grid_number(rows[0].u, bits) + 1;
-  int kinks = 0;
-  what = "the overlap is not on the grid of the header's bits";
-  if (grid_point(next - 1, bits) != rows[0].u) return 0;
-  for (int i = 1; i < n; i++) {
+// Each grid point has a row; between the first and the last one kinks, an overlap in two rows, may lie anywhere.
+inline int Curve::off_grid(const std::vector<Row> &rows, int bits) {
+  const int last = (int)rows.size() - 1;
+  int64_t next = grid_number(rows[0].u, bits);
+  for (int i = 0, kinks = 0; i <= last; i++) {
     const double u = rows[i].u, coming = grid_point(next, bits);
-    if (u == rows[i - 1].u) {
-      if (i == 1 || i == n - 1 || u == rows[i - 2].u) {
-        what = "a kink, an overlap in two rows, lies between other rows";
-        return i;
-      }
-      if (++kinks > MOST_KINKS) {
-        what = "more than " + std::to_string(MOST_KINKS) + " kinks";
-        return i;
-      }
+    const bool ends = i == 0 || i == last;
+    if (i > 0 && u == rows[i - 1].u) { // the second row of a kink
+      if (ends || i == 1 || u == rows[i - 2].u || ++kinks > MOST_KINKS) return i;
     } else if (u == coming) next++;
-    else if (u > coming) {
-      what = "a row is missing before this one";
-      return i;
-    } else if (i == n - 1 || rows[i + 1].u != u) return i;
+    else if (u > coming || ends || rows[i + 1].u != u) return i;
   }
-  return grid_point(next - 1, bits) == rows[n - 1].u ? -1 : n - 1;
+  return -1;
 }
 
 // The cubic that has the rows' values and slopes at parts t0 and t1 of a cell of this width in u.

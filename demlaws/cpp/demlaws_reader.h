@@ -18,9 +18,8 @@ namespace demlaws {
 
 // Number of doubles a contact must keep: the first so many of STATE_NAMES.
 constexpr int state_size(Unloading rule) { return STATE_SIZES[rule]; }
-constexpr bool keeps_radius(Unloading rule) {
-  return state_size(rule) == 3;
-} // R_p/R, along whose Hertz curve it unloads
+// Among them R_p/R, along whose Hertz curve the contact unloads.
+constexpr bool keeps_radius(Unloading rule) { return state_size(rule) == 3; }
 
 // CRC-32 of zlib (polynomial 0xEDB88320), continued from an earlier value.
 inline uint32_t crc32(uint32_t crc, const char *data, size_t size) {
@@ -362,9 +361,12 @@ inline void Table::build(Curve &curve, int which, const Lines &lines, double unt
   const std::string held = std::to_string(rows.size());
   if (count != held) fail(lines_[prefix + "rows"], prefix + "rows: " + count + ", but the table has " + held);
   const int bits = (int)whole(text(prefix + "bits"));
-  std::string what;
-  const int wrong = Curve::off_grid(rows, bits, what);
-  if (wrong >= 0) fail(lines.first_line[which] + wrong, what);
+  const int wrong = Curve::off_grid(rows, bits);
+  if (wrong >= 0)
+    fail(lines.first_line[which] + wrong,
+         "a row is missing before this one, or its overlap is neither on the grid of the header's bits nor one of at "
+         "most " +
+             std::to_string(MOST_KINKS) + " kinks, an overlap in two rows, between other rows");
   const bool straight = text(prefix + "below_first_row") == "straight";
   if (straight && Curve::exponent(rows[0]) > 1. + 1e-9)
     fail(lines_[prefix + "below_first_row"],

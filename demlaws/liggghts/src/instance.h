@@ -51,10 +51,8 @@ struct Ledger {
     wall_stored += stored;
     wall_pending += pending;
   }
-  // Of a pair contact whose second particle is j.
-  void add_dissipated(double energy, int j, int nlocal) {
-    taken += j < nlocal ? energy : 0.5 * energy;
-  } // the other rank has the rest
+  // Of a pair contact whose second particle is j: where that is another rank's, it has the other half.
+  void add_dissipated(double energy, int j, int nlocal) { taken += j < nlocal ? energy : 0.5 * energy; }
 };
 
 struct EnergySource {
