@@ -25,36 +25,10 @@ namespace {
 
 typedef Abi<false>::Model AnyModel; // what both layouts begin with
 
-// LAMMPS's Force, which holds the constants of the units; NULL: not found at the expected place.
-void *force_of(void *lmp) {
-  std::vector<double> buffer(2048);
-  const Stock &stock = Stock::get();
-  AnyModel *const m = (AnyModel *)&buffer[0];
-  stock.make(m, lmp);
-  char *const force = m->of.lmp == lmp && m->of.force ? *(char **)m->of.force : NULL;
-  stock.unmake(m);
-  const char *const constant = (const char *)stock.global(lmp, "nktv2p");
-  return force && constant > force && constant < force + 1024 ? force : NULL;
-}
-
-// What the granular models of one layout do.
-struct Layout {
-  bool (*pairs_fit)(void *, const Stock &);
-  bool (*check)(void *);
-  void (*compute)(void *);
-  void (*construct)(void *, const std::string &, int, bool);
-  int (*add)(void *, char **, int, int, int, bool);
-  void (*before_init)(void *);
-  bool (*after_init)(void *, bool, std::vector<int> &);
-  template <bool LATE> static const Layout *of() {
-    typedef Hooks<Abi<LATE>> All;
-    static const Layout layout = {Abi<LATE>::pairs_fit, All::check,     All::compute, All::construct, All::add,
-                                  All::before_init,     All::after_init};
-    return &layout;
-  }
-};
-const Layout *layout = NULL; // that of this LAMMPS, as soon as it is proved
-bool pairs_proved = false;   // pairs of particles are computed here
+// The layout of this LAMMPS's granular models, as soon as it is proved, and what is done in it.
+enum { UNKNOWN, EARLY, LATE } layout = UNKNOWN;
+#define IN_LAYOUT(FUNCTION) (layout == EARLY ? Hooks<Abi<false>>::FUNCTION : Hooks<Abi<true>>::FUNCTION)
+bool pairs_proved = false; // pairs of particles are computed here
 
 // All slots of the functions that are replaced.
 Slots &slots() {
@@ -68,8 +42,8 @@ void take_pairs() {
   const char *const names[] = {DEMLAWS_PAIRS(DEMLAWS_NAME)};
   pairs_proved = slots().has(names[0]) && slots().has(names[1]);
   if (!pairs_proved) return;
-  slots().set(names[0], (void *)layout->check);
-  slots().set(names[1], (void *)layout->compute);
+  slots().set(names[0], (void *)IN_LAYOUT(check));
+  slots().set(names[1], (void *)IN_LAYOUT(compute));
 }
 
 #define CLUSTER DEMLAWS_PAGE("how-to/cluster")
@@ -94,14 +68,13 @@ std::string prove(void *lmp) {
   std::string why;
   if (!stock.add) why = stock.exported() ? "it has no GranularModel (package GRANULAR of 2023 or later)" : STATIC;
   else if (!stock.missing.empty()) why = "it has no function " + stock.missing;
-  else if (!force_of(lmp)) why = "the first members of its classes are other ones";
-  else if (Abi<false>::fits(lmp, stock)) layout = Layout::of<false>();
-  else if (Abi<true>::fits(lmp, stock)) layout = Layout::of<true>();
+  else if (Abi<false>::fits(lmp, stock)) layout = EARLY;
+  else if (Abi<true>::fits(lmp, stock)) layout = LATE;
   else why = "its granular models are laid out in another way than those of 4 Feb 2025 to 4 Jul 2026";
   if (!layout) return "demlaws cannot be added to this LAMMPS: " + why + "; nothing of it was changed";
   for (const Object &object : Object::all())
     if (object.holds(&here)) this_object = object;
-  pairs_proved = layout->pairs_fit(lmp, stock);
+  pairs_proved = layout == EARLY ? Abi<false>::pairs_fit(lmp, stock) : Abi<true>::pairs_fit(lmp, stock);
   if (pairs_proved) take_pairs();
   if (!pairs_proved && stock.setting(lmp, "world_rank") == 0)
     printf("demlaws: pairs of particles are computed by LAMMPS's own code\n");
@@ -204,19 +177,19 @@ __attribute__((constructor)) void start() {
 int demlaws_add(void *model, char **arg, int at, int count, int type) {
   if (at >= count || !ours(arg[at], type)) return Stock::get().add(model, arg, at, count, type);
   prepare(model);
-  return layout->add(model, arg, at, count, type, !under_hybrid(model));
+  return IN_LAYOUT(add)(model, arg, at, count, type, !under_hybrid(model));
 }
 void demlaws_construct(void *model, std::string name, int type) {
   if (!ours(name.c_str(), type)) return Stock::get().construct(model, name, type);
   prepare(model);
-  layout->construct(model, name, type, !under_hybrid(model));
+  IN_LAYOUT(construct)(model, name, type, !under_hybrid(model));
 }
 void demlaws_init(void *model) {
-  if (layout) layout->before_init(model);
+  if (layout) IN_LAYOUT(before_init)(model);
   Stock::get().init(model);
   if (!layout) return;
   std::vector<int> sizes;
-  const bool has_table = layout->after_init(model, pairs_proved, sizes);
+  const bool has_table = IN_LAYOUT(after_init)(model, pairs_proved, sizes);
   if (!pair_now) return;
   Histories &kept = Histories::all()[pair_now];
   kept.sizes.push_back(sizes);

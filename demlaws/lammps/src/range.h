@@ -12,8 +12,7 @@ const char *const MIXED_SIZES =
     "demlaws/table: the pair_coeff lines, those of a restart file included, keep different numbers of history values, "
     "which LAMMPS mixes up whenever neighbour lists are rebuilt; give every pair of types demlaws/table (Hertz is a "
     "table, too) and the same tangential, rolling and twisting models; after a restart file of other models start "
-    "again "
-    "from positions (write_data, read_data)";
+    "again from positions (write_data, read_data)";
 
 // The number of this rank's particle at place i.
 inline long long tag_of(void *lmp, long i) {
@@ -80,12 +79,10 @@ struct Range {
   // rerun: LAMMPS computes each frame as the set-up of a run, which leaves histories as they are.
   void look_at_frames(void *lmp, void *error) {
     if (used)
-      announce(
-          lmp, error, "rerun",
-          "rerun: contacts of every frame have the plastic overlap and shear that they have now, before the first "
-          "frame "
-          "(none in an input without a run: first loading), not those of the frame: dump forces and p13, p14 in the "
-          "run itself");
+      announce(lmp, error, "rerun",
+               "rerun: contacts of every frame have the plastic overlap and shear that they have now, before the first "
+               "frame (none in an input without a run: first loading), not those of the frame: dump forces and p13, "
+               "p14 in the run itself");
   }
 
   // run_style respa: LAMMPS computes displacements of shear with the step of the outermost level.
@@ -103,17 +100,10 @@ struct Range {
     checked = *(const long long *)now;
     has_contacts = true;
     const double *const *const x = (const double *const *)stock.atom(lmp, "x");
-    const long count = 3 * (long)stock.setting(lmp, "nlocal");
-    if (!x || !count) return;
-    double sum[8] = {0., 0., 0., 0., 0., 0., 0., 0.};
-    long k = 0;
-    for (; k + 8 <= count; k += 8)
-      for (int n = 0; n < 8; n++) sum[n] += 0. * x[0][k + n]; // 0, or no number for ever
-    for (; k < count; k++) sum[0] += 0. * x[0][k];
-    if (__builtin_expect(sum[0] + sum[1] + sum[2] + sum[3] + sum[4] + sum[5] + sum[6] + sum[7] == 0., 1)) return;
-    for (k = 0; 3 * k < count; k++) {
-      const double *const p = x[0] + 3 * k;
-      if (0. * (p[0] + p[1] + p[2]) == 0.) continue;
+    const long local = stock.setting(lmp, "nlocal");
+    for (long k = 0; x && k < local; k++) {
+      const double *const p = x[k];
+      if (__builtin_expect(0. * (p[0] + p[1] + p[2]) == 0., 1)) continue;
       std::ostringstream what;
       what << "demlaws/table: particle " << tag_of(lmp, k) << " is at (" << p[0] << ", " << p[1] << ", " << p[2]
            << ") m, which is not finite; take a smaller time step, look at what was done to this particle";

@@ -213,9 +213,6 @@ private:
       data.radi = radius[i];
       data.radj = radius[j];
       data.radsum = data.radi + data.radj;
-      data.delta[0] = touch.delta[0];
-      data.delta[1] = touch.delta[1];
-      data.delta[2] = touch.delta[2];
       data.rsq = touch.squared;
       data.contact_flags = all_flags ? &all_flags[i][touch.jj] : NULL;
       data.contact_history = all_history ? &all_history[i][size * touch.jj] : NULL;
@@ -239,9 +236,10 @@ private:
       const double r = sqrt(touch.squared), inverse = 1. / r;
       data.r = r;
       data.rinv = inverse;
-      data.en[0] = touch.delta[0] * inverse;
-      data.en[1] = touch.delta[1] * inverse;
-      data.en[2] = touch.delta[2] * inverse;
+      for (int k = 0; k < 3; k++) {
+        data.delta[k] = touch.delta[k];
+        data.en[k] = touch.delta[k] * inverse;
+      }
       ForceData on_i, on_j;
       model_.template touch<false>(data, on_i, on_j);
       if (apply) {
