@@ -29,9 +29,8 @@ ACCOUNT = ("banked", "open", "banked_shear", "banked_viscous")
 class Binding:
     """A law at work under a functor's label, in the scene whose token is `scene` (None: in none).
 
-    share: the part of the critical step for a time stepper, from
-    `engines(law, timestep=…)`; bound: the maxDt [s] that the law has given a stepper; seen: losses [J] of plasticity, of shear
-    and of viscous damping when `O.energy` was last read.
+    share: the part of the critical step for a time stepper, from `engines(law, timestep=…)`; bound: the maxDt [s] that the law
+    has given a stepper; seen: losses [J] of plasticity, of shear and of viscous damping when `O.energy` was last read.
     """
 
     def __init__(self, label, pairs):
@@ -41,7 +40,7 @@ class Binding:
         self.attachment = native.Attachment(pairs)
         self.context = self.attachment.context
         self.context["may_be_unlisted"] = pairs.needs_no_judgement
-        self.scene, self.guards, self._scenes = None, 0, 0
+        self.scene, self.guards = None, 0
         self._messages = set()
 
     @property
@@ -60,7 +59,6 @@ class Binding:
         """Begin to act in a scene with this account; contacts of another scene end or stop."""
         self.clear(account)
         self.seen = {}
-        self._scenes += 1
         self.scene, self.guards = scene, 0
         self._messages = set()
         self.context.forget()
@@ -77,18 +75,18 @@ class Binding:
     # --- for users
 
     @staticmethod
-    def refuse_while_running():
+    def _prepare_reading():
         """Contacts are read between steps, or by a PyRunner, in the simulation's own thread."""
         in_simulation = threading.current_thread().name.startswith("Dummy")  # Python's name for a thread made by C++
         if O.running and not in_simulation:
             raise DemlawsError("contacts change while the simulation runs: call O.pause() first, or read them in a PyRunner")
+        _ = O.engines  # a scene that was loaded and has not made a step gets its laws
 
     def totals(self):
         """`Totals` of the current scene, ended contacts included."""
         from demlaws.yade.contacts import Totals
 
-        self.refuse_while_running()
-        _ = O.engines  # a scene that was loaded and has not made a step gets its laws
+        self._prepare_reading()
         self.raise_fault()
         self.judge_validity()
         rows = self.rows(real_contacts())
@@ -119,8 +117,7 @@ class Binding:
         """`Contacts`: all real contacts of the scene (or of the given ones)."""
         from demlaws.yade.contacts import state_of
 
-        self.refuse_while_running()
-        _ = O.engines  # as in `totals`
+        self._prepare_reading()
         selection = [interactions] if isinstance(interactions, yade.Interaction) else interactions
         contacts = real_contacts() if selection is None else [one for one in selection if is_our_contact(one)]
         return state_of(self.pairs, contacts, self.rows(contacts))
@@ -135,7 +132,7 @@ class Binding:
         self.check_functor(functor)
         self.report_notes()
         self.pairs.radii.refresh(self.context)
-        self.attachment.collect(real_contacts if self._scenes == 1 else None)
+        self.attachment.collect(real_contacts)
         thoroughly = self.guards in LOOKS or self.guards % 1000 == 0
         if thoroughly:
             self.verify()

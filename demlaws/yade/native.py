@@ -26,9 +26,11 @@ from demlaws.yade import kernel, layout, objects
 from demlaws.yade.omega import O, scratch_scene, set_engines
 from demlaws.yade.records import memory_at
 from demlaws.yade.search import (
+    NUMBERS,
     BridgeUnavailable,
     address,
     find_axes,
+    find_cell_distance,
     find_cell_size,
     find_degrees_of_freedom,
     find_flag,
@@ -78,17 +80,6 @@ _libc.mmap.argtypes = [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_int, ctypes.c_
 _libc.munmap.argtypes = [ctypes.c_void_p, ctypes.c_size_t]
 
 
-NUMBERS = (11223344, 55667788, 99001122)
-"""Integers that no object has by chance."""
-
-
-def _contact_across(cells):
-    """An interaction of bodies that are so many cells apart."""
-    contact = yade.Interaction()
-    contact.updateAttrs({"cellDist": yade.Vector3i(cells, 7, -5)})
-    return contact
-
-
 class Layout:
     """Addresses and offsets in this process's YADE, found and verified once; `objects` has the dtypes."""
 
@@ -108,40 +99,50 @@ class Layout:
         self.addresses = self._find_classes() | {
             "go": self.slot[2],
             "body_by_id": symbol(self.core, BODY_BY_ID),
+            "apply_force": symbol(self.library, APPLY),
+            "functor_offset": self.slot[0],
         }
-        found, further = self._find_members(), self.find_step()
+        members = self.find_members()
         axes = find_axes(symbol(self.library, ROTATE))
-        found["ScGeom"] |= {name: (*objects.VECTOR, place) for name, place in zip(objects.AXES, axes, strict=True)}
-        objects.define(**{name: found.get(name, {}) | further.get(name, {}) for name in {**found, **further}})
+        members["ScGeom"] |= {name: (*objects.VECTOR, place) for name, place in zip(objects.AXES, axes, strict=True)}
+        objects.define(**members, **self._find_members_of_scene())
         self.own_step_is_proved = False  # by the first self-test
 
     @staticmethod
-    def _find_members():
-        """Members that every contact step uses: name of a class → {field: (format, offset)}."""
-        geometry = {name: ("f8", find_number(yade.ScGeom, name)) for name in ("penetrationDepth", "refR1", "refR2")}
-        geometry |= {name: (*objects.VECTOR, find_vector(yade.ScGeom, name)) for name in ("normal", "contactPoint", "shearInc")}
-        numbers = ("kn", "kno", "kso", "tangensOfFrictionAngle", "betas")
-        physics = {name: ("f8", find_number(yade.MindlinPhys, name)) for name in numbers}
-        vectors = ("shearElastic", "normalForce", "prevU")
-        physics |= {name: (*objects.VECTOR, find_vector(yade.MindlinPhys, name)) for name in vectors}
-        physics["isSliding"] = "u1", find_flag(yade.MindlinPhys(), "isSliding")
-        label = find_string(yade.FrictMat, "label")
-        return {
-            "ScGeom": {"vtable": ("i8", 0), **geometry},
-            "MindlinPhys": {"vtable": ("i8", 0), **physics},
-            "Interaction": {
-                name: ("i4", find_number(yade.Interaction, name, ctypes.c_int32, NUMBERS)) for name in ("id1", "id2")
-            },
-            "Body": {
-                name: ("i8", find_pointer(yade.Body, name, cls))
-                for name, cls in (("material", yade.FrictMat), ("shape", yade.Sphere), ("state", yade.State))
-            },
-            "State": {
-                "pos": (*objects.VECTOR, find_vector(yade.State, "pos")),
-                "ori": ("f8", (4,), find_vector(yade.State, "ori", 4)),
-            },
-            "Material": {"label": ("i8", label), "label_length": ("i8", label + 8)},
+    def find_members():
+        """Members that a contact step uses: name of a class → {field: (format, offset)}."""
+        numbers = {
+            yade.ScGeom: ("penetrationDepth", "refR1", "refR2"),
+            yade.MindlinPhys: ("kn", "ks", "kno", "kso", "tangensOfFrictionAngle", "betan", "betas"),
+            yade.State: ("mass",),
         }
+        vectors = {
+            yade.ScGeom: ("normal", "contactPoint", "shearInc"),
+            yade.MindlinPhys: (
+                *("shearElastic", "usElastic", "usTotal", "prevU"),
+                *("normalForce", "shearForce", "normalViscous", "shearViscous"),
+            ),
+            yade.State: ("pos", "vel", "angVel"),
+        }
+        found = {
+            cls.__name__: {name: ("f8", find_number(cls, name)) for name in names}
+            | {name: (*objects.VECTOR, find_vector(cls, name)) for name in vectors[cls]}
+            for cls, names in numbers.items()
+        }
+        found["ScGeom"]["vtable"] = found["MindlinPhys"]["vtable"] = "i8", 0
+        found["MindlinPhys"]["isSliding"] = "u1", find_flag(yade.MindlinPhys(), "isSliding")
+        for name in DAMPING_EXPONENTS:
+            if hasattr(yade.MindlinPhys, name):
+                found["MindlinPhys"]["damping_exponent"] = "f8", find_number(yade.MindlinPhys, name)
+        found["State"]["ori"] = "f8", (4,), find_vector(yade.State, "ori", 4)
+        found["State"]["blockedDOFs"] = "u4", find_degrees_of_freedom()
+        bodies = {name: ("i4", find_number(yade.Interaction, name, ctypes.c_int32, NUMBERS)) for name in ("id1", "id2")}
+        found["Interaction"] = bodies | {"cellDist": ("i4", (3,), find_cell_distance())}
+        parts = {"material": yade.FrictMat, "shape": yade.Sphere, "state": yade.State}
+        found["Body"] = {name: ("i8", find_pointer(yade.Body, name, cls)) for name, cls in parts.items()}
+        label = find_string(yade.FrictMat, "label")
+        found["Material"] = {"label": ("i8", label), "label_length": ("i8", label + 8)}
+        return found
 
     def _find_classes(self):
         """Tables of virtual functions of the classes that native code knows; raises unless derived classes have the members
@@ -165,10 +166,13 @@ class Layout:
             if find_number(cls, name) != find_number(base, name):
                 raise BridgeUnavailable(f"{cls.__name__}.{name} is not where {base.__name__} has it")
 
-    def find_step(self):
-        """Find what a contact step without the native `go` needs (`mindlin.own_step`): further members, as `_find_members`."""
+    def _find_members_of_scene(self):
+        """The same of functor, scene and cell, which refer to each other."""
         if O.running:
-            raise BridgeUnavailable("a simulation runs, which hides members of the scene: `import demlaws.yade` before O.run")
+            raise DemlawsError(
+                "a simulation runs, in which the scene's own members cannot be looked for: `import demlaws.yade` and make laws "
+                "before O.run"
+            )
         with scratch_scene():
             scene, functor = O._sceneObj, yade.Law2_ScGeom_MindlinPhys_Mindlin()
             O.periodic = True
@@ -176,11 +180,18 @@ class Layout:
             set_engines([yade.ForceResetter(), yade.LawDispatcher([functor]), yade.NewtonIntegrator()])
             for _ in range(2):  # the functor gets its scene, and the cell differs from what it was
                 O.step()
-            return self._find_members_of_step(functor, scene)
+            options = self._find_options(functor)
+            cell = find_word(scene, O.cell)  # before the flag of a periodic scene is looked for
+            size = find_cell_size(O.cell)
+            periodic = find_flag(scene, "periodic", O)
+            return {
+                "Functor": {"scene": ("i8", find_word(functor, scene)), "options": ("u4", options)},
+                "Scene": {"isPeriodic": ("u1", periodic), "dt": ("f8", find_scene_number(scene, "dt")), "cell": ("i8", cell)},
+                "Cell": {"hSize": ("f8", (3, 3), size), "shiftVelocity": ("f8", (3, 3), find_shift_velocity())},
+            }
 
-    def _find_members_of_step(self, functor, scene):
-        cell = find_word(scene, O.cell)  # before the flag of a periodic scene is looked for
-        size = find_cell_size(O.cell)
+    def _find_options(self, functor):
+        """Byte offset of the four flags in a functor, which begins with a LawFunctor."""
         base = symbol(self.library, f"_ZTI{TABLE[4:]}")
         base_kind, _, parent = read_memory(base, 24, ctypes.c_uint64).tolist()
         if symbol_at(base_kind - 16) != SINGLE_BASE or parent != symbol(self.core, "_ZTIN4yade10LawFunctorE"):
@@ -191,38 +202,7 @@ class Layout:
         options = sorted(find_flag(functor, name) for name in OPTIONS)
         if options != list(range(options[0], options[0] + 4)):
             raise BridgeUnavailable(f"{LAW} has its options at {options}")
-        self.addresses |= {"apply_force": symbol(self.library, APPLY), "functor_offset": self.slot[0]}
-        exponents = [name for name in DAMPING_EXPONENTS if hasattr(yade.MindlinPhys, name)]
-        exponent = {"damping_exponent": ("f8", find_number(yade.MindlinPhys, exponents[0]))} if exponents else {}
-        vectors = ("shearForce", "shearViscous", "normalViscous", "usElastic", "usTotal")
-        return {
-            "Functor": {"scene": ("i8", find_word(functor, scene)), "options": ("u4", options[0])},
-            "Scene": {
-                "isPeriodic": ("u1", find_flag(scene, "periodic", O)),
-                "dt": ("f8", find_scene_number(scene, "dt")),
-                "cell": ("i8", cell),
-            },
-            "Cell": {"hSize": ("f8", (3, 3), size), "shiftVelocity": ("f8", (3, 3), find_shift_velocity())},
-            "MindlinPhys": {name: ("f8", find_number(yade.MindlinPhys, name)) for name in ("ks", "betan")}
-            | exponent
-            | {name: (*objects.VECTOR, find_vector(yade.MindlinPhys, name)) for name in vectors},
-            "State": {name: (*objects.VECTOR, find_vector(yade.State, name)) for name in ("vel", "angVel")}
-            | {"mass": ("f8", find_number(yade.State, "mass")), "blockedDOFs": ("u4", find_degrees_of_freedom())},
-            "Interaction": {
-                "cellDist": (
-                    "i4",
-                    (3,),
-                    find_number(
-                        yade.Interaction,
-                        "cellDist",
-                        ctypes.c_int32,
-                        NUMBERS,
-                        _contact_across,
-                        lambda contact: contact.cellDist[0],
-                    ),
-                )
-            },
-        }
+        return options[0]
 
     def find_slot(self, functor):
         """Where `functor` points to the table of virtual functions that holds `go`: (byte offset, index in table)."""
@@ -412,7 +392,7 @@ class Attachment:
     def collect(self, contacts):
         """Between steps: make rows of contacts that have ended or were erased free again, before the free ones are used up.
 
-        contacts: function of all contacts of the one scene in which the law has acted, or None.
+        contacts: function that returns all contacts of the scene.
         """
         context = self.context
         count = int(context["rows_used"])
@@ -423,7 +403,7 @@ class Attachment:
             return
         live = np.concatenate([rows["tag"] != 0.0 for rows in blocks])
         count = len(live)
-        if contacts is not None and 2 * live.sum() > count:
+        if 2 * live.sum() > count:
             known = self.rows.addresses(contacts())
             places = [rows.ctypes.data + rows.itemsize * np.arange(len(rows)) for rows in blocks]
             live = np.isin(np.concatenate(places), known)

@@ -46,11 +46,11 @@ def dispatchers(engine):
 
 
 def law_functors(engines):
-    """(engine of the list, dispatcher, functor) of every law functor."""
+    """(dispatcher, functor) of every law functor."""
     for engine in engines:
         for dispatcher in dispatchers(engine):
             for functor in dispatcher.functors:
-                yield engine, dispatcher, functor
+                yield dispatcher, functor
 
 
 def is_our_law(functor):
@@ -60,7 +60,7 @@ def is_our_law(functor):
 
 def laws_here():
     """Label → functor of our laws in the current scene."""
-    return {functor.label: functor for _, _, functor in law_functors(get_engines()) if is_our_law(functor)}
+    return {functor.label: functor for _, functor in law_functors(get_engines()) if is_our_law(functor)}
 
 
 def is_guard(engine):
@@ -83,7 +83,7 @@ def set_visible(engines):
     """`O.engines = …` for users: check the list, put guards before the laws, and let the laws enter the scene."""
     engines = visible(list(engines))
     attach()
-    refuse_mpi(DemlawsError if any(is_our_law(f) for _, _, f in law_functors(engines)) else None)
+    refuse_mpi(DemlawsError if any(is_our_law(f) for _, f in law_functors(engines)) else None)
     before, old = get_engines(), laws_here()
     laws = _laws_in(engines)
     _refuse_switch(engines, before, laws, old)
@@ -128,7 +128,7 @@ def _refuse_integrator(engine):
     """An integrator that has the contacts computed at trial positions corrupts their history."""
     slaves = () if isinstance(engine, yade.ParallelEngine) else getattr(engine, "slaves", ())
     nested = [one for slave in slaves for one in (slave if isinstance(slave, list | tuple) else (slave,))]
-    if any(is_our_law(functor) for _, _, functor in law_functors(nested)):
+    if any(is_our_law(functor) for _, functor in law_functors(nested)):
         raise DemlawsError(
             f"{type(engine).__name__} computes contacts several times per step, at trial positions that it may reject: the "
             "history of a law (largest overlap, shear) would be of positions that never occurred. Use NewtonIntegrator, with "
@@ -151,7 +151,7 @@ def _laws_in(engines):
             "and forces count more than once. Put all law functors into one InteractionLoop; demlaws laws that differ by pairs "
             "of materials are one law, given as a dict {(label, label): law}"
         )
-    for _, _, functor in law_functors(engines):
+    for _, functor in law_functors(engines):
         if is_our_law(functor) and laws.setdefault(functor.label, functor) is not functor:
             raise DemlawsError(f"two laws of the scene are labelled {functor.label!r}: give one of them another label=…")
     return laws
@@ -197,7 +197,7 @@ def _refuse_switch(engines, before, laws, old):
     """YADE keeps the functor of each contact: only the same law may be assigned while contacts exist."""
 
     def others(engines):
-        return {native.address(f) for _, _, f in law_functors(visible(engines)) if not is_our_law(f)}
+        return {native.address(f) for _, f in law_functors(visible(engines)) if not is_our_law(f)}
 
     if not (laws or old) or O.interactions.countReal() == 0:
         return
@@ -223,7 +223,7 @@ def completed(engines, laws, before):
     guards = {engine.command: engine for engine in before if is_guard(engine)}
     complete = []
     for engine in engines:
-        for _, _, law in law_functors([engine]):
+        for _, law in law_functors([engine]):
             if laws.get(law.label) is not law:
                 continue
             command = GUARD_COMMAND.format(label=law.label)
@@ -270,7 +270,7 @@ def as_saved():
 
     _ = O.energy  # gets what was lost until now
     kept = []
-    for _, dispatcher, functor in law_functors(get_engines()):
+    for dispatcher, functor in law_functors(get_engines()):
         if is_our_law(functor):
             O.tags[LAW.format(label=functor.label)] = saving.law_text(functor)
             kept.append((dispatcher, list(dispatcher.functors)))
@@ -300,7 +300,7 @@ def attach():
     """Replace placeholders, of a scene that was loaded, by the laws that its tags describe."""
     placeholders = [
         (dispatcher, functor.label, tag(LAW.format(label=functor.label)))
-        for _, dispatcher, functor in law_functors(get_engines())
+        for dispatcher, functor in law_functors(get_engines())
         if type(functor) is _placeholder
     ]
     placeholders = [one for one in placeholders if one[-1]]

@@ -13,6 +13,8 @@ import yade
 from demlaws.errors import DemlawsError
 from demlaws.yade.records import memory_at
 
+NUMBERS = (11223344, 55667788, 99001122)
+"""Integers that no object has by chance."""
 LARGEST_OBJECT = 4096  # bytes; a larger block was not allocated by malloc
 
 
@@ -244,6 +246,17 @@ def find_degrees_of_freedom():
 
     values, bits = tuple(names), {name: value for value, name in names.items()}
     return find_number(yade.State, "blockedDOFs", ctypes.c_uint32, values, make, lambda state: bits.get(state.blockedDOFs))
+
+
+def find_cell_distance():
+    """Byte offset in Interaction of cellDist: how many cells its bodies are apart."""
+
+    def make(cells):
+        contact = yade.Interaction()
+        contact.updateAttrs({"cellDist": yade.Vector3i(cells, 7, -5)})
+        return contact
+
+    return find_number(yade.Interaction, "cellDist", ctypes.c_int32, NUMBERS, make, lambda contact: contact.cellDist[0])
 
 
 def find_cell_size(cell):

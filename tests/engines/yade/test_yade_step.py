@@ -198,14 +198,14 @@ def test_a_step_that_differs_is_refused(tmp_path):
 import demlaws
 from test_yade_step import *
 from demlaws.yade import native
-find = native.Layout.find_step
+find = native.Layout.find_members
 
-def wrong(layout):
-    found = find(layout)
+def wrong():
+    found = find()
     found["State"]["mass"] = found["State"]["vel"][0], found["State"]["vel"][-1]
     return found
 
-native.Layout.find_step = wrong
+native.Layout.find_members = staticmethod(wrong)
 with pytest.raises(demlaws.DemlawsError, match="with .* a contact step leaves other values of .*normalViscous"):
     hertz()
 print("REFUSED")
