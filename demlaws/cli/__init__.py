@@ -69,10 +69,8 @@ class _Once(argparse._StoreAction):
     """As argparse's store, for an option that is given once: a second one would replace the first silently."""
 
     def __call__(self, parser, namespace, values, option_string=None):
-        if option_string is not None and self.dest in parser._stored:
-            several = ": give all values after one" if self.nargs == "+" else ""
-            parser.error(f"{option_string} is given twice{several}")
-        parser._stored.add(self.dest)
+        if option_string is not None and getattr(namespace, self.dest) is not self.default:
+            raise argparse.ArgumentError(self, "given twice: give all its values at once")
         super().__call__(parser, namespace, values, option_string)
 
 
@@ -90,7 +88,6 @@ class Parser(argparse.ArgumentParser):
         )
         self.register("action", None, _Once)
         self.register("action", "store", _Once)
-        self._stored = set()
         self.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print the result as JSON")
         self._negative_number_matcher = re.compile(
             r"^-(\d+\.?\d*|\.\d+)(e[-+]?\d+)?\s*[a-zµμ°/³]*$|^-(inf|nan)$", re.IGNORECASE
@@ -103,11 +100,6 @@ class Parser(argparse.ArgumentParser):
                 "--force", dest="overwrite", action="store_true", help="overwrite files that this command did not write"
             )
         return super().add_argument(*names, **options)
-
-    def parse_known_args(self, args=None, namespace=None):
-        """As argparse; each option with a value may be given once."""
-        self._stored.clear()
-        return super().parse_known_args(args, namespace)
 
     def _get_option_tuples(self, option_string):
         """Options are not abbreviated: --law would otherwise stand for --law-file where a command has no --law."""
@@ -127,12 +119,6 @@ class Parser(argparse.ArgumentParser):
         ]
         namespace.outputs = [(kind, path) for kind, path in outputs if path is not None]
         return namespace
-
-    def _check_value(self, action, value):
-        if action.choices is not None and value not in action.choices:
-            choices = list(map(str, action.choices))
-            hint = similar(str(value), choices) or f": choose from {', '.join(choices)}"
-            raise argparse.ArgumentError(action, f"invalid choice {value!r:.60}{hint}")
 
     def error(self, message):
         """One line, without the usage."""
@@ -229,8 +215,8 @@ def execute(parser, arguments):
     """
     if sys.stderr is None:  # closed, as by 2>&-
         sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
-    if sys.stdout is None:
-        return _failed("the standard output is closed (>&-): direct it to a file, or to /dev/null")
+    if sys.stdout is None:  # >&-
+        return _failed("the standard output is closed")
     for stream in (sys.stdout, sys.stderr):  # a terminal without µ prints ?
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")

@@ -1,7 +1,6 @@
 """Kinds of argument that several commands share: quantities with units, whole numbers, names of laws."""
 
 import argparse
-import sys
 
 from demlaws.errors import DemlawsError
 
@@ -40,13 +39,3 @@ def whole(low=1, high=10_000_000):
             raise argparse.ArgumentTypeError(str(error).removeprefix("this = ")) from None
 
     return convert
-
-
-def law_name(text):
-    """Name of a law; "?" prints all of them."""
-    if text == "?":
-        from demlaws.cli.laws import lines
-
-        print(*lines(), sep="\n")
-        sys.exit(0)
-    return text

@@ -1,22 +1,19 @@
 """Arguments that describe a contact, a law and its unloading, shared by the commands."""
 
 from demlaws.cli import option
-from demlaws.cli.arguments import law_name, length, plain, pressure, radius
+from demlaws.cli.arguments import length, plain, pressure, radius
 from demlaws.errors import DemlawsError
 
 
 def add_law_arguments(parser, law_required=True):
     """Arguments that name a law and its contact."""
-    parser.add_argument("--law", type=law_name, required=law_required, help="name of the law (list: --law ? or demlaws laws)")
+    parser.add_argument("--law", required=law_required, help="name of the law (list: demlaws laws)")
     parser.add_argument(
         "--unloading",
         help="unloading rule: elastic, hertz, thornton, a rule of this law only (list: demlaws laws NAME), or a table file "
         "with the unloading curve (default: that of the law, see demlaws laws NAME)",
     )
     parser.add_argument("--option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of the law")
-    parser.add_argument(
-        "--unloading-law", type=law_name, help="law whose curve is the unloading curve, in place of --unloading"
-    )
     add_contact_arguments(parser)
 
 
@@ -104,8 +101,7 @@ def law_from(arguments):
     options = dict(arguments.option)
     if arguments.test is not None:
         options = {**granite.options_for(definition.name, granite.find_test(arguments.test)), **options}
-    contact = contact_from(arguments)
-    return law(definition.name, contact, _unloading_from(arguments, contact), **options)
+    return law(definition.name, contact_from(arguments), arguments.unloading, **options)
 
 
 def unloads(law):
@@ -118,39 +114,6 @@ def describe(contact):
     """One line with the effective quantities of a contact."""
     text = f"contact: R = {contact.radius * 1e3:.5g} mm, E* = {contact.modulus / 1e9:.5g} GPa"
     return text if contact.roughness is None else text + f", σ = {contact.roughness * 1e6:.4g} µm"
-
-
-def _unloading_from(arguments, contact):
-    """A rule, or the law whose curve the contact unloads along."""
-    from demlaws import granite
-    from demlaws.laws.registry import find
-
-    if arguments.unloading_law is None:
-        return unloading_named(arguments)
-    if arguments.unloading not in (None, "elastic", "table"):
-        raise DemlawsError(f"give either --unloading {arguments.unloading} or --unloading-law")
-    options = {}
-    if arguments.test is not None:
-        options = granite.options_for(find(arguments.unloading_law).name, granite.find_test(arguments.test))
-    return law_of_unloading(arguments.unloading_law, contact, **options)
-
-
-def unloading_named(arguments):
-    """The value of --unloading; `table` alone names none."""
-    if arguments.unloading == "table":
-        raise DemlawsError("--unloading table: give the file of the table, --unloading FILE, or its law, --unloading-law NAME")
-    return arguments.unloading
-
-
-def law_of_unloading(name, contact, **options):
-    """The law of --unloading-law, which takes no options of its own."""
-    from demlaws.make import law
-
-    try:
-        return law(name, contact, "elastic", **options)
-    except DemlawsError as error:
-        remedy = "for a law with options write its table (demlaws table) and give --unloading FILE"
-        raise DemlawsError(f"--unloading-law {name}: {error}; {remedy}") from None
 
 
 def draw(result, path, make):

@@ -1,13 +1,11 @@
 """`demlaws liggghts` and `demlaws lammps`: build | source | check | export | convert | run."""
 
-import argparse
 import contextlib
 import os
 import sys
 
 from demlaws.cli import Parser, example, option
-from demlaws.cli.arguments import density, force, law_name, length, plain, pressure, whole
-from demlaws.cli.contact import law_of_unloading, unloading_named
+from demlaws.cli.arguments import density, force, length, plain, pressure, whole
 from demlaws.cli.output import output
 from demlaws.errors import DemlawsError
 from demlaws.laws import USUAL
@@ -24,7 +22,7 @@ CONVERT_EXAMPLE = """\
   demlaws {name} run in.case.demlaws"""
 RUN_EXAMPLE = """\
   demlaws {name} run in.case -np 2 -var steps 5000
-  demlaws {name} run -in in.case -log case.log -screen none
+  demlaws {name} run in.case -log case.log -screen none
   demlaws {name} run in.case -echo screen -var radii 0.004 0.005 0.006    (unknown options go to {engine})"""
 PROPERTIES = (
     ("roughness", length, [None], "rms roughness Sq of a grain's own surface [m], 0: smooth; two grains have σ² = Sq1² + Sq2²"),
@@ -42,8 +40,8 @@ class _PartParser(Parser):
 
     def parse_known_args(self, args=None, namespace=None):
         namespace, unknown = super().parse_known_args(args, namespace)
-        if unknown and "rest" in namespace:
-            namespace.rest, unknown = [*unknown, *namespace.rest], []
+        if "rest" in namespace:
+            namespace.rest, unknown = unknown, []
         return namespace, unknown
 
 
@@ -148,39 +146,26 @@ def _add_run(parts, name):
         if arguments.json:
             raise DemlawsError(f"--json is not available for {name} run: {engine} prints to the standard output itself")
         _refuse_mpirun(name)
-        # options may stand behind the input, too; unknown ones are the engine's
-        ours = argparse.ArgumentParser(prog=f"demlaws {name} run", add_help=False, allow_abbrev=False)
-        _run_options(ours, default=argparse.SUPPRESS)
-        arguments, rest = ours.parse_known_args(arguments.rest, arguments)
-        rest = [word for word in rest if word != "--"]
-        if arguments.script is None and (not rest or rest[0].startswith("-")):
-            raise DemlawsError(f"no input script: demlaws {name} run INPUT ..., or -in INPUT among the options of {engine}")
-        script = arguments.script or rest.pop(0)
+        screen = [] if arguments.screen in (None, "none") else ["-screen", arguments.screen]
         _function(name, "run")(
-            script,
+            arguments.script,
             arguments.np,
             plugin=not arguments.stock,
             log=arguments.log,
             echo=arguments.screen != "none",  # LIGGGHTS 3.8.0 crashes at `fix mesh` with its own -screen none
             portable=arguments.portable,
-            arguments=[*rest, *(["-screen", arguments.screen] if arguments.screen not in (None, "none") else [])],
+            arguments=[*arguments.rest, *screen],
         )
 
     runs = parts.add_parser("run", help="run an input with the plugin", **example(RUN_EXAMPLE.format(name=name, engine=engine)))
-    _run_options(runs)
-    text = f"input script; {engine} runs in its folder; then the options above and any options of {engine}"
-    runs.add_argument("rest", nargs=argparse.REMAINDER, metavar="INPUT ...", help=text)
-    runs.set_defaults(func=run)
-
-
-def _run_options(parser, **default):
-    parser.add_argument("-np", type=int, **default or {"default": 1}, help="number of MPI ranks (default 1)")
-    parser.add_argument("--portable", action="store_true", **default, help="use the plugin of `build --portable`")
-    parser.add_argument("--stock", action="store_true", **default, help="run without the plugin")
-    default = default or {"default": None}
-    parser.add_argument("-in", "-i", dest="script", metavar="INPUT", **default, help="input script, as for the engine itself")
-    parser.add_argument("-log", "-l", metavar="FILE", **default, help="log file (default log.ENGINE)")
-    parser.add_argument("-screen", "-sc", metavar="none|FILE", **default, help="file for the printed output; none: no output")
+    text = f"input script, first of all; {engine} runs in its folder; unknown options go to {engine}"
+    runs.add_argument("script", metavar="INPUT", help=text)
+    runs.add_argument("-np", type=int, default=1, help="number of MPI ranks (default 1)")
+    runs.add_argument("--portable", action="store_true", help="use the plugin of `build --portable`")
+    runs.add_argument("--stock", action="store_true", help="run without the plugin")
+    runs.add_argument("-log", "-l", metavar="FILE", help="log file (default log.ENGINE)")
+    runs.add_argument("-screen", "-sc", metavar="none|FILE", help="file for the printed output; none: no output")
+    runs.set_defaults(func=run, rest=[])
 
 
 _RANKS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MPI_LOCALNRANKS")
@@ -197,13 +182,12 @@ def _refuse_mpirun(name):
 
 def _grain_arguments(export):
     export.add_argument("folder", help="folder to write")
-    export.add_argument("--law", type=law_name, default=USUAL, help="name of the law (default %(default)s)")
+    export.add_argument("--law", default=USUAL, help="name of the law (default %(default)s)")
     export.add_argument(
         "--unloading",
         help="unloading rule: elastic, hertz, thornton, a rule of this law only (list: demlaws laws NAME), or a table file "
         "with the unloading curve of all contacts (default: that of the law, see demlaws laws NAME)",
     )
-    export.add_argument("--unloading-law", help="law whose curve is the unloading curve, in place of --unloading")
     export.add_argument("--option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of the law")
     export.add_argument(
         "--radius", type=length, nargs="+", required=True, help="grain radius in m, or with a unit (4mm): one per particle type"
@@ -237,8 +221,4 @@ def _grains_of(arguments):
         Grain(radius, Material(young, poisson, hardness, density), Surface(sq, dimension, hardness))
         for radius, sq, dimension, young, poisson, hardness, density in zip(arguments.radius, *columns, strict=True)
     ]
-    if arguments.unloading_law is None:
-        unloading = unloading_named(arguments)
-    else:
-        unloading = law_of_unloading(arguments.unloading_law, grains[0].contact(grains[0]))
-    return grains, unloading, dict(arguments.option)
+    return grains, arguments.unloading, dict(arguments.option)

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from demlaws.cli import example, text_of
-from demlaws.cli.arguments import compliance, force, law_name, length
+from demlaws.cli.arguments import compliance, force, length
 from demlaws.cli.contact import add_contact_arguments, contact_from, describe
 from demlaws.cli.output import Output, output
 from demlaws.files import wrapped
@@ -33,7 +33,6 @@ def register(add):
     add_contact_arguments(parser)
     parser.add_argument(
         "--law",
-        type=law_name,
         action="append",
         help="fit only this law (may be repeated; default: all laws that need no height map)",
     )

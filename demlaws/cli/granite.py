@@ -3,7 +3,6 @@
 from pathlib import Path
 
 from demlaws.cli import example
-from demlaws.cli.arguments import law_name
 
 
 def register(add):
@@ -14,7 +13,7 @@ def register(add):
         **example('  demlaws granite --out granite\n  demlaws granite --test "SS(18-18)" --law pohrt-popov --out ss18'),
     )
     parser.add_argument("--test", help="one test only, for instance SS(18-18)")
-    parser.add_argument("--law", type=law_name, help="one law only")
+    parser.add_argument("--law", help="one law only")
     parser.add_argument(
         "--modulus",
         choices=("text", "figures"),

@@ -16,7 +16,7 @@ def register(add):
         "header of the file contains the measured errors.",
         **example(
             '  demlaws table --law pohrt-popov --unloading hertz --test "SS(18-18)" --out granite.tbl --figure granite.png\n'
-            '  demlaws table --law pohrt-popov --test "SS(18-18)" --out both.tbl --unloading-law hertz\n'
+            '  demlaws table --law pohrt-popov --test "SS(18-18)" --out both.tbl --unloading hertz.tbl\n'
             "  demlaws table --points test.csv --unloading hertz --radius 8mm --modulus 32GPa --out measured.tbl\n\n"
             "test.csv: two columns with units in the header, for instance\n"
             "  overlap (um),force (N)"
@@ -59,8 +59,6 @@ def measured_table(arguments, result):
     test = read_points(arguments.points)
     first = test.loading_mask()
     points = test.displacement[first] - arguments.zero, test.force[first]
-    if arguments.unloading_law is not None:
-        raise DemlawsError("--unloading-law needs --law; with --points give --unloading, a rule or a table")
     table = Table.from_points(
         np.column_stack(points),
         contact_from(arguments),

@@ -44,36 +44,29 @@ def test_curve(tmp_path, capsys):
 
 
 def test_soften(capsys):
-    """What to give an engine: the softened modulus, roughness and yield pressure, and how far E alone is off."""
-    options = ["--law", "rough-plastic", "--option", "yield_pressure=1.6GPa", *CONTACT, "--load", "10"]
+    """What to give an engine: the softened modulus, roughness and yield pressure."""
+    options = ["--law", "rough-plastic", "--option", "yield_pressure=1.6GPa", *CONTACT]
     assert main(["soften", "--factor", "8", *options]) == 0
     said = capsys.readouterr().out
     rows = ("radius [mm]", 4, 4), ("modulus [GPa]", 30, 3.75), ("roughness [µm]", 2, 8), ("yield_pressure [GPa]", 1.6, 0.4)
     for name, before, after in rows:
         line = next(line for line in said.splitlines() if line.startswith(name))
         assert [float(v) for v in line.split()[-2:]] == pytest.approx([before, after])
-    assert "% if only E" in said
     assert "e-06" not in said and "e+09" not in said
 
 
 def test_table_with_an_unloading_curve(tmp_path, capsys):
-    """By the name of a law, then the file of that law's own table; both in one file."""
-    both, curve, again, picture = (tmp_path / name for name in ("both.tbl", "curve.tbl", "again.tbl", "both.png"))
-    options = ["--unloading-law", "hertz"]
-    assert main(["table", "--law", "pohrt-popov", *CONTACT, *options, "--out", str(both), "--figure", str(picture)]) == 0
+    """By the file of that curve's table; both in one file."""
+    curve, both, picture = (tmp_path / name for name in ("curve.tbl", "both.tbl", "both.png"))
+    assert main(["table", "--law", "hertz", *CONTACT, "--out", str(curve)]) == 0
+    options = ["--unloading", str(curve), "--out", str(both), "--figure", str(picture)]
+    assert main(["table", "--law", "pohrt-popov", *CONTACT, *options]) == 0
     out = capsys.readouterr().out
     assert "unloading along 'hertz'" in out and "largest relative error" in out
     assert picture.stat().st_size > 1000
-    assert main(["table", "--law", "hertz", *CONTACT, "--out", str(curve)]) == 0
-    options = ["--unloading", str(curve), "--out", str(again), "--max-force", "100"]
-    assert main(["table", "--law", "pohrt-popov", *CONTACT, *options]) == 0
-    one, other = Table.load(both), Table.load(again)
-    assert one.unloading == other.unloading == "table"
-    assert one.unloading_law.name == other.unloading_law.name == "hertz"
-    path = [1e-5, 9e-6, 8e-6]
-    assert one.follow(path).force == pytest.approx(other.follow(path).force, rel=1e-4)
-    forces = ["--unloading-law", "hertz", "--forces", "9", "0"]
-    assert main(["curve", "--law", "pohrt-popov", *CONTACT, *forces]) == 0
+    one = Table.load(both)
+    assert one.unloading == "table" and one.unloading_law.name == "hertz"
+    assert main(["curve", "--law", "pohrt-popov", *CONTACT, "--unloading", str(curve), "--forces", "9", "0"]) == 0
 
 
 def test_granite(tmp_path, capsys):
@@ -100,13 +93,8 @@ def test_errors_are_one_line(line, capsys, tmp_path, monkeypatch):
     assert text.startswith("demlaws: error: ")
 
 
-@pytest.mark.parametrize("arguments", [["curve", "--law", "?"], ["fit", "--law", "?"], ["laws"]])
-def test_the_laws_are_listed(arguments, capsys):
-    """Before: `--law ?`, which the help names, was an unknown law."""
-    try:
-        assert main(arguments) == 0
-    except SystemExit as end:
-        assert end.code == 0
+def test_the_laws_are_listed(capsys):
+    assert main(["laws"]) == 0
     out = capsys.readouterr().out
     for name, definition in registry().items():
         assert any(line.startswith(f"{name} ") and definition.description in line for line in out.splitlines())

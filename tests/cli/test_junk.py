@@ -144,8 +144,3 @@ def test_no_traceback(path, part, folder):
 @pytest.mark.parametrize("path", LEAVES, ids=" ".join)
 def test_every_command_takes_a_file_of_laws(path):
     assert any("--law-file" in action.option_strings for action in LEAVES[path])
-
-
-def test_an_unloading_law_that_needs_options(folder):
-    status, text = run_in_a_child(["lammps", "export", "x", "--radius", "4e-3", "--unloading-law", "asperity"], folder)
-    assert status == 2 and "--unloading FILE" in text
