@@ -23,7 +23,7 @@ def parser():
             "  python -m studies.extremes --law hertz --paths 0 --yade --liggghts --lammps"
         ),
     )
-    parser.add_argument("--law", type=law_name, action="append", help="only this law (may be repeated)")
+    parser.add_argument("--law", action="append", help="only this law (may be repeated)")
     parser.add_argument("--unloading", action="append", help="only this rule (may be repeated)")
     parser.add_argument(
         "--paths",

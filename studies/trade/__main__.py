@@ -35,7 +35,7 @@ def parser():
             "  python -m studies.trade --law hertz --law pohrt-popov"
         ),
     )
-    parser.add_argument("--law", type=law_name, action="append", help="only this law (may be repeated)")
+    parser.add_argument("--law", action="append", help="only this law (may be repeated)")
     parser.add_argument("--contacts", type=whole(1000), default=200_000, help="contacts of a batch (default 2e5)")
     parser.add_argument("--rounds", type=whole(), default=9, help="rounds of timing (default 9)")
     parser.add_argument(
