@@ -5,7 +5,7 @@ import sys
 from tqdm import tqdm
 
 from demlaws.cli import Parser, example, execute
-from demlaws.cli.arguments import law_name, whole
+from demlaws.cli.arguments import whole
 from demlaws.laws.registry import find
 from studies.engines import available
 from studies.extremes import extremes, report, stability

@@ -8,7 +8,7 @@ from tqdm import tqdm
 
 from demlaws import units
 from demlaws.cli import Parser, example, execute
-from demlaws.cli.arguments import law_name, pressure, whole
+from demlaws.cli.arguments import pressure, whole
 from demlaws.errors import DemlawsError
 from demlaws.files import csv_text
 from demlaws.laws.registry import find
