@@ -19,7 +19,7 @@ from demlaws.errors import DemlawsError, MapWarning, did_you_mean, warn
 from demlaws.files import as_path, read_text, write_atomically
 from demlaws.surfaces import plausibility
 from demlaws.surfaces.cells import decimal_mark, is_missing, separator, split, value_of
-from demlaws.surfaces.heightmap import UNITS, HeightMap, box_correction, self_affine
+from demlaws.surfaces.heightmap import LARGEST_PIXEL, UNITS, HeightMap, box_correction, self_affine
 
 __all__ = ["UNITS", "HeightMap", "box_correction", "read", "self_affine", "write"]
 
@@ -126,7 +126,7 @@ def _pixel_pair(pixel):
     pair = pixel if isinstance(pixel, (tuple, list)) else (pixel, pixel)
     if len(pair) != 2:
         raise DemlawsError(f"pixel = {pixel!r}: give one length, or two for x and y")
-    return tuple(units.number(size, "pixel", "m") for size in pair)
+    return tuple(units.number(size, "pixel", "m", high=LARGEST_PIXEL) for size in pair)
 
 
 def _read_numpy(path, channel):

@@ -17,6 +17,10 @@ from demlaws.surfaces import plausibility
 UNITS = {**units.UNITS["m"], "µm": 1e-6, "μm": 1e-6}
 
 
+LARGEST_PIXEL = 1e-2
+"""A larger pixel [m] is one in another unit: 0.8 is mostly meant as 0.8 µm."""
+
+
 @dataclass(frozen=True)
 class HeightMap:
     """Heights [m] on a regular grid: rows along y, columns along x; NaN (or masked) where the instrument saw nothing.
@@ -44,8 +48,8 @@ class HeightMap:
         if np.isnan(heights).all():
             raise DemlawsError("every pixel of the height map is missing")
         object.__setattr__(self, "heights", heights)
-        object.__setattr__(self, "pixel_x", units.number(self.pixel_x, "pixel_x", "m"))
-        pixel_y = self.pixel_x if self.pixel_y is None else units.number(self.pixel_y, "pixel_y", "m")
+        object.__setattr__(self, "pixel_x", units.number(self.pixel_x, "pixel_x", "m", high=LARGEST_PIXEL))
+        pixel_y = self.pixel_x if self.pixel_y is None else units.number(self.pixel_y, "pixel_y", "m", high=LARGEST_PIXEL)
         object.__setattr__(self, "pixel_y", pixel_y)
 
     def __repr__(self):

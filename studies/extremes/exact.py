@@ -58,7 +58,6 @@ def _rough_plastic(contact, overlap, **options):
     rough, shape = EXACT[definition.name], law.shape(contact, **options)
     delta = extended(overlap)
     stiffness = PI * extended(contact.radius) * extended(shape.yield_pressure)
-    after = PI * extended(contact.radius) * extended(shape.stiffness_pressure)
     pressure = extended(shape.load_pressure)
     load = PI**3 / 6 * pressure * (extended(contact.radius) * pressure / extended(contact.modulus)) ** 2
     middle = np.log(extended(contact.radius))
@@ -70,7 +69,7 @@ def _rough_plastic(contact, overlap, **options):
         low, high = np.where(before, middle, low), np.where(before, high, middle)
     yields = np.exp(low)
     force, tangent = rough(contact, np.minimum(delta, yields), **rest)
-    return force + after * np.maximum(delta - yields, 0), np.where(delta > yields, after, tangent)
+    return force + stiffness * np.maximum(delta - yields, 0), np.where(delta > yields, stiffness, tangent)
 
 
 def _conical_damage(contact, overlap, strength, angle):

@@ -94,13 +94,14 @@ def test_list_of_points_is_no_grid(tmp_path, columns):
 def test_plausible_from_both_sides(tmp_path):
     """A pixel of 0.8 m and one of 1 m by 5 µm, a map of 38 mm under a ball of 8 mm: nothing was said."""
     np.save(tmp_path / "map.npy", ROUGH.heights * 1e6)
-    for pixel in ("1,5um", "0.8,0.8", (0.8, 1e-6, 1.0)):
+    for pixel in ("1,5um", "0.8,0.8", (0.8, 1e-6, 1.0), 0.8, "0.8"):
         with pytest.raises(dl.DemlawsError, match="pixel"):
             surface.read(tmp_path / "map.npy", pixel, "um")
     assert surface.read(tmp_path / "map.npy", ("1um", 2e-6), "um").pixel_y == 2e-6
-    for pixel in ("0.8mm", 0.8):
-        with pytest.warns(MapWarning, match="field of view"):
-            surface.read(tmp_path / "map.npy", pixel, "mm")
+    with pytest.raises(dl.DemlawsError, match=r"pixel_x = 0\.8 m"):
+        HeightMap(ROUGH.heights, 0.8)
+    with pytest.warns(MapWarning, match="field of view"):
+        surface.read(tmp_path / "map.npy", "0.8mm", "mm")
     with pytest.warns(MapWarning, match="flatter"):
         surface.read(tmp_path / "map.npy", "0.1mm", "nm")
     wide = HeightMap(ROUGH.heights, 0.1e-3)
