@@ -77,7 +77,9 @@ def _reload_claims(get):
         BUILT_IN,
         "p_y was chosen for it",
     )
-    below, above = _at_reloading(run.law, 40.0)
+    top = float(run.law.overlap(40.0))
+    path = run.law.follow(np.array([top, 0.9 * top, (1.0 - 1e-9) * top, (1.0 + 1e-9) * top]))
+    below, above = path.stiffness[2:]
     yield Claim(
         "RFC10",
         "on reloading the stiffness is higher, and returns to that of first loading at the largest load so far",
@@ -85,13 +87,6 @@ def _reload_claims(get):
         BUILT_IN,
         "true of the unloading rules by construction",
     )
-
-
-def _at_reloading(law, load):
-    """Stiffness [N/m] just below and just above the largest load [N] so far, on reloading."""
-    top = float(law.overlap(load))
-    path = law.follow(np.array([top, 0.9 * top, (1.0 - 1e-9) * top, (1.0 + 1e-9) * top]))
-    return float(path.stiffness[2]), float(path.stiffness[3])
 
 
 def _plastic_claims(get):

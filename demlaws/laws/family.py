@@ -95,13 +95,6 @@ def _scale(shape, radius, modulus, roughness):
 
 
 @kernel
-def family_params(shape, coefficient, length, offset, row, place, cubic, turn):
-    """FamilyParams of a contact: row is the number of the first of its four curves."""
-    start = row * shape.grid.count
-    return FamilyParams(coefficient, length, 1.0 / length, offset, start, place, cubic, turn, shape.grid)
-
-
-@kernel
 def _family_scale(shape, radius, modulus, roughness):
     value = curve_number(shape.number, radius, modulus, roughness)
     place = math.log(value / shape.lowest_value) / shape.log_ratio
@@ -109,8 +102,8 @@ def _family_scale(shape, radius, modulus, roughness):
     row = min(max(math.floor(place), 0.0), shape.curves - 2.0)
     offset = 0.0 if inside else math.nan
     turn = 1.0 / (value * value) if value > shape.flattens else 0.0
-    coefficient = hertz_coefficient(radius, modulus)
-    return family_params(shape, coefficient, roughness, offset, row, place - row, shape.cubic, turn)
+    start, coefficient = row * shape.grid.count, hertz_coefficient(radius, modulus)
+    return FamilyParams(coefficient, roughness, 1.0 / roughness, offset, start, place - row, shape.cubic, turn, shape.grid)
 
 
 @kernel
@@ -135,8 +128,9 @@ def _family_first_loading(p, overlap):
 
 
 @kernel
-def _family_invert(p, s):
-    """u at which the blended curve reaches s: bisection, then Newton; NaN above the table."""
+def _family_inverse(p, force):
+    """Where the blended curve reaches the force: bisection, then Newton; NaN above the table."""
+    s = hertz_overlap(p, force) * p.inverse_length
     low = 0.0
     high = p.grid.highest
     if not (s <= _family_read(p, high)[0]):
@@ -155,13 +149,7 @@ def _family_invert(p, s):
         u = new
         if last:
             break
-    return u
-
-
-@kernel
-def _family_inverse(p, force):
-    u = _family_invert(p, hertz_overlap(p, force) * p.inverse_length)
-    return max((u - p.offset) * p.length, 0.0) if u == u else u
+    return max((u - p.offset) * p.length, 0.0)
 
 
 @kernel
@@ -205,8 +193,9 @@ def _family(model, law, share):
 
 def law_curve(model, value, share, reach=0.0):
     """The table of one value of A, up to overlaps of `reach` over σ at least."""
-    data, place = master_curves.load(model).around(value)
-    seated = master_curves.seated(data, share)
+    data = master_curves.load(model)
+    rows, place = data.around(value)
+    seated = master_curves.seated(data, share, rows)
     highest = max(reach, float(np.min(seated.overlap[:, -1])))
     u, _ = grid(float(np.min(seated.start)), highest, [], _BITS)
     cubic, rate = cubic_share(u, 1.0 / value**2 if value > data.flattens else 0.0)

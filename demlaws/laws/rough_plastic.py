@@ -58,12 +58,6 @@ class RoughPlasticParams(NamedTuple):
 
 
 @kernel
-def _smooth_yield(radius, modulus, pressure):
-    """Load at which p0 of a smooth contact reaches `pressure`: π³R²p³/(6E*²)."""
-    return math.pi**3 / 6.0 * pressure * (radius * pressure / modulus) ** 2
-
-
-@kernel
 def _scale(shape, radius, modulus, roughness):
     loading = scale(shape.loading, radius, modulus, roughness)
     bulk = shape.bulk_radius if shape.bulk_radius > 0.0 else radius
@@ -81,7 +75,8 @@ def _scale(shape, radius, modulus, roughness):
             high = middle
     overlap = from_bits(low)
     if shape.load_pressure > 0.0:
-        overlap = inverse(loading, _smooth_yield(bulk, modulus, shape.load_pressure))
+        pressure = shape.load_pressure  # p0 of a smooth contact at the load π³R²p³/(6E*²)
+        overlap = inverse(loading, math.pi**3 / 6.0 * pressure * (bulk * pressure / modulus) ** 2)
     force, _, equivalent, _ = first_loading(loading, overlap)
     ratio = cbrt(radius / bulk)
     coefficient = hertz_coefficient(bulk, modulus)

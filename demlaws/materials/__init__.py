@@ -92,21 +92,16 @@ def typical(name: str) -> dict[str, Value]:
     return dict(_read()[name])
 
 
-@functools.cache
-def _material(name: str) -> Material:
-    """The material with its usual surface."""
+def __getattr__(name: str) -> Any:
+    """The material of this name with its usual surface."""
+    if name.startswith("_") or name not in _read():
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}; materials: {', '.join(names())}")
     values = {quantity: value.value for quantity, value in typical(name).items()}
     surface = None
     if values["roughness"] is not None:
         surface = Surface(values["roughness"], values["fractal_dimension"], values["hardness"])
     assert values["young"] is not None and values["poisson"] is not None
     return Material(values["young"], values["poisson"], values["hardness"], values["density"], surface)
-
-
-def __getattr__(name: str) -> Any:
-    if not name.startswith("_") and name in _read():
-        return _material(name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}; materials: {', '.join(names())}")
 
 
 def __dir__() -> list[str]:

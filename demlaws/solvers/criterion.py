@@ -34,7 +34,7 @@ FIT_LIMIT = 10.0
 
 def hertz_pressure(contact, force):
     """p0 = (6 P E*²/(π³ R²))^(1/3) [Pa], the largest pressure of a smooth contact under `force` [N]."""
-    contact, force = as_contact(contact), checked_forces(force)
+    contact, force = as_contact(contact), positive(force, "force", "N")
     return (6.0 * force * contact.modulus**2 / (math.pi**3 * contact.radius**2)) ** (1 / 3)
 
 
@@ -65,7 +65,7 @@ def _parameter(value):
 
 def pressure_ratio(contact, force, mu=None):
     """p(0)/H_m under `force` [N] (number or array), of a contact that has a hardness; mu: see `central_pressure`."""
-    force = checked_forces(force)
+    force = positive(force, "force", "N")
     alpha = as_contact(contact).roughness_parameter(force)
     drop = pressure_drop(alpha) if mu is None else central_pressure(alpha, mu)
     return as_given(hertz_pressure(contact, force) * drop / hardness_of(contact))
@@ -109,7 +109,7 @@ def transition_roughness(contact, force, *, mu=None):
     """Combined roughness σ [m] at which p(0)/H_m equals `YIELD_RATIO` under `force` [N]; 0 where no roughness is needed.
 
     mu: see `central_pressure`; of one contact and one force, to 1e-5."""
-    force = checked_forces(force)
+    force = positive(force, "force", "N")
     share, hertz = YIELD_RATIO * hardness_of(contact) / hertz_pressure(contact, force), smooth_overlap(contact, force)
     with np.errstate(divide="ignore", invalid="ignore"):
         alpha = np.where(share < 1.0, (-2.0 / (3.0 * np.log1p(-np.minimum(share, 1.0)))) ** (1 / 0.6), 0.0)
@@ -135,8 +135,3 @@ def hardness_of(contact):
     if as_contact(contact).hardness is None:
         raise MissingQuantity("the criterion", "hardness")
     return contact.hardness
-
-
-def checked_forces(force):
-    """Forces [N] as an array; DemlawsError unless all are positive and finite."""
-    return positive(force, "force", "N")

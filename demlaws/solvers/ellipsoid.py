@@ -44,14 +44,11 @@ def shape_factors(ratio):
 _STEP = 64.0  # nodes of the table below in a unit of ln ratio
 
 
-def _factor_table():
-    """ln ᾱβ̄ and ln γ̄ at ln ratio = -1/64, 0, 1/64 … 28: what maps with thousands of patches read in place of Newton."""
-    alpha, beta, gamma, _ = shape_factors(np.exp(np.arange(round(28 * _STEP) + 3) / _STEP))
-    table = np.log(np.column_stack([alpha * beta, gamma]))
-    return np.vstack([table[1], table])  # both are even functions of ln ratio
-
-
-_FACTORS = _factor_table()
+_ALPHA, _BETA, _GAMMA, _ = shape_factors(np.exp(np.arange(round(28 * _STEP) + 3) / _STEP))
+_FACTORS = np.log(np.column_stack([_ALPHA * _BETA, _GAMMA]))
+_FACTORS = np.vstack([_FACTORS[1], _FACTORS])
+"""ln ᾱβ̄ and ln γ̄, even functions of ln ratio, at -1/64, 0, 1/64 … 28: what maps with thousands of patches read in place of
+Newton."""
 
 
 @kernel

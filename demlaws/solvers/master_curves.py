@@ -34,6 +34,8 @@ _STENCIL = np.arange(-3, 5)
 """Nodes of ln f, from the one below, through which a polynomial is put."""
 _BASIS = np.linalg.inv(np.vander(_STENCIL, increasing=True)).T
 _FINE = 1.0 / 16.0  # step of ln f at which U is inverted
+ALL = slice(None)
+"""The rows of all values of A."""
 
 
 class Column(NamedTuple):
@@ -43,11 +45,11 @@ class Column(NamedTuple):
     step: float
     values: np.ndarray
 
-    def at(self, log_force: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Values of every row and their derivatives by ln f."""
+    def at(self, log_force: Any, rows: slice = ALL) -> tuple[np.ndarray, np.ndarray]:
+        """Values of these rows and their derivatives by ln f."""
         place = (np.asarray(log_force, float) - self.start) / self.step
         node = np.floor(place).astype(int)
-        factors = self.values[:, node[..., None] + _STENCIL] @ _BASIS
+        factors = self.values[rows][:, node[..., None] + _STENCIL] @ _BASIS
         value, slope, place = factors[..., -1], np.zeros_like(factors[..., -1]), place - node
         for factor in np.moveaxis(factors, -1, 0)[-2::-1]:
             slope = slope * place + value
@@ -56,7 +58,7 @@ class Column(NamedTuple):
 
 
 class MasterCurves(NamedTuple):
-    """The data of one model, or some rows of them; the columns are defined in the docstring of this module."""
+    """The data of one model; the columns are defined in the docstring of this module."""
 
     model: str
     log_first: float  # ln A of the first row
@@ -64,23 +66,15 @@ class MasterCurves(NamedTuple):
     offset: Column  # U - (3f/4)^(2/3)
     pressure: Column  # p(0)/p0
     radius: Column | None  # a*/a_H, of the elastic layer alone
+    flattens: (
+        float  # A from which the curves bend at large overlaps; infinite for an elastic layer, whose pressure has no limit
+    )
 
-    @property
-    def flattens(self) -> float:
-        """A from which the curves bend at large overlaps; infinite for an elastic layer, whose pressure has no limit."""
-        return FLATTENS if self.model == PLASTIC_LAYER else math.inf
-
-    def around(self, number: float) -> tuple["MasterCurves", float]:
+    def around(self, number: float) -> tuple[slice, float]:
         """The four rows around one value of A, and its place between the inner two, from 0 to 1."""
         place = (math.log(self.checked(number)) - self.log_first) / self.log_ratio
         first = min(max(math.floor(place) - 1, 0), len(self.offset.values) - 4)
-
-        def near(column):
-            return column and column._replace(values=column.values[first : first + 4])
-
-        log_first = self.log_first + first * self.log_ratio
-        rows = MasterCurves(self.model, log_first, self.log_ratio, near(self.offset), near(self.pressure), near(self.radius))
-        return rows, place - first - 1.0
+        return slice(first, first + 4), place - first - 1.0
 
     def checked(self, numbers: Any) -> Any:
         """The same value or values of A; DemlawsError where one is outside the range of the data."""
@@ -127,21 +121,21 @@ def load(model: str) -> MasterCurves:
             return Column(start, step, file[name].astype(float))
 
         first, step = map(float, file["log_number"])
-        radius = column("radius") if model == ELASTIC_LAYER else None
-        return MasterCurves(model, first, step, column("offset"), column("pressure"), radius)
+        radius, flattens = (column("radius"), math.inf) if model == ELASTIC_LAYER else (None, FLATTENS)
+        return MasterCurves(model, first, step, column("offset"), column("pressure"), radius, flattens)
 
 
 def central_pressure(model: str, number: float, force: Any) -> np.ndarray:
     """p(0)/p0 for one value of A at an array of f up to 1e7, from 1e-12 on (of the plastic layer from 1e-6)."""
-    rows, place = load(model).around(number)
-    return mean_of_four(place, 1.0, *rows.pressure.at(_logarithm(force, rows.pressure))[0])[0]
+    pressure, (rows, place) = load(model).pressure, load(model).around(number)
+    return mean_of_four(place, 1.0, *pressure.at(_logarithm(force, pressure), rows)[0])[0]
 
 
 def effective_radius(number: float, force: Any) -> np.ndarray:
     """a*/a_H, a* = 3π ∫rp dr/(4 ∫p dr), of the elastic layer for one value of μ at an array of f from 1e-12 to 1e7."""
-    rows, place = load(ELASTIC_LAYER).around(number)
-    assert rows.radius is not None
-    return mean_of_four(place, 1.0, *rows.radius.at(_logarithm(force, rows.radius))[0])[0]
+    radius, (rows, place) = load(ELASTIC_LAYER).radius, load(ELASTIC_LAYER).around(number)
+    assert radius is not None
+    return mean_of_four(place, 1.0, *radius.at(_logarithm(force, radius), rows)[0])[0]
 
 
 def _logarithm(force: Any, column: Column) -> np.ndarray:
@@ -182,11 +176,11 @@ class Seated(NamedTuple):
         return np.where(below, first * u, s), np.where(below, first, slope)
 
 
-def seated(curves: MasterCurves, share: float) -> Seated:
-    """The curves above the force `share`, whose overlap is continued below it as P ∝ δ^1.5 to overlap 0."""
+def seated(curves: MasterCurves, share: float, rows: slice = ALL) -> Seated:
+    """These rows of the curves above the force `share`, whose overlap is continued below it as P ∝ δ^1.5 to overlap 0."""
     count = math.ceil(math.log(HIGHEST_FORCE / share) / _FINE) + 1
     log_force = np.linspace(math.log(share), math.log(HIGHEST_FORCE), count)
-    offset, rate = curves.offset.at(log_force)
+    offset, rate = curves.offset.at(log_force, rows)
     s = np.exp((log_force + math.log(0.75)) * (2.0 / 3.0))
     slope = (2.0 / 3.0) * s / (rate + (2.0 / 3.0) * s)
     start = s[0] / slope[:, :1]

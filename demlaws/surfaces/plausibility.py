@@ -141,18 +141,6 @@ def refuse_other_arrays(array: np.ndarray, path) -> None:
                 f"{path}: the first {name} rises evenly from {grid[0, 1]:g} to {grid[0, -1]:g}, as an axis does, not heights: "
                 "leave the axes out, and give their step as pixel (--pixel)"
             )
-    _refuse_list_of_points(array, path)
-
-
-def _is_even(values):
-    """Whether values rise or fall by equal steps; the first is left out, as it may be the corner of two axes."""
-    steps = np.diff(values[1:])
-    mean = float(np.mean(steps)) if steps.size > 4 else 0.0
-    return mean != 0.0 and bool(np.all(np.abs(steps - mean) <= EVEN * abs(mean)))
-
-
-def _refuse_list_of_points(array: np.ndarray, path) -> None:
-    """DemlawsError for a list of x, y, z (and more) in place of a grid: few columns, in which two have repeated steps."""
     for columns in (array, array.T):
         rows, count = columns.shape
         if count > 6 or rows < 10 * count or count < 3:
@@ -163,3 +151,10 @@ def _refuse_list_of_points(array: np.ndarray, path) -> None:
                 f"{path}: {rows} entries of {count} values are a list of points x, y, z, not a grid of heights: write the z as "
                 "a grid, one row per line (numpy: z.reshape(rows, columns); scattered points: scipy.interpolate.griddata)"
             )
+
+
+def _is_even(values):
+    """Whether values rise or fall by equal steps; the first is left out, as it may be the corner of two axes."""
+    steps = np.diff(values[1:])
+    mean = float(np.mean(steps)) if steps.size > 4 else 0.0
+    return mean != 0.0 and bool(np.all(np.abs(steps - mean) <= EVEN * abs(mean)))
