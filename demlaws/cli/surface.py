@@ -71,28 +71,28 @@ def register(add):
 
 def run_surface(arguments, result):
     """Do what the command's arguments ask."""
+    from demlaws.surface import write
+
+    commands = {"synthetic": _synthetic, "contact": _contact, "summits": _summits}
     first, *rest = arguments.words
-    if first == "synthetic" and not rest:
-        return _synthetic(arguments, result)
-    if first == "contact":
-        if len(rest) != 1:
-            raise DemlawsError("`demlaws surface contact` takes one height map")
-        return _contact(arguments, result, rest[0])
-    if first == "summits" and len(rest) == 1:
-        return _summits(arguments, result, rest[0])
-    if rest:
-        raise DemlawsError(f"one height map at a time, got {' '.join(arguments.words)}")
-    raw = _cropped(arguments, result, first)
-    _form(result, raw)
-    heights = _without_form(arguments, raw)
-    _describe(result, heights, arguments.wavelengths)
-    _write(result, arguments.out, heights)
+    command, paths = (commands[first], rest) if first in commands else (_level, arguments.words)
+    if len(paths) != (command is not _synthetic):
+        raise DemlawsError(f"one height map at a time, and none for synthetic, got {' '.join(arguments.words)}")
+    heights = command(arguments, result, *paths)
+    if arguments.out is not None:
+        result.print(write(arguments.out, heights))
     draw(result, arguments.figure, lambda plots: plots.surface_figure(heights, arguments.wavelengths))
     return 0
 
 
-def _cropped(arguments, result, path):
-    """The map as it was read, without spikes if asked for, and without what lies outside the field of view asked for."""
+def _level(arguments, result, path):
+    heights = _levelled(arguments, result, path)
+    _describe(result, heights, arguments.wavelengths)
+    return heights
+
+
+def _levelled(arguments, result, path):
+    """The map of a file, cropped, without spikes and without form, as the options ask; prints the form."""
     from demlaws import surface
     from demlaws.surfaces import plausibility
 
@@ -108,7 +108,13 @@ def _cropped(arguments, result, path):
         result.print(f"{count} pixels were spikes or fillers and are now missing")
         heights = clean
     _warn(result, plausibility.doubts(heights, scale))
-    return heights
+    first, second = heights.radii_of_curvature()
+    kind = "a cap" if min(first, second) > 0.0 else "a hollow" if max(first, second) < 0.0 else "a saddle"
+    text = f"form before levelling: {kind} with radii of curvature {first * 1e3:.4g} and {second * 1e3:.4g} mm"
+    if first * second > 0.0 and math.isfinite(first * second):
+        text += f", √(R1 R2) = {math.sqrt(first * second) * 1e3:.4g} mm"
+    result.print(text)
+    return heights if arguments.form == -1 else heights.without_form(arguments.form)
 
 
 def _warn(result, found):
@@ -118,24 +124,6 @@ def _warn(result, found):
     result.values["doubts"] = [*result.values.get("doubts", []), *found]
     for text in found:
         warn(f"height map: {text}", MapWarning)
-
-
-def _levelled(arguments, result, path):
-    return _without_form(arguments, _cropped(arguments, result, path))
-
-
-def _without_form(arguments, heights):
-    return heights if arguments.form == -1 else heights.without_form(arguments.form)
-
-
-def _form(result, heights):
-    """What the form is that levelling takes away: the radius of a ball's cap, or of a cone's tip."""
-    first, second = heights.radii_of_curvature()
-    kind = "a cap" if min(first, second) > 0.0 else "a hollow" if max(first, second) < 0.0 else "a saddle"
-    text = f"form before levelling: {kind} with radii of curvature {first * 1e3:.4g} and {second * 1e3:.4g} mm"
-    if first * second > 0.0 and math.isfinite(first * second):
-        text += f", √(R1 R2) = {math.sqrt(first * second) * 1e3:.4g} mm"
-    result.print(text)
 
 
 def _summits(arguments, result, path):
@@ -160,8 +148,7 @@ def _summits(arguments, result, path):
             f"μ = (8/3) η σ √(2Rβ) = {sample.mu(arguments.effective_radius):.4g} for "
             f"R = {arguments.effective_radius * 1e3:g} mm and σ = Sq"
         )
-    draw(result, arguments.figure, lambda plots: plots.surface_figure(heights, arguments.wavelengths))
-    return 0
+    return heights
 
 
 def _describe(result, heights, wavelengths):
@@ -198,13 +185,6 @@ def _describe(result, heights, wavelengths):
     _warn(result, plausibility.dimension_doubts(found.get("box counting, calibrated"), found.get("spectrum")))
 
 
-def _write(result, path, heights):
-    if path is not None:
-        from demlaws import surface
-
-        result.print(surface.write(path, heights))
-
-
 def _synthetic(arguments, result):
     from demlaws.surface import self_affine
 
@@ -219,9 +199,7 @@ def _synthetic(arguments, result):
         longest=arguments.longest,
     )
     _describe(result, heights, arguments.wavelengths)
-    _write(result, arguments.out, heights)
-    draw(result, arguments.figure, lambda plots: plots.surface_figure(heights, arguments.wavelengths))
-    return 0
+    return heights
 
 
 def _contact(arguments, result, name):
@@ -239,7 +217,7 @@ def _contact(arguments, result, name):
     if arguments.table is not None:
         _table(arguments, result, contact)
     if arguments.load is None:
-        return 0
+        return heights
     _warn(result, resolution_doubts(contact.heights, contact.pair, arguments.load))
     if contact.pair.hardness is not None:
         result.print(assess(contact.pair, arguments.load))
@@ -247,9 +225,7 @@ def _contact(arguments, result, name):
     result.print(step)
     result.values |= {"contact": contact.pair, "force": arguments.load, "text": str(step).splitlines()}
     result.values["micro_contacts"] = len(step.micro)
-    _write(result, arguments.out, worn.heights)
-    draw(result, arguments.figure, lambda plots: plots.surface_figure(worn.heights, arguments.wavelengths))
-    return 0
+    return worn.heights
 
 
 def _cycles(arguments, result, contact):

@@ -66,9 +66,7 @@ class MasterCurves(NamedTuple):
     offset: Column  # U - (3f/4)^(2/3)
     pressure: Column  # p(0)/p0
     radius: Column | None  # a*/a_H, of the elastic layer alone
-    flattens: (
-        float  # A from which the curves bend at large overlaps; infinite for an elastic layer, whose pressure has no limit
-    )
+    flattens: float  # A from which curves bend at large overlaps; infinite for an elastic layer
 
     def around(self, number: float) -> tuple[slice, float]:
         """The four rows around one value of A, and its place between the inner two, from 0 to 1."""
