@@ -7,7 +7,6 @@ from demlaws.errors import quiet
 from demlaws.files import save_csv, wrapped
 from demlaws.granite import claims
 from demlaws.granite import figures as pictures
-from demlaws.granite.cone_figure import cone_figure
 from demlaws.granite.verdicts import counts
 from demlaws.laws import POHRT_POPOV, ROUGH_PLASTIC
 from demlaws.laws.registry import find
@@ -148,7 +147,7 @@ def draw(out, tests, runs, modulus, whole):
         figures += [(name, getattr(pictures, name), modulus) for name in ("stiffness", "roughness")]
         figures.append(("crossover-ss-18-18", pictures.crossover))
         cones = run_of("RFC10", ROUGH_PLASTIC), run_of("FC5", ROUGH_PLASTIC)
-        figures.append(("cones", cone_figure, *cones))
+        figures.append(("cones", pictures.cones, *cones))
         figures.append(("effective-radius", pictures.radius, modulus))
 
     return [plots.save(picture(*arguments), out / f"{name}.png") for name, picture, *arguments in figures]

@@ -155,12 +155,6 @@ _EARLY = ((0.0, 0.5), (0.1, 2.0))
 _LATE = np.geomspace(10.0, 100.0, 20)
 
 
-def _gained(get, name, test, low, high):
-    """Displacement [m] that a law gains in a test between two loads [N], 0 included."""
-    bound = get(name, test)
-    return float(bound.overlap(high) - (bound.overlap(low) if low else 0.0))
-
-
 def _law_claims(get):
     exponents = [0.2567 * dimension for dimension in (2.17, 2.33)]
     pairs = sorted(0.2567 * get.test(t).fractal_dimension for t in ROUGH_SPHERES)
@@ -197,7 +191,10 @@ def _law_claims(get):
 
 
 def _comparison_claims(get):
-    early = {t: [_gained(get, RMS, t, *span) / _gained(get, POHRT_POPOV, t, *span) for span in _EARLY] for t in ROUGH_SPHERES}
+    early = {
+        t: [displacement_gained(get(RMS, t), *span) / displacement_gained(get(POHRT_POPOV, t), *span) for span in _EARLY]
+        for t in ROUGH_SPHERES
+    }
     yield open_claim(
         "rough spheres",
         "RMS overestimates deformation at low load, where Pohrt-Popov is good",

@@ -44,17 +44,15 @@ class PairCurve(NamedTuple):
     """s(u) of one pair, smooth; x = log2 u."""
 
     start: float  # u below which it is a power law
-    end: float  # u up to which the map was cut; beyond, extrapolated
     first: float  # s at the start
-    rise: Callable  # s - s(start) as a function of x
-    rate: Callable  # ds/dx
+    rate: Callable  # ds/dx, a spline
 
     def evaluate(self, u):
         """s and ds/du."""
-        x = np.log2(np.maximum(u, self.start))
-        s, slope = self.first + self.rise(x), self.rate(x) / (np.maximum(u, self.start) * math.log(2.0))
-        at_start = float(self.rate(math.log2(self.start))) / (self.start * math.log(2.0))
-        power = at_start * self.start / self.first
+        inside = np.maximum(u, self.start)
+        x = np.log2(inside)
+        s, slope = self.first + self.rate.antiderivative()(x), self.rate(x) / (inside * math.log(2.0))
+        power = float(self.rate(math.log2(self.start))) / (math.log(2.0) * self.first)
         below = self.first * (u / self.start) ** power
         return np.where(u < self.start, below, s), np.where(u < self.start, power * below / u, slope)
 
@@ -122,8 +120,7 @@ def _smooth(u, s, reach):
     slope, fine = np.append(slope, steady - fade), np.append(fine, x[-1] + beyond)
     steep = np.minimum(slope * 2.0 ** (value - fine), 1e6)
     steep /= (1.0 + steep**12) ** (1 / 12)
-    rate = CubicSpline(fine, steep * 2.0**fine * math.log(2.0))
-    return PairCurve(2.0 ** fine[0], 2.0 ** x[-1], 2.0 ** value[0], rate.antiderivative(), rate)
+    return PairCurve(2.0 ** fine[0], 2.0 ** value[0], CubicSpline(fine, steep * 2.0**fine * math.log(2.0)))
 
 
 def _local_parabola(x, y, at):

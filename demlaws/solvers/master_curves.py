@@ -125,25 +125,23 @@ def load(model: str) -> MasterCurves:
 
 def central_pressure(model: str, number: float, force: Any) -> np.ndarray:
     """p(0)/p0 for one value of A at an array of f up to 1e7, from 1e-12 on (of the plastic layer from 1e-6)."""
-    pressure, (rows, place) = load(model).pressure, load(model).around(number)
-    return mean_of_four(place, 1.0, *pressure.at(_logarithm(force, pressure), rows)[0])[0]
+    return _between(load(model).pressure, load(model), number, force)
 
 
 def effective_radius(number: float, force: Any) -> np.ndarray:
     """a*/a_H, a* = 3π ∫rp dr/(4 ∫p dr), of the elastic layer for one value of μ at an array of f from 1e-12 to 1e7."""
-    radius, (rows, place) = load(ELASTIC_LAYER).radius, load(ELASTIC_LAYER).around(number)
-    assert radius is not None
-    return mean_of_four(place, 1.0, *radius.at(_logarithm(force, radius), rows)[0])[0]
+    return _between(load(ELASTIC_LAYER).radius, load(ELASTIC_LAYER), number, force)
 
 
-def _logarithm(force: Any, column: Column) -> np.ndarray:
+def _between(column: Any, curves: MasterCurves, number: float, force: Any) -> np.ndarray:
     force, lowest = np.asarray(force, float), math.exp(column.start - _STENCIL[0] * column.step)
     if not np.all((force >= lowest) & (force <= HIGHEST_FORCE)):
         wrong = np.min(force) if np.min(force) < lowest else np.max(force)
         raise DemlawsError(
             f"P/(E* √R σ^1.5) = {wrong:.4g} is outside {lowest:.2g} to {HIGHEST_FORCE:g}: check force and roughness"
         )
-    return np.log(force)
+    rows, place = curves.around(number)
+    return mean_of_four(place, 1.0, *column.at(np.log(force), rows)[0])[0]
 
 
 def yield_force(number: float) -> float:
