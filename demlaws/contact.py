@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from demlaws.errors import Argument, DemlawsError, MissingQuantity, did_you_mean, refuses_unknown_keywords, warn
+from demlaws.errors import Argument, DemlawsError, MissingQuantity, did_you_mean, warn
 from demlaws.units import RANGES, as_float, as_given, judge, number, outside, positive, refuse, refuse_plain_radius
 
 PER_CONTACT = ("radius", "modulus", "roughness")
@@ -71,7 +71,6 @@ def combined_roughness(roughness1: Any, roughness2: Any) -> Any:
     return None if roughness1 is None or roughness2 is None else np.hypot(roughness1, roughness2)
 
 
-@refuses_unknown_keywords
 @dataclass(frozen=True)
 class Material:
     """An elastic solid. Quantities are numbers in SI units, or strings with a unit ("60.6GPa").
@@ -129,7 +128,6 @@ class Material:
         return 1.0 / compliance(self)
 
 
-@refuses_unknown_keywords
 @dataclass(frozen=True)
 class Surface:
     """A measured surface of one body. Quantities are numbers in SI units, or text with a unit ("2.4um").
@@ -202,7 +200,6 @@ class Surface:
         )
 
 
-@refuses_unknown_keywords
 @dataclass(frozen=True)
 class Contact:
     """One contact of two bodies, or an array of contacts that share a law, by its effective quantities.
@@ -399,7 +396,7 @@ class Contact:
         float or ndarray
         """
         if self.roughness is None:
-            raise MissingQuantity("the roughness parameter α", "roughness")
+            raise MissingQuantity.of("the roughness parameter α", "roughness")
         return self.roughness / smooth_overlap(self, positive(force, "force", "N"))
 
 

@@ -1,16 +1,12 @@
 """Errors and warnings of demlaws, and signals that end a process."""
 
 import contextlib
-import dataclasses
-import functools
 import signal
 import sys
 import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator
-from typing import Any, NamedTuple, TypeVar
-
-T = TypeVar("T")
+from typing import Any, NamedTuple
 
 ADDRESS = ""
 REPOSITORY = ""
@@ -75,19 +71,11 @@ class MissingQuantity(DemlawsError):
     demlaws.errors.MissingQuantity: law 'rms' needs the contact's roughness, which is not given: give ...
     """
 
-    def __init__(self, user: str, quantity: str) -> None:
-        super().__init__(user, quantity)
-        self.user, self.quantity = user, quantity
-
-    def text(self, named: Callable[[Argument], str] = str) -> str:
-        """The missing quantity and where it is given: by `named(argument)`, in Python as a field of the contact."""
-        place, smooth = named(Argument(self.quantity, ...)), ""
-        if named is str:
-            both = " (Contact.between: roughness1=... and roughness2=...)" if self.quantity == "roughness" else ""
-            place = f"Contact(..., {place}){both}"
-        if self.quantity == "roughness":
-            smooth = ", 0 for smooth surfaces"
-        return f"{self.user} needs the contact's {self.quantity}, which is not given: give {place}{smooth}"
+    @classmethod
+    def of(cls, user: str, quantity: str) -> "MissingQuantity":
+        """The error of a law or criterion (`user`, text) for a field of the contact."""
+        smooth = ", 0 for smooth surfaces" if quantity == "roughness" else ""
+        return cls(f"{user} needs the contact's {quantity}, which is not given: give ", Argument(quantity, ...), smooth)
 
 
 class EngineStopped(DemlawsError, RuntimeError):
@@ -152,24 +140,6 @@ def did_you_mean(word: object, known: Iterable[str]) -> str:
     """Text after an unknown word: ", did you mean 'X'?" of the most similar of the known words, or a full stop."""
     similar = most_similar(word, known)
     return f", did you mean {similar!r}?" if similar else "."
-
-
-def refuses_unknown_keywords(cls: type[T]) -> type[T]:
-    """Decorator of a dataclass: a keyword that is not one of its fields raises a DemlawsError with the most similar field."""
-    init = cls.__init__
-
-    @functools.wraps(init)
-    def checked(self, *values, **quantities):
-        names = [field.name for field in dataclasses.fields(cls)]
-        for name in quantities:
-            if name not in names:
-                raise DemlawsError(
-                    f"{cls.__name__} has no {name!r}{did_you_mean(name, names)} Its quantities are {', '.join(names)}"
-                )
-        init(self, *values, **quantities)
-
-    cls.__init__ = checked  # type: ignore[method-assign]
-    return cls
 
 
 def warn(text: str | tuple, category: type[Warning] = ValidityWarning) -> None:

@@ -1,5 +1,6 @@
 """Files are written whole or not at all, and text is read in whatever encoding it came."""
 
+import contextlib
 import csv
 import io
 import os
@@ -45,15 +46,20 @@ def write_atomically(path, content):
 
     A failure leaves an older file of that name as it was. The folder is made if it is missing.
     """
-    target = _target(path)
+    target = as_path(path)
+    if target.is_symlink():
+        target = target.resolve()
+    if target.exists() and not target.is_file() and not target.is_dir():
+        raise DemlawsError(f"cannot write {target}: it is a device or a pipe, which a file would replace; name a file")
+    temporary = target.with_name(f".{target.name[:100]}.{secrets.token_hex(8)}")
     try:
-        temporary = _waiting(target, content.encode() if isinstance(content, str) else content)
-        try:
-            os.replace(temporary, target)
-        except OSError:
-            os.unlink(temporary)
-            raise
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with open(temporary, "xb") as file:
+            file.write(content.encode() if isinstance(content, str) else content)
+        os.replace(temporary, target)
     except OSError as error:
+        with contextlib.suppress(OSError):
+            temporary.unlink()
         raise DemlawsError(f"cannot write {target}: {error.strerror or error}; name a folder you may write to") from error
     return as_path(path)
 
@@ -70,30 +76,6 @@ def csv_text(titles, rows):
 def save_csv(path, titles, rows):
     """Write a CSV file; returns its path."""
     return write_atomically(path, csv_text(titles, rows))
-
-
-def _target(path):
-    """The file to write; a symbolic link's own target, and no device or pipe, which renaming would replace by a file."""
-    path = as_path(path)
-    if path.is_symlink():
-        path = path.resolve()
-    if path.exists() and not path.is_file() and not path.is_dir():
-        raise DemlawsError(f"cannot write {path}: it is a device or a pipe; name a file")
-    return path
-
-
-def _waiting(path, data):
-    """A temporary file beside `path` that holds `data`, with the permissions of any new file."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name[:100]}.{secrets.token_hex(8)}")
-    descriptor = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)  # less the umask
-    try:
-        with os.fdopen(descriptor, "wb") as file:
-            file.write(data)
-    except OSError:
-        os.unlink(temporary)
-        raise
-    return temporary
 
 
 WIDTH = 100

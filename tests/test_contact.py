@@ -45,8 +45,6 @@ def test_surface_combined():
 @pytest.mark.parametrize(
     ("make", "field"),
     [
-        (lambda: dl.Surface(roughnes=1e-6), "roughnes"),
-        (lambda: dl.Material(60e9, poison=0.2), "poison"),
         (lambda: dl.Contact(1e-3, 1e9).with_values(radios=1e-3), "radios"),
         (lambda: dl.Material(young=1e9, poisson=0.6), "poisson"),
         # GPa for Pa, g/cm³ for kg/m³, mm for m

@@ -22,7 +22,7 @@ from demlaws.contact import (
     surface_of,
 )
 from demlaws.core.unloading import GIVEN
-from demlaws.errors import DemlawsError, NotPassive, refuses_unknown_keywords
+from demlaws.errors import DemlawsError, NotPassive
 from demlaws.files import names_a_file, read_text
 from demlaws.law import Law
 from demlaws.laws.registry import find
@@ -39,7 +39,6 @@ TEMPLATE = Path(__file__).with_name("template.toml")
 """A scene file with every key and its meaning (`demlaws choose --template`)."""
 
 
-@refuses_unknown_keywords
 @dataclass(frozen=True)
 class Scene:
     """Grains and loads of a simulation, for `demlaws.choose`. One of force, pressure and speed is required.

@@ -39,9 +39,9 @@ def run_regime(arguments, result):
     measured = arguments.yield_load is not None or arguments.yield_pressure is not None
     pair = contact_from(arguments)
     if pair.roughness is None:
-        raise MissingQuantity("the criterion", "roughness")
+        raise MissingQuantity.of("the criterion", "roughness")
     if pair.hardness is None and not measured:
-        raise MissingQuantity("the criterion", "hardness")
+        raise MissingQuantity.of("the criterion", "hardness")
     limit = arguments.yield_pressure
     if arguments.yield_load is not None:
         limit = float(regime.hertz_pressure(pair, arguments.yield_load))

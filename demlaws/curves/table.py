@@ -105,7 +105,7 @@ class TableCurve:
                 f"the table of {self.definition.name!r} holds for the contact it was made for only: make one for this contact"
             )
         if self.shape.length_over_roughness and contact.roughness is None:
-            raise MissingQuantity(f"the table of {self.definition.name!r}", "roughness")
+            raise MissingQuantity.of(f"the table of {self.definition.name!r}", "roughness")
         if self.shape.length_over_roughness and np.any(np.asarray(contact.roughness) == 0.0):
             raise DemlawsError("roughness = 0 m: this table scales with roughness; use law 'hertz' for a smooth contact")
         for name in ("fractal_dimension", "hardness"):  # what the curve's form depends on

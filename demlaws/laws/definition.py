@@ -323,7 +323,7 @@ class Definition(NamedTuple):
         self.refuse_missing(options)
         for field in self.needs:
             if getattr(contact, field) is None:
-                raise MissingQuantity(f"law {self.name!r}", field)
+                raise MissingQuantity.of(f"law {self.name!r}", field)
         try:
             return self.prepare(contact, **options)
         except TypeError as error:  # a list where a word belongs

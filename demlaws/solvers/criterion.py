@@ -133,5 +133,5 @@ def _root(function, near):
 def hardness_of(contact):
     """Hardness H_m of the contact [Pa]; DemlawsError where it has none."""
     if as_contact(contact).hardness is None:
-        raise MissingQuantity("the criterion", "hardness")
+        raise MissingQuantity.of("the criterion", "hardness")
     return contact.hardness

@@ -158,7 +158,7 @@ class LawSource:
         if surface.roughness == 0.0 and self.table.curve.shape.length_over_roughness:
             return None
         if surface.roughness is None and self.table.curve.shape.length_over_roughness:
-            raise MissingQuantity(f"the table of {self.name!r}", "roughness")
+            raise MissingQuantity.of(f"the table of {self.name!r}", "roughness")
         law_curve = "law" in {self.definition.rule(rule).curve for rule in (unloading, self.table.unloading)}
         table = self.table.joined(unloading) if law_curve and unloading != self.table.unloading else self.table
         for name, unit in (("fractal_dimension", ""), ("hardness", " Pa"), ("roughness", " m")):
