@@ -16,8 +16,7 @@ from demlaws.core.unloading import GIVEN
 from demlaws.curves.closed import ClosedForm
 from demlaws.curves.unloading import ELASTIC, Unloading, beside_table, refuse_unless_passive
 from demlaws.errors import Argument, DemlawsError
-from demlaws.files import as_path, names_a_file, write_atomically
-from demlaws.laws.definition import Definition
+from demlaws.files import names_a_file, write_atomically
 from demlaws.responses.response import Response
 from demlaws.units import as_given, number
 
@@ -123,23 +122,21 @@ class Law(Response):
         """
         return join(self.contact, self.curve, unloading)
 
-    def bound_to(self, contact: Contact) -> "Law":
+    def bound_to(self, contact: Contact, surface_matters: bool = True) -> "Law":
         """The same law and options for another contact, elastic.
 
         Parameters
         ----------
         contact : Contact
             One contact or an array of contacts.
+        surface_matters : bool
+            Of a table: False where it is an unloading curve, for which only radius, modulus and roughness must agree.
 
         Returns
         -------
         Law
         """
         return Law(as_contact(contact), ClosedForm(self.definition, contact, self.options))
-
-    def for_unloading(self, contact: Contact) -> "Law":
-        """This law as the unloading curve of a law for another contact."""
-        return self.bound_to(contact)
 
     def overlap_of(self, max_force: float | str) -> Any:
         """`overlap` at a force that the user typed as max_force [N], which an error names."""
@@ -196,7 +193,12 @@ def composed(contact: Contact, curve: "ClosedForm | TableCurve", unloading: Unlo
 
 def join(contact: Contact, curve: "ClosedForm | TableCurve", unloading: "str | os.PathLike | Law") -> Any:
     """A curve of first loading joined with the unloading that a user named; NotPassive where the pair returns work."""
-    law = composed(contact, curve, _adapted(resolve(unloading, curve.definition), contact, curve))
+    named = read_unloading(unloading)
+    if isinstance(named, Law):
+        parts = Unloading(curve.definition.rule(GIVEN), named.curve, named.contact)
+    else:
+        parts = Unloading(curve.definition.rule(named))
+    law = composed(contact, curve, _adapted(parts, contact, curve))
     refuse_unless_passive(law)
     return law
 
@@ -211,14 +213,6 @@ def _adapted(unloading, contact, curve):
 
         return unloading._replace(curve=rescaled(curve, contact, unloading), contact=contact)
     return curve.with_unloading(contact, unloading)
-
-
-def resolve(unloading: "str | os.PathLike | Law", definition: Definition) -> Unloading:
-    """`Unloading` of a rule's name, of a law or a table to follow, or of the path of a table, for a law of this definition."""
-    given = read_unloading(unloading)
-    if isinstance(given, Law):
-        return Unloading(definition.rule(GIVEN), given.curve, given.contact)
-    return Unloading(definition.rule(given))
 
 
 def read_unloading(unloading: Any) -> Any:
@@ -281,15 +275,8 @@ class Table(Law):
         """Length [m] that makes overlaps dimensionless, one per contact."""
         return loading_part(self.params).length
 
-    def bound_to(self, contact: Contact) -> "Table":
+    def bound_to(self, contact: Contact, surface_matters: bool = True) -> "Table":
         """The same curve for another contact (or array of contacts); only a law whose curve collapses allows that."""
-        return self._bound_to(contact, True)
-
-    def for_unloading(self, contact: Contact) -> "Table":
-        """`bound_to` of an unloading curve: only radius, modulus and roughness must be those of the contact."""
-        return self._bound_to(contact, False)
-
-    def _bound_to(self, contact, surface_matters):
         curve = self.curve if self.collapses else dataclasses.replace(self.curve, collapses=False)
         contact, unloading = curve.bound_to(contact, surface_matters), self.unloading_parts
         if unloading.curve is not None:
@@ -332,8 +319,6 @@ class Table(Law):
     def save(self, path: str | os.PathLike) -> File:
         """Write the table as text with its certificate, its unloading curve below it; see `Table.load`.
 
-        A warning names the content of a file that is replaced, unless it is a table of the same law and contact.
-
         Parameters
         ----------
         path : str or os.PathLike
@@ -344,9 +329,6 @@ class Table(Law):
         pathlib.Path
             The file.
         """
-        from demlaws.curves.table_file import name_what_is_lost
-
-        name_what_is_lost(as_path(path), self)
         return write_atomically(path, self._compose()[0])
 
     @property

@@ -75,7 +75,7 @@ def rebound(unloading, contact):
         return unloading
     if all(np.allclose(*(getattr(c, n) for c in (unloading.contact, contact)), rtol=1e-6, atol=0.0) for n in SIZES):
         return unloading
-    return unloading.for_unloading(contact)
+    return unloading.bound_to(contact, surface_matters=False)
 
 
 def example_curve(name, contact, **options):

@@ -6,7 +6,6 @@ import textwrap
 import numpy as np
 
 import demlaws as dl
-from demlaws.core import unloading
 from demlaws.laws import registry
 
 POWER = """
@@ -133,15 +132,11 @@ def restored():
 @contextlib.contextmanager
 def registered(folder, text=SPRING, name="my_spring.py"):
     """The file's law, as long as the block lasts; the path of the file."""
-    file, rules = folder / name, unloading._OF_LAWS.copy()
+    file = folder / name
     file.write_text(textwrap.dedent(text))
     with restored():
-        try:
-            dl.load_laws(file)
-            yield file
-        finally:
-            unloading._OF_LAWS.clear()
-            unloading._OF_LAWS.update(rules)
+        dl.load_laws(file)
+        yield file
 
 
 def expected(path, lost=0.4, stiffness=2e6):

@@ -78,11 +78,6 @@ def bind(cls, **functions):
     _KERNELS.setdefault(cls, {}).update(functions)
 
 
-def kernels_of(cls):
-    """Name of a generic function → kernel, of those that answer for arguments of this type."""
-    return _KERNELS.get(cls, {})
-
-
 def kernel_of(argument, name):
     """The kernel that answers for a generic function where an argument has this numba type, or None."""
     cls = getattr(argument, "instance_class", None)

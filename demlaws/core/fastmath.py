@@ -158,6 +158,32 @@ def cbrt(x):
     return root if x - x == 0.0 else x
 
 
+def root_finder(curve):
+    """Kernel that finds where a rising `curve`(p, x) → (value, derivative) has a value, by Newton's method inside a bracket.
+
+    low, high: bracket; x: where it begins; it ends when a step is at most `tolerance` of x.
+    """
+
+    @kernel
+    def find(p, value, low, high, x, tolerance):
+        for _ in range(200):
+            there, slope = curve(p, x)
+            if there > value:
+                high = x
+            else:
+                low = x
+            new = x - (there - value) / slope if slope > 0.0 else 0.5 * (low + high)
+            if not (low <= new <= high):
+                new = 0.5 * (low + high)
+            last = abs(new - x) <= tolerance * new
+            x = new
+            if last:
+                break
+        return x
+
+    return find
+
+
 # --- Hertz's smooth sphere: all Params hold its coefficient
 
 

@@ -7,8 +7,6 @@ that type. The state is a tuple of floats; all zeros is a virgin contact, and a 
 """
 
 import math
-import os
-import sys
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -99,11 +97,8 @@ RULES = {
 """Name → the rules that any law may take."""
 
 
-_OF_LAWS = {}  # name → the rule of a law or of a family of laws
-_OF_TAG = {}  # type of tag → rule; a file that runs twice makes types of one name twice, and laws of either live on
-
-OF_THE_PACKAGE = ("linear", "eepa", "etsion", "jackson")
-"""Names of rules of the package's laws, whose files may not have been imported when a user's rule is made."""
+_OF_TAG = {type(rule.tag): rule for rule in RULES.values()}
+"""Type of tag → rule, those of laws included: a file that runs twice makes two types of one name."""
 SPRINGS = {None: 0, "hertz": 2, "thornton": 3}
 """Springs that a law's own rule may have → numbers of the state that they are computed from, at least."""
 LARGEST_STATE = 3
@@ -116,39 +111,22 @@ def own_rule(rule: Rule) -> Rule:
     Its kernels `step`, `unloaded` and `stored_and_dissipated` are bound to its tag. They read the law's Params from
     `curves_of(p)[1]`, so that they serve a table of the law, too, and the force from `first_loading(p, overlap)`. A rule with a
     `number` has `keys` and a `shape`: in a table `curves_of(p)[1]` is then what `shape` makes of the file's numbers.
-    TypeError: a name that a general rule or another law's rule has, a state larger than engines keep, or springs that it cannot
-    have. The same file may run again (imported and loaded).
+    TypeError: the name of a general rule, a state larger than engines keep, or springs that it cannot have.
     """
-    other = _OF_LAWS.get(rule.name)
-    if (
-        rule.name in RULES
-        or (rule.name in OF_THE_PACKAGE and not type(rule.tag).__module__.startswith("demlaws.laws."))
-        or (other is not None and not _same(type(other.tag), type(rule.tag)))
-    ):
-        raise TypeError(f"an unloading rule {rule.name!r} exists already: use another name")
-    if len(rule.state) > LARGEST_STATE:
-        raise TypeError(f"rule {rule.name!r} has a state of {len(rule.state)} numbers, engines store at most {LARGEST_STATE}")
-    if rule.curve != "law":
-        raise TypeError(f"rule {rule.name!r}: curve must be 'law', got {rule.curve!r}")
-    if rule.springs not in SPRINGS or len(rule.state) < SPRINGS[rule.springs]:
-        known = ", ".join(map(repr, SPRINGS))
+    size = len(rule.state)
+    springs = rule.springs in SPRINGS and size >= SPRINGS[rule.springs]
+    if rule.name in RULES or rule.curve != "law" or size > LARGEST_STATE or not springs:
         raise TypeError(
-            f"rule {rule.name!r}: springs = {rule.springs!r} with {len(rule.state)} numbers of state; {known} exist"
+            f"unloading rule {rule.name!r} with {size} numbers of state: the name must not be one of {', '.join(RULES)}, "
+            f"the curve 'law', the state at most {LARGEST_STATE} numbers, the springs one of {SPRINGS} (numbers needed)"
         )
-    _OF_LAWS[rule.name] = _OF_TAG[type(rule.tag)] = rule
+    _OF_TAG[type(rule.tag)] = rule
     return rule
-
-
-def _same(one, other):
-    """Whether two types have one name and come from one module or file."""
-    files = [getattr(sys.modules.get(kind.__module__), "__file__", None) or kind.__module__ for kind in (one, other)]
-    return one.__qualname__ == other.__qualname__ and os.path.realpath(files[0]) == os.path.realpath(files[1])
 
 
 def rule_of(tag_type):
     """The rule whose tag is of this type."""
-    match = _OF_TAG.get(tag_type)
-    return match or next(rule for rule in RULES.values() if type(rule.tag) is tag_type)
+    return _OF_TAG[tag_type]
 
 
 def rule_of_smooth_contact(rule):

@@ -59,17 +59,7 @@ class MeasuredCurve:
         overlap, force, sigma = overlap[order], force[order], sigma[order]
         fit = self._set_curve(overlap, force, sigma)
         departure = np.abs(self.evaluate(overlap)[0] - force)
-        most = self.LARGEST_NOISE * float(force.max())
-        noise = min(fit.noise, most)
-        at_touch = min(max(1.5 * noise, float(np.sqrt(np.mean(departure**2)))), 1.5 * most)
-        self._check_touch((*without[:2], np.fmax(without[2], at_touch)), force.max())
-        allowed = np.maximum(self._allowed(force, sigma, force.max()), 6.0 * noise)
-        worst = int(np.argmax(departure / allowed))
-        if departure[worst] > allowed[worst]:
-            raise DemlawsError(
-                f"first loading: at overlap {overlap[worst]:.6g} m the force is {force[worst]:.6g} N, {departure[worst]:.3g} N "
-                "from a rising curve through the points: give points of first loading only, in m and N, or their uncertainty"
-            )
+        self._refuse_departures(overlap, force, sigma, without, departure, fit.noise)
         at = np.unique(np.linspace(0, self.x.size - 1, min(self.x.size, SHOWN)).round().astype(int))
         curve = np.exp(fit.values)
         text = f"smoothing spline by restricted likelihood, {fit.freedom:.1f} degrees of freedom"
@@ -95,22 +85,25 @@ class MeasuredCurve:
         self.largest = float(overlap[-1])
         return fit
 
-    def _allowed(self, force, sigma, largest):
-        """How far points may lie from the curve [N]."""
-        widths = max(4.0, math.sqrt(2.0 * math.log(1e3 * max(sigma.size, 1))))  # of one in a thousand sets of so many points
-        return np.maximum(self.FURTHEST * np.maximum(force, 0.05 * largest), widths * np.nan_to_num(sigma))
-
-    def _check_touch(self, points, largest):
-        """Points without overlap carry no force, and those without force lie where it has none."""
-        overlap, force, sigma = points
-        expected = np.zeros(overlap.size)
-        expected[overlap > 0.0] = self.evaluate(overlap[overlap > 0.0])[0]
-        bad = np.flatnonzero(np.abs(force - expected) > self._allowed(0.0, sigma, largest))
-        if bad.size:
-            k = bad[np.argmax(np.abs(overlap[bad]))]
+    def _refuse_departures(self, overlap, force, sigma, without, departure, noise):
+        """Refuse a point too far from the curve; `without`: columns of those without an overlap or a force."""
+        most = self.LARGEST_NOISE * float(force.max())
+        noise = min(noise, most)
+        at_touch = min(max(1.5 * noise, float(np.sqrt(np.mean(departure**2)))), 1.5 * most)
+        expected = np.zeros(without[0].size)
+        expected[without[0] > 0.0] = self.evaluate(without[0][without[0] > 0.0])[0]
+        widths = max(4.0, math.sqrt(2.0 * math.log(1e3 * sigma.size)))  # of one in a thousand sets of so many points
+        floor = 0.05 * self.FURTHEST * force.max()
+        far = np.append(departure, np.abs(without[1] - expected))
+        near = np.maximum(np.maximum(self.FURTHEST * force, floor), np.maximum(widths * np.nan_to_num(sigma), 6.0 * noise))
+        allowed = np.append(near, np.maximum(floor, widths * np.fmax(without[2], at_touch)))
+        worst = int(np.argmax(far / allowed))
+        if far[worst] > allowed[worst]:
             raise DemlawsError(
-                f"first loading: at overlap {overlap[k]:.6g} m the force is {force[k]:.6g} N: overlaps count from where the "
-                "bodies touch; subtract the displacement at which they do (demlaws table: --zero)"
+                f"first loading: at overlap {np.append(overlap, without[0])[worst]:.6g} m the force is "
+                f"{np.append(force, without[1])[worst]:.6g} N, {far[worst]:.3g} N from a rising curve through the points: give "
+                "points of first loading only, in m and N, or their uncertainty. Overlaps count from where the bodies touch; "
+                "subtract the displacement at which they do (demlaws table: --zero)"
             )
 
     def evaluate(self, overlap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

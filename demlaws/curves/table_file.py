@@ -3,7 +3,6 @@
 import json
 import math
 import os
-import warnings
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from demlaws.curves.points import Knots
 from demlaws.curves.table import Certificate, TableCurve
 from demlaws.curves.table_grammar import UNLOADING
 from demlaws.curves.unloading import Unloading
-from demlaws.errors import DemlawsError, warn
+from demlaws.errors import DemlawsError
 from demlaws.files import as_path
 from demlaws.laws.definition import Definition, no_limits
 from demlaws.laws.registry import find
@@ -171,19 +170,3 @@ def _knots(line, path):
         return None if line is None else Knots.from_text(line)
     except (ValueError, KeyError, TypeError):
         raise DemlawsError(f"{path}: the line 'points' does not contain the points of a table") from None
-
-
-def name_what_is_lost(path, table):
-    """Warn where a file that is to be replaced is not a table of this law and contact."""
-    if not path.is_file():
-        return
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            old = table.load(path)
-    except DemlawsError:
-        warn(f"{path} was not a readable table and is replaced by a table of law {table.name!r}", UserWarning)
-        return
-    if (old.name, old.unloading, old.contact) != (table.name, table.unloading, table.contact):
-        text = f"law {old.name!r}, {old.unloading} unloading, {old.contact}"
-        warn(f"{path} held a table of {text}; it is replaced by law {table.name!r}, {table.unloading} unloading", UserWarning)

@@ -16,7 +16,7 @@ from demlaws.curves.points import MeasuredCurve
 from demlaws.curves.soundness import fault_of_slope, fault_of_values
 from demlaws.curves.table import TableCurve
 from demlaws.curves.table_file import definition_of_table
-from demlaws.curves.tabulate import tabulate_given, tolerance
+from demlaws.curves.tabulate import tabulate_given
 from demlaws.errors import DemlawsError, warn
 from demlaws.laws.registry import registry
 from demlaws.units import SMALL_OVERLAP, check_overlaps, number, positive
@@ -34,7 +34,6 @@ def curve_of_function(force, contact, largest_overlap, *, stiffness, kinks, scal
     end = SMALL_OVERLAP * float(contact.radius)
     if largest_overlap is not None:
         end = number(largest_overlap, "largest_overlap", "m", 1e-9 * float(contact.radius), float(contact.radius))
-    tolerance(rtol)
     length = float(contact.sigma if definition.length == "roughness" else contact.radius)
     table = tabulate_given(FunctionCurve(force, end, stiffness, kinks, length), definition, contact, rtol)
     _warn_of_other_units(table, contact, end)

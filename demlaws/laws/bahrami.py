@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.core.dispatch import bind
-from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel
+from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, root_finder
 from demlaws.laws.definition import (
     HARDNESS,
     ROUGHNESS,
@@ -89,26 +89,22 @@ def _scale(shape, radius, modulus, roughness):
 
 
 @kernel
+def _overlap(p, s):
+    return _low(p.softness, p.constant, s) if s <= p.joint else _high(p.softness, p.constant, s)
+
+
+_find = root_finder(_overlap)
+
+
+@kernel
 def _solve(p, u):
-    """s = δ_H(P)/σ and ds/du at u = δ/σ: Newton inside a bracket."""
+    """s = δ_H(P)/σ and ds/du at u = δ/σ."""
     below = u <= p.joint_overlap
     low = 0.0 if below else p.joint
     high = p.joint if below else u + 2.0 * p.softness
-    s = min(max(u / 1.6, low), high) if below else 0.5 * (low + high)
-    for _ in range(200):
-        value, derivative = _low(p.softness, p.constant, s) if below else _high(p.softness, p.constant, s)
-        if value > u:
-            high = s
-        else:
-            low = s
-        new = s - (value - u) / derivative
-        if not (low <= new <= high):
-            new = 0.5 * (low + high)
-        last = abs(new - s) <= 1e-9 * new  # Newton's error is squared by the step below
-        s = new
-        if last:
-            break
-    value, derivative = _low(p.softness, p.constant, s) if below else _high(p.softness, p.constant, s)
+    start = min(max(u / 1.6, low), high) if below else 0.5 * (low + high)
+    s = _find(p, u, low, high, start, 1e-9)  # Newton's error is squared by the step below
+    value, derivative = _overlap(p, s)
     return s - (value - u) / derivative, 1.0 / derivative
 
 

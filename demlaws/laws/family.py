@@ -14,7 +14,7 @@ import numpy as np
 
 from demlaws.core.curve import read_curve, scale_table
 from demlaws.core.dispatch import bind
-from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, sqrt
+from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, root_finder, sqrt
 from demlaws.core.grid import Nodes, grid, shape_from_nodes
 from demlaws.core.table_types import Grid, TableShape
 from demlaws.errors import DemlawsError
@@ -127,29 +127,17 @@ def _family_first_loading(p, overlap):
     return root * equivalent, 1.5 * root * slope, equivalent, equivalent
 
 
+_find = root_finder(_family_read)
+
+
 @kernel
 def _family_inverse(p, force):
-    """Where the blended curve reaches the force: bisection, then Newton; NaN above the table."""
+    """Where the blended curve reaches the force; NaN above the table."""
     s = hertz_overlap(p, force) * p.inverse_length
-    low = 0.0
     high = p.grid.highest
     if not (s <= _family_read(p, high)[0]):
         return math.nan
-    u = 0.5 * high
-    for _ in range(200):
-        value, slope = _family_read(p, u)
-        if value > s:
-            high = u
-        else:
-            low = u
-        new = u - (value - s) / slope
-        if not (low < new < high):
-            new = 0.5 * (low + high)
-        last = abs(new - u) <= 1e-14 * new
-        u = new
-        if last:
-            break
-    return max((u - p.offset) * p.length, 0.0)
+    return max((_find(p, s, 0.0, high, 0.5 * high, 1e-14) - p.offset) * p.length, 0.0)
 
 
 @kernel

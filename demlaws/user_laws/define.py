@@ -12,7 +12,7 @@ import numpy as np
 from demlaws.contact import Contact
 from demlaws.core.cache import tag_of
 from demlaws.core.dispatch import bind, function_of_text, scalar
-from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel
+from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, root_finder
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, Numbers, Option, check_name
 from demlaws.units import number
@@ -187,33 +187,23 @@ def _of_numbers(function):
 
 
 def _searched(force, stiffness):
-    """The inverse of a rising curve: bracketed by doubling, then Newton's method kept inside the bracket."""
+    """The inverse of a rising curve, bracketed by doubling."""
+
+    @kernel
+    def curve(p, overlap):
+        return force(p, overlap), stiffness(p, overlap)
+
+    find = root_finder(curve)
 
     @kernel
     def inverse(p, load):
-        low = 0.0
         high = hertz_overlap(p, load)
+        low = 0.0
         for _ in range(1100):
             if not force(p, high) < load:
                 break
-            low = high
-            high = 2.0 * high
-        here = high
-        for _ in range(200):
-            there = force(p, here)
-            if there < load:
-                low = here
-            else:
-                high = here
-            slope = stiffness(p, here)
-            new = here - (there - load) / slope if slope > 0.0 else 0.5 * (low + high)
-            if not (low <= new <= high):
-                new = 0.5 * (low + high)
-            last = abs(new - here) <= 2e-16 * here
-            here = new
-            if last:
-                break
-        return here
+            low, high = high, 2.0 * high
+        return find(p, load, low, high, high, 2e-16)
 
     return inverse
 

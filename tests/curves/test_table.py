@@ -185,7 +185,7 @@ def test_a_surface_of_another_form_is_refused():
     with pytest.raises(dl.DemlawsError):
         table.bound_to(GRANITE.with_values(fractal_dimension=2.6))
     assert table.bound_to(GRANITE.with_values(fractal_dimension=None)).contact == GRANITE
-    assert table.for_unloading(GRANITE.with_values(fractal_dimension=2.6)).contact == GRANITE
+    assert table.bound_to(GRANITE.with_values(fractal_dimension=2.6), surface_matters=False).contact == GRANITE
     assert table_of("rms").bound_to(GRANITE.with_values(fractal_dimension=2.6)).force(1e-6) == table_of("rms").force(1e-6)
     with pytest.raises(dl.DemlawsError):
         table_of("rms").bound_to(GRANITE.with_values(roughness=0.0))
@@ -401,15 +401,3 @@ def test_a_flat_power_law_is_no_seating_load(exponent, tmp_path):
         np.testing.assert_allclose(one.stiffness(overlap), law.stiffness(overlap), rtol=2e-3)
     edges = table.nodes.u[0] * table.length * np.array([1e-3, 1.0, 3.0])
     np.testing.assert_allclose(table.energy(edges), law.energy(edges), rtol=2e-3)
-
-
-def test_a_replaced_file_is_named(tmp_path, recwarn):
-    table, other = table_of("hertz"), table_of("rms")
-    path = table.save(tmp_path / "law.tbl")
-    table.save(path)
-    assert not recwarn
-    with pytest.warns(UserWarning, match=r"law\.tbl held a table of law 'hertz'.*replaced by law 'rms'"):
-        other.save(path)
-    (tmp_path / "notes.txt").write_text("notes")
-    with pytest.warns(UserWarning, match="not a readable table"):
-        table.save(tmp_path / "notes.txt")

@@ -11,7 +11,7 @@ from shear_paths import GRANITE_RATIO, PATHS, overlaps_at
 from yade_scenes import GRANITE, POISSON, YOUNG, functor, material, set_engines, sphere, yade
 
 import demlaws as dl
-from demlaws.core.dispatch import bind, kernels_of
+from demlaws.core.dispatch import _KERNELS, bind
 from demlaws.core.slip import SAMPLES, slip_loop
 from demlaws.core.unloading import RULES, Hertz, Rule, own_rule
 from demlaws.driver import sheared
@@ -341,7 +341,7 @@ class Twin(NamedTuple):
 
 
 def test_a_rule_of_ones_own_with_springs_slips(omega, registered_here):
-    bind(Twin, **kernels_of(Hertz))
+    bind(Twin, **_KERNELS[Hertz])
     rule = own_rule(Rule("twin", Twin(), RULES["hertz"].state, "law", None, "as hertz", springs="hertz"))
     law = registry.find("pohrt-popov")._replace(name="twins", unloading=("elastic", "twin"), rules=(rule,), advice=Advice())
     dl.register(law)
