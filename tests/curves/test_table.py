@@ -12,6 +12,7 @@ import pytest
 from examples import CONTACTS, GRANITE, SMOOTHER, SOFT, make, options_of, pairs, sealed, shared, telling
 
 import demlaws as dl
+from demlaws import files
 from demlaws.core.loops import leaves
 from demlaws.curves import table_grammar as table_file
 from demlaws.curves.closed import ClosedForm
@@ -305,9 +306,9 @@ def test_a_failed_save_leaves_the_old_file_and_no_other(tmp_path, monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    for name in ("replace", "fdopen"):
+    for place, name in ((os, "replace"), (files, "open")):
         with monkeypatch.context() as patch:
-            patch.setattr(os, name, full)
+            patch.setattr(place, name, full, raising=False)
             with pytest.raises(dl.DemlawsError):
                 table_of("rms").save(path)
         assert path.read_bytes() == before
