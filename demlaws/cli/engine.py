@@ -1,8 +1,6 @@
 """`demlaws liggghts` and `demlaws lammps`: build | source | check | export | convert | run."""
 
-import contextlib
 import os
-import sys
 
 from demlaws.cli import Parser, example, option
 from demlaws.cli.arguments import density, force, length, plain, pressure, whole
@@ -68,14 +66,7 @@ def _function(engine, name):
 
 def _add_build(parts, name):
     def build(arguments, result):
-        from demlaws.lammps.run import refusal
-
-        plugin = _function(name, "build")(portable=arguments.portable, force=arguments.force)
-        result.print(plugin)
-        if name == "lammps":
-            with contextlib.suppress(DemlawsError):  # no LAMMPS here: built for another machine
-                if reason := refusal(plugin):
-                    print(f"demlaws: {reason}", file=sys.stderr)
+        result.print(_function(name, "build")(portable=arguments.portable, force=arguments.force))
 
     builds = parts.add_parser("build", help="compile the plugin, print its path", **example(f"  demlaws {name} build"))
     builds.add_argument("--portable", action="store_true", help="for any x86-64 processor, for clusters with different nodes")

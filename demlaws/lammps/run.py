@@ -104,17 +104,11 @@ def versions():
 
 @functools.lru_cache
 def _refusal(binary, plugin):
-    """Why the plugin cannot be added to the binary, by itself: what it prints where it is preloaded; "": it can."""
+    """Why the plugin cannot be added to the binary, with the remedies: what it prints where it is preloaded; "": it can."""
     with own_session({**_environment(binary), "LD_PRELOAD": str(plugin)}) as environment:
         result = subprocess.run([str(binary.path), "-h"], capture_output=True, text=True, env=environment)
-    return next((line for line in result.stderr.splitlines() if "demlaws cannot be added" in line), "")
-
-
-def refusal(plugin):
-    """Why LAMMPS cannot use the plugin at this path, with the remedies; "": it can, or has the models in it."""
-    binary = executable()
-    reason = "" if versions().built_in else _refusal(binary, plugin).removeprefix("WARNING: ")
-    return reason and f"{binary.path}: {reason}"
+    lines = (line.removeprefix("WARNING: ") for line in result.stderr.splitlines())
+    return next((line for line in lines if "demlaws cannot be added" in line), "")
 
 
 def loaded(portable=False):
@@ -122,8 +116,8 @@ def loaded(portable=False):
     if versions().built_in:
         return {}
     plugin = build(portable)
-    if reason := refusal(plugin):
-        raise DemlawsError(reason)
+    if reason := _refusal(executable(), plugin):
+        raise DemlawsError(f"{executable().path}: {reason}")
     if "PLUGIN" in versions().packages:
         return {"LAMMPS_PLUGIN_PATH": str(plugin.parent)}
     return {"LD_PRELOAD": ":".join(path for path in (str(plugin), os.environ.get("LD_PRELOAD")) if path)}

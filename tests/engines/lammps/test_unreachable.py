@@ -6,7 +6,6 @@ import subprocess
 import pytest
 
 import demlaws.lammps as lm
-from demlaws.cli import main
 from demlaws.errors import DemlawsError
 
 HELP = "Large-scale Atomic/Molecular Massively Parallel Simulator - 4 Jul 2026\\n\\nInstalled packages:\\n\\nGRANULAR\\n\\n"
@@ -43,7 +42,7 @@ def program(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("name", ["static", "symbols that it calls itself"])
-def test_check_run_and_build_give_reason_and_remedies(tmp_path, program, capsys, name):
+def test_check_and_run_give_reason_and_remedies(tmp_path, program, name):
     path = program(name)
     (tmp_path / "in.case").write_text("units si\n")
     for use in (lm.check, lambda: lm.run(tmp_path / "in.case")):
@@ -51,11 +50,6 @@ def test_check_run_and_build_give_reason_and_remedies(tmp_path, program, capsys,
             use()
         assert all(remedy in str(caught.value) for remedy in (str(path), *REMEDIES))
     lm.run(tmp_path / "in.case", plugin=False)
-    capsys.readouterr()
-    assert not main(["lammps", "build"])
-    printed = capsys.readouterr()
-    assert printed.out.strip() == str(lm.build())
-    assert all(remedy in printed.err for remedy in (str(path), *REMEDIES))
 
 
 @pytest.mark.parametrize("name, lines", [("static", 1), ("another program", 0)])
