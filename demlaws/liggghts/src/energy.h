@@ -120,7 +120,6 @@ public:
 
 private:
   const std::shared_ptr<Instance> instance_;
-  bool told_ = false;
   int page_ = -1, one_ = -1; // sizes in the run before
 
   // After `neigh_modify page` or `one` LIGGGHTS makes new neighbour lists at the start of every run, not of the next
@@ -134,11 +133,9 @@ private:
 
   void look_across() {
     const double reach = neighbor->cutneighmax - neighbor->skin;
-    for (int k = 0; k < domain->dimension && instance_->source && !told_; k++) {
-      if (!domain->periodicity[k] || domain->prd[k] >= 2. * reach) continue;
-      told_ = true;
-      if (comm->me == 0) error->warning(FLERR, thin_box(k, domain->prd[k], 2. * reach, "LIGGGHTS").c_str());
-    }
+    for (int k = 0; k < domain->dimension && instance_->source; k++)
+      if (domain->periodicity[k] && domain->prd[k] < 2. * reach)
+        return instance_->announce("thin box", thin_box(k, domain->prd[k], 2. * reach, "LIGGGHTS"));
   }
 
   // A wall whose line still has a stock model: its contacts have another law than the pairs.
@@ -146,20 +143,19 @@ private:
     for (int k = 0; k < modify->nfix; k++) {
       const Fix *const fix = modify->fix[k];
       if (strncmp(fix->style, "wall/gran", 9) != 0 || instance_->walls.count(fix->id)) continue;
-      const std::string what =
-          std::string("fix ") + fix->id + " wall/gran has a model of LIGGGHTS, the pair style has " +
-          "demlaws/table: its contacts do not follow the law; write 'model demlaws/table' at the " +
-          "wall, too (`demlaws liggghts convert`)";
-      if (instance_->counts.reported.insert(what).second && comm->me == 0) error->warning(FLERR, what.c_str());
+      instance_->announce(
+          fix->id, std::string("fix ") + fix->id +
+                       " wall/gran has a model of LIGGGHTS, the pair style has demlaws/table: its contacts do not "
+                       "follow the law; write 'model demlaws/table' at the wall, too (`demlaws liggghts convert`)");
     }
   }
 
   // Walls of ours beside a pair style of LIGGGHTS's models.
   void look_at_pairs() {
     if (instance_->walls.empty() || !force->pair_match("gran", 0)) return;
-    const char *const what = "a fix wall/gran has demlaws/table, the pair style a model of LIGGGHTS: contacts between "
-                             "particles do not follow the law; write 'pair_style gran model demlaws/table ...', too";
-    if (instance_->counts.reported.insert(what).second && comm->me == 0) error->warning(FLERR, what);
+    instance_->announce("stock pairs",
+                        "a fix wall/gran has demlaws/table, the pair style a model of LIGGGHTS: contacts between "
+                        "particles do not follow the law; write 'pair_style gran model demlaws/table ...', too");
   }
 
   // The number that each particle had at the end of the last run; NULL before the first init.

@@ -78,6 +78,10 @@ struct Instance {
     }
     return found;
   }
+  // Once, of what all ranks know: rank 0 says it.
+  void announce(const std::string &what, const std::string &text) {
+    if (counts.reported.insert(what).second && key_->comm->me == 0) key_->error->warning(FLERR, text.c_str());
+  }
   // LIGGGHTS calls surfacesClose() only with this factor for walls, which have no contact flags, and where a pair opens
   // in a step in which lists are built; there the energy that it had dissipated would be dropped.
   void see_contacts_end(bool wall) const {

@@ -195,14 +195,12 @@ public:
   demlaws::Instance &instance() const { return *instance_; }
   void shear_keeps(int size) { shear_size_ = size; } // numbers of a contact that the tangential model keeps
 
-  // Once in each process, where the tangential model is `history`.
+  // Where the tangential model is `history`.
   void warn_of_history() {
-    static bool warned = false;
-    if (!warned && comm->me == 0)
-      error->warning(FLERR, "tangential history creates energy where the stiffness rises while a contact is sheared: a "
-                            "closed box of rough spheres doubled its energy in 30 ms; use 'tangential demlaws' "
-                            "(" DEMLAWS_PAGE("shear") ")");
-    warned = true;
+    instance_->announce(
+        "history",
+        "tangential history creates energy where the stiffness rises while a contact is sheared: a closed box of rough "
+        "spheres doubled its energy in 30 ms; use 'tangential demlaws' (" DEMLAWS_PAGE("shear") ")");
   }
 
   // The overlap at which Hertz's contact is as wide as the law's in first loading at this overlap: a^2/R.
@@ -306,8 +304,7 @@ private:
       error->all(FLERR, (who.str() + problem.what()).c_str());
     }
     type.mark = type.Law::mark(shear_size_);
-    if (!doubt.empty() && instance_->counts.reported.insert(doubt).second && comm->me == 0)
-      error->warning(FLERR, (who.str() + doubt).c_str());
+    if (!doubt.empty()) instance_->announce(doubt, who.str() + doubt);
     type.damping = -2. * 0.91287092917527685576 * beta_[i][j];
     type.tangential = now_.shear_ratio > 0. ? now_.shear_ratio : 4. * effective_shear_[i][j] / effective_modulus_[i][j];
     type.tangential_damping = damp_tangentially_ ? sqrt(type.tangential) : 0.;

@@ -39,6 +39,9 @@ public:
   }
   void init_granular() {
     ensure_fix(modify);
+    if (modify->n_fixes_style("insert/stream/predefined") > 0)
+      error->all(FLERR,
+                 "model demlaws/table: fix insert/stream/predefined, which brings histories along, is not supported");
     model_.connectToProperties(force->registry);
   }
   void write_restart_settings(FILE *file) {
@@ -59,12 +62,6 @@ public:
     if (eflag || vflag) parent->ev_setup(eflag, vflag);
     else parent->evflag = parent->vflag_fdotr = 0;
     if (parent->storeSumDelta()) error->all(FLERR, "model demlaws/table: multicontact models are not supported");
-    std::vector<FixInsertStreamPredefined *> inserted;
-    const int streams = modify->n_fixes_style("insert/stream/predefined");
-    for (int i = 0; i < streams; i++) {
-      auto fix = static_cast<FixInsertStreamPredefined *>(modify->find_fix_style("insert/stream/predefined", i));
-      if (fix->has_inserted()) inserted.push_back(fix);
-    }
     memset(static_cast<void *>(&data_), 0, sizeof data_);
     data_.area_ratio = 1.;
     data_.computeflag = parent->computeflag();
@@ -110,9 +107,6 @@ public:
         touch.delta[2] = dz;
         touch.squared = squared;
         count += touching;
-        if (__builtin_expect(!inserted.empty(), 0))
-          for (size_t k = 0; k < inserted.size(); k++)
-            inserted[k]->copy_history(i, j, all_history ? &all_history[i][size * jj] : NULL);
         // a mask, since a branch on `touching` could not be predicted
         if (flags && __builtin_expect(flags[jj] & MODELS & ((int)touching - 1), 0))
           opened(i, j, squared, &flags[jj], &all_history[i][size * jj]);

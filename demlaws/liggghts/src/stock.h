@@ -21,8 +21,6 @@
 #include "fix_contact_history.h"
 #include "fix_contact_property_atom.h"
 #include "fix_property_atom.h"
-#include "fix_insert_stream.h"
-#include "fix_insert_stream_predefined.h"
 #include "granular_pair_style.h"
 #include "granular_wall.h"
 // clang-format on
