@@ -84,9 +84,12 @@ def statements(paths):
     """(statements without docstrings, functions and classes) of Python files."""
     nodes = [node for path in paths for node in ast.walk(ast.parse(path.read_text()))]
     named = [node for node in nodes if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef)]
-    documented = [*named, *(node for node in nodes if isinstance(node, ast.Module))]
-    docstrings = sum(ast.get_docstring(node) is not None for node in documented)
-    return sum(isinstance(node, ast.stmt) for node in nodes) - docstrings, len(named)
+    return sum(isinstance(node, ast.stmt) and not is_docstring(node) for node in nodes), len(named)
+
+
+def is_docstring(node):
+    """Whether a statement is text alone: the docstring of a module, class, function or constant."""
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
 
 
 def lines(paths):
