@@ -5,9 +5,6 @@ the mean force; rate, over y = I √κ_K in an oedometer (too few waves cross th
 softened tangent at the mean force), over I in shear; and the time step, over its part of the stability limit 2/ω_max. Errors
 are those against the study's own runs: full modulus, I of `STEADY`, a step of `STANDARD`. Below its first point a curve goes
 as its first two do; beyond the last one nothing is predicted.
-
-Where a process has no measured curve of the scene's quantity, full modulus and the literature's `QUASISTATIC` are all that is
-advised, and no error is predicted.
 """
 
 import functools
@@ -59,11 +56,6 @@ MARGIN = 1.15
 """By what the curve's error is multiplied for scenes that are unlike the study's."""
 STEADY = 3e-4
 """I of the study's own runs at full modulus."""
-QUASISTATIC = 1e-3
-"""I below which flow is called quasi-static (from there to 0.1 dense): Wikipedia, "Inertial number", after GDR MiDi 2004 and
-da Cruz et al. 2005 (as cited there and in J. Fluid Mech., "Constitutive relations for compressible granular flow in the
-inertial regime"). Of the stiffness number no bound was at hand in text; Lommen, Schott & Lodewijks 2014 (Particuology 12,
-107, abstract) found bulk behaviour unchanged by softening in two cases of three, which is what is measured here."""
 
 
 class Numbers(NamedTuple):
@@ -146,17 +138,10 @@ class SofteningAdvice(NamedTuple):
     scene: Scene  # softened
     dt: float  # time step [s]
 
-    @property
-    def measured(self) -> bool:
-        """Whether the error is predicted from measured curves; else only the literature's bound of I is kept."""
-        return self.error == self.error
-
     def lines(self) -> list[str]:
         """As text."""
         n, scaled = self.numbers, Softening(self.factor)
         first = "full modulus: within this tolerance softer grains save no steps"
-        if not self.measured:
-            first = "full modulus: the error of softer grains has not been measured for this quantity and process"
         if self.factor != 1.0:
             others = "demlaws soften: roughness, hardness and yield pressure too"
             first = f"divide the modulus by {self.factor:g} ({others}); the time step grows by {scaled.step:.3g}"
@@ -167,8 +152,6 @@ class SofteningAdvice(NamedTuple):
         lines.append(f"  {numbers}")
         slow = "" if self.scene.process == "pour" else f" at I = {STEADY:g}"
         lines.append(f"  needs {self.steps:.2g} times the steps of an unsoftened run{slow} with {STANDARD:.2g} of the limit")
-        if not self.measured:
-            return [*lines, f"  no predicted error; I ≤ {QUASISTATIC:g} is quasi-static loading in the literature"]
         causes = [(self.geometry, "geometry"), (self.waves, "rate"), (self.coarse, "time step")]
         of = ", ".join(f"{name} {100 * error:.2g} %" for error, name in causes)
         return [*lines, f"  predicted error of the packing's {self.what}: {100 * self.error:.2g} % ({of})"]
@@ -191,16 +174,17 @@ def _steps(scene, factor, inertial, part):
 def _check(scene):
     if not isinstance(scene, Scene):
         raise DemlawsError(f"scene must be a demlaws.Scene (a file: dl.Scene.load), got {scene!r:.60}")
-    if scene.quantity == "restitution":
-        quantities = ", ".join(MEASURED["oedometer"])
-        raise DemlawsError(f"quantity = 'restitution': softening is advised for {quantities} of a packing")
+    process = _process(scene)
+    if scene.quantity not in MEASURED[process]:
+        measured = ", ".join(MEASURED[process])
+        raise DemlawsError(
+            f"quantity = {scene.quantity!r}: in process {process!r} softer grains were measured for {measured} only"
+        )
 
 
 def _errors(scene, factor, inertial, part, here):
     """Fields geometry to what of an `SofteningAdvice`."""
     process = _process(scene)
-    if scene.quantity not in MEASURED[process]:
-        return {**dict.fromkeys(("geometry", "waves", "coarse", "error"), math.nan), "what": scene.quantity}
     fits = curves(process, scene.quantity, scene.unloads)
     place = inertial * math.sqrt(here.kappa) if process == "oedometer" else inertial
     geometry = 0.0 if factor == 1.0 else MARGIN * fits.geometry.error_at(here.depth)
@@ -265,8 +249,7 @@ def predict(
 def advise(scene: Scene, law: str = USUAL, options: dict | None = None, ways: tuple = WAYS) -> SofteningAdvice | None:
     """The factor, rate and time step of fewest steps whose predicted error is within the scene's tolerance, or None.
 
-    A `rate` of the scene [1/s] is the fastest that is advised. ways: (factor, I, part of the limit) to choose from. Where the
-    study has not measured the scene's quantity in its process, full modulus at the literature's bound of I.
+    A `rate` of the scene [1/s] is the fastest that is advised. ways: (factor, I, part of the limit) to choose from.
     """
     _check(scene)
     options = options or {}
@@ -274,8 +257,6 @@ def advise(scene: Scene, law: str = USUAL, options: dict | None = None, ways: tu
     if scene.rate is not None and scene.process != "pour":
         numbers_of(scene, law, options, 1.0)  # refuses a scene without a pressure
         highest = scene.rate * _inertial_of_rate(scene)
-    if scene.quantity not in MEASURED[_process(scene)]:
-        return predict(scene, 1.0, min(QUASISTATIC, highest), law=law, options=options)
     numbers: dict[float, Numbers] = {}
     for factor, fastest, part in sorted(ways, key=lambda way: _steps(scene, way[0], min(way[1], highest), way[2])):
         inertial = min(fastest, highest)
