@@ -2,13 +2,13 @@
 
 import math
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.errors import Argument, DemlawsError, MissingQuantity, did_you_mean, warn
-from demlaws.units import RANGES, as_float, as_given, judge, number, outside, positive, refuse, refuse_plain_radius
+from demlaws.units import RANGES, as_float, as_given, judge, number, outside, positive, refuse_plain_radius
 
 PER_CONTACT = ("radius", "modulus", "roughness")
 """Fields of a `Contact` that may have one entry per contact."""
@@ -100,22 +100,11 @@ class Material:
     (60600000000.0, 64.64)
     """
 
-    young: float
+    young: float | Any  # any: text with a unit, which becomes a number
     poisson: float
-    hardness: float | None = None
-    density: float | None = None
+    hardness: float | Any = None
+    density: float | Any = None
     surface: "Surface | None" = None
-
-    if TYPE_CHECKING:  # text becomes a number
-
-        def __init__(
-            self,
-            young: float | str,
-            poisson: float,
-            hardness: float | str | None = None,
-            density: float | str | None = None,
-            surface: "Surface | None" = None,
-        ) -> None: ...
 
     def __post_init__(self) -> None:
         _check(self, "young", "poisson", "hardness", "density")
@@ -156,20 +145,10 @@ class Surface:
     (5.0, 2.3, 5000000000.0)
     """
 
-    roughness: float | None = None
+    roughness: float | Any = None
     fractal_dimension: float | None = None
-    hardness: float | None = None
-    edge_radius: float | None = None
-
-    if TYPE_CHECKING:
-
-        def __init__(
-            self,
-            roughness: float | str | None = None,
-            fractal_dimension: float | None = None,
-            hardness: float | str | None = None,
-            edge_radius: float | str | None = None,
-        ) -> None: ...
+    hardness: float | Any = None
+    edge_radius: float | Any = None
 
     def __post_init__(self) -> None:
         _check(self, "roughness", "fractal_dimension", "hardness", "edge_radius")
@@ -232,22 +211,11 @@ class Contact:
     2
     """
 
-    radius: float | np.ndarray
-    modulus: float | np.ndarray
-    roughness: float | np.ndarray | None = None
+    radius: float | np.ndarray | Any  # any: lists, text with a unit
+    modulus: float | np.ndarray | Any
+    roughness: float | np.ndarray | Any = None
     fractal_dimension: float | None = None
-    hardness: float | None = None
-
-    if TYPE_CHECKING:
-
-        def __init__(
-            self,
-            radius: ArrayLike,
-            modulus: ArrayLike,
-            roughness: ArrayLike | None = None,
-            fractal_dimension: float | None = None,
-            hardness: float | str | None = None,
-        ) -> None: ...
+    hardness: float | Any = None
 
     def __post_init__(self) -> None:
         _check(self, "radius", "modulus", "roughness", scalar=False)
@@ -264,8 +232,10 @@ class Contact:
         # the relatively roughest contact and the largest one
         radius, roughness = (np.atleast_1d(v) for v in np.broadcast_arrays(self.radius, self.sigma))
         for place in {int(np.argmax(roughness / radius)), int(np.argmax(radius))} if radius.size else ():
-            for text in refuse(radius=float(radius[place]), roughness=float(roughness[place])):
-                warn(text)
+            for finding in judge(radius=float(radius[place]), roughness=float(roughness[place])):
+                if not finding.admissible:
+                    raise DemlawsError(Argument(finding.quantity), finding.text.removeprefix(finding.quantity))
+                warn(finding.text)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Contact):
@@ -330,13 +300,7 @@ class Contact:
             "modulus": effective_modulus(material1, material2),
             "roughness": combined_roughness(values.get("roughness1"), values.get("roughness2")),
         }
-        try:
-            return cls(**combined, fractal_dimension=fractal_dimension, hardness=hardness)
-        except DemlawsError as error:
-            if any(value.ndim for value in values.values()):
-                raise
-            bodies = ", ".join(f"{name} = {value:g} m" for name, value in values.items())
-            raise DemlawsError(f"{error} (effective radius and combined roughness of {bodies})") from None
+        return cls(**combined, fractal_dimension=fractal_dimension, hardness=hardness)
 
     @property
     def size(self) -> int | None:

@@ -59,7 +59,8 @@ def pair_limit(stiffness: float, mass1: float, mass2: float = math.inf, *, shear
     >>> round(pair_limit(1e6, 1e-3, 1e-3, shear_ratio=0.0) * 1e6, 3)  # µs, 2 √(m/(2 K))
     44.721
     """
-    mass1, mass2, stiffness, ratio = _mass(mass1, "mass1"), _mass(mass2, "mass2"), _stiffness(stiffness), _ratio(shear_ratio)
+    mass1, mass2, ratio = _mass(mass1, "mass1"), _mass(mass2, "mass2"), _ratio(shear_ratio)
+    stiffness = number(stiffness, "stiffness", "N/m")
     return 2.0 / math.sqrt(stiffness * (1.0 / mass1 + 1.0 / mass2) * max(1.0, 3.5 * ratio))
 
 
@@ -95,7 +96,7 @@ def packing_estimate(
     """
     # With Z in place of Z + 4 and Z + 2.5 and s = 1 this is exact in simple and body-centred cubic lattices. The first term is
     # for motion, the second for rotation.
-    stiffness, mass, ratio = _stiffness(stiffness), number(mass, "mass", "kg"), _ratio(shear_ratio)
+    stiffness, mass, ratio = number(stiffness, "stiffness", "N/m"), number(mass, "mass", "kg"), _ratio(shear_ratio)
     mean = max(number(coordination, "coordination", "", 0.0, 100.0, allow_low=True), COORDINATION)
     sizes = 0.5 * (1.0 + 1.0 / number(size_ratio, "size_ratio", "", 1.0, allow_low=True))
     moving, rolling = (mean + 4.0) * (1.0 + 2.0 * ratio), (mean + 2.5) * 5.0 * ratio
@@ -279,10 +280,6 @@ def _jumps_down(law, end):
 def _tangent(law, overlap):
     """Stiffness [N/m] of first loading, without the warnings of `law.stiffness`."""
     return force_loop(law.params, overlap)[1]
-
-
-def _stiffness(value):
-    return number(value, "stiffness", "N/m")
 
 
 def _ratio(value):

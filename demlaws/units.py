@@ -263,15 +263,6 @@ def judge(**quantities: float) -> list[Finding]:
     return findings
 
 
-def refuse(**quantities: float) -> list[str]:
-    """Texts of the warnings that `judge` finds; DemlawsError where a value is not admissible."""
-    findings = judge(**quantities)
-    for one in findings:
-        if not one.admissible:
-            raise DemlawsError(Argument(one.quantity), one.text.removeprefix(one.quantity))
-    return [one.text for one in findings]
-
-
 def refuse_plain_radius(name: str, value: object) -> None:
     """Refuse a typed radius, or one in a list, that is a plain number above LARGE_RADIUS: text with its unit is accepted."""
     for one in value if isinstance(value, list | tuple) else [value]:

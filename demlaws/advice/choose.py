@@ -170,8 +170,6 @@ class Choices(Tabular, list):
         """The scene's quantity and tolerance."""
         return f"{self.scene.quantity} within {self.scene.tolerance:g}"
 
-    __repr__ = Tabular.__str__
-
 
 def _determined(contact):
     """Laws that the contact's quantities determine and that choices are made of, the richest first."""

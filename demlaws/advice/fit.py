@@ -53,8 +53,6 @@ class Ranking(Tabular, list):
         kinds = ["systematic" if fit.systematic else "scatter" for fit in self]
         return {**columns, "misfit is": kinds, "parameters": texts}
 
-    __repr__ = Tabular.__str__
-
 
 def fit(
     points: ArrayLike,

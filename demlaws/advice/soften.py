@@ -85,11 +85,6 @@ class Softening:
         return power_of(self.factor, -2 / 3)
 
     @property
-    def pressure(self) -> float:
-        """Factor of hardness and yield pressure: s^(-2/3)."""
-        return power_of(self.factor, PRESSURE)
-
-    @property
     def step(self) -> float:
         """Factor of the stable time step, slopes, and speeds of equivalent impacts: s^(1/3)."""
         return power_of(self.factor, 1 / 3)
@@ -182,7 +177,7 @@ class Softening:
             scene,
             materials=self.of(scene.materials),
             surfaces=self.of(scene.surfaces),
-            yield_pressure=None if pressure is None else pressure * self.pressure,
+            yield_pressure=None if pressure is None else pressure * power_of(self.factor, PRESSURE),
             reference_options=self.options(scene.reference, options) if scene.reference else options,
             unloading=self.of(scene.unloading) if isinstance(scene.unloading, Law) else scene.unloading,
         )
@@ -200,7 +195,7 @@ class Softening:
             ),
             ("Young's modulus E, effective modulus E*", f"{1 / s:.4g}", "s^-1"),
             ("roughness Sq and σ", f"{overlap:.4g}", "s^(2/3)"),
-            ("hardness H_m, yield pressure p_y", f"{self.pressure:.4g}", "s^(-2/3)"),
+            ("hardness H_m, yield pressure p_y", f"{self.stiffness:.4g}", "s^(-2/3)"),
             ("slope tan β", f"{step:.4g}", "s^(1/3)"),
             ("overlap, plastic and tangential ones too; energy", f"{overlap:.4g}", "s^(2/3)"),
             ("stiffness", f"{self.stiffness:.4g}", "s^(-2/3)"),

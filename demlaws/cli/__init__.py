@@ -112,7 +112,8 @@ class Parser(argparse.ArgumentParser):
         while below := next((a for a in parser._actions if isinstance(a, argparse._SubParsersAction)), None):
             parser = below.choices[getattr(namespace, below.dest)]
         if unknown:
-            parser.error(f"unrecognized argument {unknown[0]!r:.200}{similar(unknown[0], parser._option_string_actions)}")
+            match = most_similar(unknown[0].split("=")[0], parser._option_string_actions)
+            parser.error(f"unrecognized argument {unknown[0]!r:.200}{f': did you mean {match}?' if match else ''}")
         namespace.json = getattr(namespace, "json", False)
         outputs = [
             (action.type, getattr(namespace, action.dest)) for action in parser._actions if isinstance(action.type, Output)
@@ -123,12 +124,6 @@ class Parser(argparse.ArgumentParser):
     def error(self, message):
         """One line, without the usage."""
         self.exit(2, f"{self.prog}: error: {message}; see {self.prog} --help\n")
-
-
-def similar(word, known):
-    """ ": did you mean X?" of the most similar of the known words, or ""."""
-    match = most_similar(word.split("=")[0], known)
-    return f": did you mean {match}?" if match else ""
 
 
 def build_parser(commands=tuple(COMMANDS)):
@@ -226,7 +221,7 @@ def execute(parser, arguments):
             parsed = parser().parse_args(arguments)
             with warnings.catch_warnings():
                 _show_warnings(parsed)
-                result = Result.of(parsed)
+                result = Result(parsed)
                 status = parsed.func(parsed, result) or 0
                 result.finish()
         finally:

@@ -2,7 +2,7 @@
 
 from demlaws.cli import example
 from demlaws.cli.arguments import force, length, whole
-from demlaws.cli.contact import add_law_arguments, contact_from, describe, law_from, unloads
+from demlaws.cli.contact import add_law_arguments, describe, law_from, unloads
 from demlaws.cli.output import Output, output
 from demlaws.responses.results import PATH_COLUMNS
 
@@ -36,10 +36,7 @@ def register(add):
 def run_curve(arguments, result):
     """Do what the command's arguments ask."""
     from demlaws import driver, plots
-    from demlaws.units import check_overlaps
 
-    if arguments.overlaps is not None:  # before a law is compiled
-        check_overlaps(arguments.overlaps, contact_from(arguments).radius)
     law = law_from(arguments)
     if arguments.forces is not None:
         path = driver.force_controlled(law, arguments.forces, arguments.steps)

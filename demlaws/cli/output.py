@@ -46,13 +46,7 @@ output = Output()
 class Result:
     """What a command computes: text, printed as it comes, and `values`, which --json prints instead when the command ends."""
 
-    def __init__(self, as_json=False, file=None):
-        """file: the standard output, unless a CSV file goes there."""
-        self.values = {}
-        self._as_json, self._file, self._lines = as_json, file, []
-
-    @classmethod
-    def of(cls, parsed):
+    def __init__(self, parsed):
         """Of the parsed arguments, whose files are checked first: DemlawsError where one may not be written."""
         if not getattr(parsed, "overwrite", False):
             for kind, path in parsed.outputs:
@@ -60,7 +54,8 @@ class Result:
         to_output = [kind for kind, path in parsed.outputs if str(path) == "-"]
         if any(not kind.titles for kind in to_output) or len(to_output) > (0 if parsed.json else 1):
             raise DemlawsError('"-" is standard output, for one CSV file and without --json')
-        return cls(parsed.json, sys.stderr if to_output else sys.stdout)
+        self.values = {}
+        self._as_json, self._file, self._lines = parsed.json, sys.stderr if to_output else sys.stdout, []
 
     def print(self, *texts):
         """Print texts, each from a new line on."""

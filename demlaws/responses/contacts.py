@@ -118,9 +118,6 @@ class Contacts(Tabular):
         known = {name: (f"{name} ({unit})" if unit else name, values) for name, unit, values in self._known()}
         return {SHORT.get(name, known[name][0]): known[name][1] for name in MAIN if name in known}
 
-    def __repr__(self) -> str:
-        return f"<{len(self)} contacts: {', '.join(name for name, *_ in self._known())}>"
-
     def title(self) -> str:
         """Number of contacts."""
         return f"{len(self)} contacts"

@@ -51,10 +51,6 @@ class Path(Tabular):
     def __getitem__(self, index: Any) -> "Path":
         return Path(*(getattr(self, field.name)[index] for field in fields(self)))
 
-    def __repr__(self):
-        largest = f"overlap to {self.overlap.max():.4g} m, force to {self.force.max():.4g} N" if len(self) else "empty"
-        return f"<demlaws path of {len(self)} points: {largest}>"
-
     def columns(self) -> dict:
         """Overlap, force, stiffness, plastic overlap and work, each an array."""
         units = {"overlap": "m", "force": "N", "stiffness": "N/m", "plastic_overlap": "m", "work": "J"}

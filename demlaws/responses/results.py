@@ -59,3 +59,5 @@ class Tabular:
         widths = [max(len(row[k]) for row in table if len(row) > k) for k in range(len(columns))]
         lines = ["  ".join(f"{cell:>{width}}" for cell, width in zip(row, widths, strict=False)).rstrip() for row in table]
         return "\n".join([self.title(), *lines] if self.title() else lines)
+
+    __repr__ = __str__

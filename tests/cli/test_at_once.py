@@ -50,11 +50,6 @@ def test_a_load_beyond_the_radius(capsys):
         dl.regime.advise(dl.Contact(3e-3, 32e9, 1e-6, hardness=6e9), 1e9)
 
 
-def test_a_curve_is_refused_before_it_is_compiled(capsys, monkeypatch):
-    monkeypatch.setattr("demlaws.cli.curve.law_from", lambda arguments: pytest.fail("a law was made"))
-    assert "overlap 1 m" in refused(capsys, "curve", "--law", "rms", "--radius", "8mm", *BODIES, "--overlaps", "1")
-
-
 def test_rules_that_are_named_are_accepted(capsys):
     """`table` alone is none: a table's file is."""
     curve = ["curve", "--law", "hertz", "--radius", "8mm", *BODIES, "--overlaps", "1e-6", "--steps", "1"]
