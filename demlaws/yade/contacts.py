@@ -8,20 +8,28 @@ import yade
 O = yade.O  # noqa: E741  YADE's name
 
 
-class Totals(NamedTuple):
-    """Energies [J] of the contacts of a scene, ended contacts included.
-
-    In the normal direction: `stored`, and `dissipated` by plasticity since the law began. In shear: stored, and lost by
-    friction and opening. viscous: taken by damping. unaccounted: number of contacts that ended without the law (erased with a
-    body, by the script or by another engine). What they had dissipated is not known and is missing.
-    """
-
+class _Energies(NamedTuple):
     stored: float
     dissipated: float
-    shear_stored: float
-    shear_dissipated: float
-    viscous: float
-    unaccounted: int
+
+
+class Totals(_Energies):
+    """Energies [J] in the normal direction: `stored` in the contacts, and `dissipated` by plasticity since the law began.
+
+    shear_stored, shear_dissipated: of shear, the latter by friction and opening; viscous: taken by damping. unaccounted: number
+    of contacts that ended without the law (erased with a body, by the script or by another engine). What they had dissipated is
+    not known and is missing.
+    """
+
+    def __new__(cls, stored, dissipated, **more):
+        """A pair of energies, and what else is known of them."""
+        totals = super().__new__(cls, stored, dissipated)
+        vars(totals).update(more)
+        return totals
+
+    def __repr__(self):
+        more = "".join(f", {name}={value!r}" for name, value in vars(self).items())
+        return f"Totals(stored={self.stored!r}, dissipated={self.dissipated!r}{more})"
 
 
 SHEAR = {"shear_stored": "held", "shear_dissipated": "lost", "viscous": "viscous"}

@@ -2,7 +2,8 @@
 
 `O.engines` hides the guards; `O.energy` contains the laws' energies since `O.trackEnergy` was set or it was cleared; saving
 writes the laws to the scene; `O.run` attaches the laws of a loaded scene, and `O.wait` raises the message of a guard that has
-stopped the run before. Importing `demlaws.yade` in a YADE process installs the replacements.
+stopped the run before; `O.reset` returns the memory of contacts. Importing `demlaws.yade` in a YADE process installs the
+replacements.
 """
 
 import functools
@@ -23,8 +24,8 @@ def install():
     energy, tracking = omega.energy, omega.trackEnergy
     omega.energy = property(lambda o: scene.with_energies(energy.__get__(o)), energy.fset)
     omega.trackEnergy = property(tracking.fget, functools.partial(_track, tracking.fset))
-    methods = {"run": _running, "wait": _waiting}
-    for name, replaced in (methods | dict.fromkeys(("save", "saveTmp", "sceneToString"), _saving)).items():
+    methods = {"run": _running, "wait": _waiting, "reset": _resetting, "save": _saving, "saveTmp": _saving}
+    for name, replaced in methods.items():
         native = getattr(omega, name)
         setattr(omega, name, functools.wraps(native)(replaced(native)))
     scene.attach()
@@ -50,6 +51,14 @@ def _waiting(native):
             raise EngineStopped(scene.stops[-1])
 
     return wait
+
+
+def _resetting(native):
+    def reset(omega):
+        native(omega)
+        scene.end_laws()
+
+    return reset
 
 
 def _saving(native):

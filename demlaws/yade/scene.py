@@ -296,6 +296,13 @@ _at_work = {}
 """Number of a scene → label → functor: those that were at work before loading continue if the file describes the same laws."""
 
 
+def end_laws():
+    """All scenes are gone: return the memory of their contacts."""
+    for laws in _at_work.values():
+        for functor in laws.values():
+            functor.binding.attachment.rows.release()
+
+
 def attach():
     """Replace placeholders, of a scene that was loaded, by the laws that its tags describe."""
     placeholders = [

@@ -146,6 +146,13 @@ def test_the_start_of_a_process_executes_the_systems_sitecustomize_and_joins_too
     assert done.stdout.split() == ["True", str(tmp_path / "a" / "mpl_toolkits")], done.stderr
 
 
+def test_a_scene_from_a_text_stops(omega):
+    """O.sceneToString writes native Mindlin in place of the law, and no history: the guard notices."""
+    acting(functor())
+    omega.stringToScene(omega.sceneToString())
+    stops("is not used in this scene", 101)
+
+
 # --- time steppers
 
 

@@ -31,9 +31,10 @@ def test_a_hundred_laws_in_four_gigabytes(tmp_path):
 import resource
 from yade_scenes import *
 resource.setrlimit(resource.RLIMIT_AS, (4_000_000_000, 4_000_000_000))
+laws = []
 for n in range(100):
     yade.O.reset()
-    acting(functor())
+    laws.append(acting(functor(label=f"law{n}")))
     assert force() == expected()
     if n == 0:
         first = int(open("/proc/self/statm").read().split()[0])
@@ -46,10 +47,14 @@ print("MB", pages * 4096 / 1e6)
 
 
 def test_rows_are_returned_with_their_scene(omega):
-    """When the law enters another scene; a law that is taken out of the engine list and put back continues its contacts."""
+    """By a reset and by another scene; a law that is taken out of the engine list and put back continues its contacts."""
     law = acting(functor())
     assert mapped_blocks(law) == 1
     omega.reset()
+    assert mapped_blocks(law) == 0
+    acting(law)
+    assert mapped_blocks(law) == 1
+    omega.resetThisScene()
     still(law)
     assert mapped_blocks(law) == 0
     advance(2)
