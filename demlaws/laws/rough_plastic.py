@@ -118,10 +118,8 @@ def _loading_definition(loading):
     from demlaws.laws.registry import find  # the registry imports this module
 
     definition = find(loading)
-    if definition.unloads_its_own_way and definition.name != LAW.name:
-        raise DemlawsError(f"loading={loading!r} is a law with its own yield: give the law before yield, or use that law alone")
-    if definition.name == LAW.name:
-        raise DemlawsError(f"loading={loading!r}: give the rough law before yield, for instance 'pohrt-popov'")
+    if definition.name == LAW.name or definition.unloads_its_own_way:
+        raise DemlawsError(f"loading={loading!r} yields by itself: give the rough law before yield, for instance 'pohrt-popov'")
     return definition
 
 

@@ -186,15 +186,14 @@ class HeightMap:
         first, second = np.where(straight, math.inf, 1.0 / np.where(straight, 1.0, curvatures))
         return float(first), float(second)
 
-    def despiked(self, threshold=plausibility.HIGHEST):
+    def despiked(self):
         """The map with spikes and fillers as missing pixels.
 
-        Spikes differ from the median of their 5 × 5 surroundings by more than `threshold` times the robust spread of such
-        differences.
+        Spikes differ from the median of their 5 × 5 surroundings by more than 8 times the robust spread of such differences.
         """
         from scipy.ndimage import median_filter
 
-        threshold, filler, heights = units.number(threshold, "threshold"), plausibility.filler(self.heights), self
+        filler, heights = plausibility.filler(self.heights), self
         if filler is not None:
             heights = self.with_heights(np.where(self.heights == filler, np.nan, self.heights))
         z = heights.filled().heights
@@ -202,7 +201,7 @@ class HeightMap:
         spread = 1.4826 * float(np.median(difference))
         if spread == 0.0:
             return heights
-        return heights.with_heights(np.where(difference > threshold * spread, np.nan, heights.heights))
+        return heights.with_heights(np.where(difference > plausibility.HIGHEST * spread, np.nan, heights.heights))
 
     def filled(self):
         """Missing pixels as their nearest measured neighbour; others untouched."""
