@@ -30,11 +30,10 @@ class Claim(NamedTuple):
     other_verdict: str = ""
 
 
-class Bench:
-    """The tests with one E*, and laws and runs on them, each made once."""
+class Bench(NamedTuple):
+    """The tests with one E*, and laws and runs on them."""
 
-    def __init__(self, modulus):
-        self.modulus, self._laws, self._runs = modulus, {}, {}
+    modulus: str
 
     def test(self, name):
         """A test."""
@@ -42,15 +41,11 @@ class Bench:
 
     def __call__(self, name, test):
         """A law on a test of this name."""
-        if (name, test) not in self._laws:
-            self._laws[name, test] = bind(name, self.test(test))
-        return self._laws[name, test]
+        return bind(name, self.test(test))
 
     def run(self, name, test):
         """A law through the stages of a test of this name."""
-        if (name, test) not in self._runs:
-            self._runs[name, test] = run_test(name, self.test(test))[0]
-        return self._runs[name, test]
+        return run_test(name, self.test(test))[0]
 
 
 def counts(verdicts):
