@@ -73,12 +73,12 @@ class Law(Response):
     @property
     def force_error(self) -> float:
         """Largest relative error of the force: 0 in closed form, of a table that of its certificate."""
-        return self.curve.force_error
+        return self.curve.certificate.force_error
 
     @property
     def stiffness_error(self) -> float:
         """Largest relative error of the stiffness."""
-        return self.curve.stiffness_error
+        return self.curve.certificate.stiffness_error
 
     @property
     def largest_force(self) -> float:

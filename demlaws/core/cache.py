@@ -37,7 +37,8 @@ def _common_folder():
     beside this file, else in the user's cache. None where none of them may be written."""
     processor = llvmlite.binding.get_host_cpu_name(), llvmlite.binding.get_host_cpu_features().flatten()
     settings = numba.__version__, sys.implementation.cache_tag, numba.config.CPU_NAME, numba.config.CPU_FEATURES
-    name = f"demlaws-{digest(*processor, *settings, shared_digest())[:16]}"
+    shared = digest(*map(_folder_digest, (_PACKAGE / name for name in _SHARED)))  # a process runs one version of them
+    name = f"demlaws-{digest(*processor, *settings, shared)[:16]}"
     places = [numba.config.CACHE_DIR] if numba.config.CACHE_DIR else [Path(__file__).parent / "__pycache__"]
     if not numba.config.CACHE_DIR:
         with contextlib.suppress(RuntimeError):  # in a container a user may have neither a HOME nor a name
@@ -59,7 +60,11 @@ def folder_of(function, kinds, constants):
     None if the code must be compiled in every process: something that it depends on is unknown, or no folder may be written.
     The names of users' types contain what their kernels depend on (`tag_of`).
     """
-    loop, arguments = digest_of_loop(function), repr((kinds, constants))
+    arguments = repr((kinds, constants))
+    if (function.__module__ or "").startswith("demlaws."):  # with the files beside it
+        loop = _folder_digest(Path(sys.modules[function.__module__].__file__).parent)
+    else:
+        loop = content_key(function)
     if loop is None or UNKNOWN in arguments or _common_folder() is None:
         return None
     return _common_folder() / f"{function.__qualname__}-{digest(loop, arguments)[:24]}"
@@ -94,20 +99,6 @@ def placed(function, folder):
 def digest(*contents):
     """SHA-256 of bytes, and of the text of anything else, in hexadecimal."""
     return sha256(b"\0".join(c if isinstance(c, bytes) else repr(c).encode() for c in contents)).hexdigest()
-
-
-@functools.cache
-def shared_digest():
-    """Digest of the files of `_SHARED`: a process runs one version of them."""
-    return digest(*map(_folder_digest, (_PACKAGE / name for name in _SHARED)))
-
-
-def digest_of_loop(function):
-    """Digest of a function of the package with the files beside it, or of a user's function; None if it is unknown."""
-    if (function.__module__ or "").startswith("demlaws."):
-        return _folder_digest(Path(sys.modules[function.__module__].__file__).parent)
-    key = content_key(function)
-    return key and digest(key)
 
 
 @functools.cache

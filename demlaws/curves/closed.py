@@ -1,7 +1,7 @@
 """A curve of first loading that a law's compiled kernels compute."""
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 from demlaws.contact import Contact
 from demlaws.core.table_types import NO_YIELD, BulkYield, TableShape
@@ -9,26 +9,29 @@ from demlaws.laws.definition import Definition
 from demlaws.laws.registry import is_user_defined
 
 
+class Certificate(NamedTuple):
+    """Largest relative errors of a curve: of a table those measured between its nodes against the law itself."""
+
+    force_error: float
+    stiffness_error: float
+
+
 class ClosedForm:
     """A definition with its options, and the Shape that it prepares for a contact, on which a user's law must be admissible."""
 
     tabulated = False
-    force_error = stiffness_error = 0.0
+    certificate = Certificate(0.0, 0.0)
     starts_from_force = False
 
     def __init__(self, definition: Definition, contact: Contact, options: dict):
         self.definition = definition
         self.shape = definition.shape(contact, **options)
         self.options = definition.read(options)
+        self.collapses = definition.collapses  # one dimensionless curve serves all contacts
         if is_user_defined(definition) and not isinstance(self.shape, TableShape):
             from demlaws.curves.soundness import refuse_unsound
 
             refuse_unsound(definition, self.shape, contact, self.options)
-
-    @property
-    def collapses(self) -> bool:
-        """Whether one dimensionless curve serves all contacts."""
-        return self.definition.collapses
 
     def kinks(self, p: Any) -> list[float]:
         """Overlaps [m] at which the stiffness of one contact's curve jumps or has a kink."""

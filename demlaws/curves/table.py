@@ -17,6 +17,7 @@ from demlaws.core.loops import (
 )
 from demlaws.core.table_types import BulkYield, TableShape
 from demlaws.core.unloading import Rule
+from demlaws.curves.closed import Certificate
 from demlaws.curves.unloading import Unloading
 from demlaws.errors import DemlawsError, MissingQuantity
 from demlaws.laws.definition import Definition
@@ -31,13 +32,6 @@ class Rows(NamedTuple):
     nodes: Nodes
     bits: int
     straight: bool  # below the first row; else a power law
-
-
-class Certificate(NamedTuple):
-    """Largest relative errors measured between the nodes against the law itself."""
-
-    force_error: float
-    stiffness_error: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,16 +49,6 @@ class TableCurve:
     knots: "Knots | None" = None  # of a table made of points
 
     tabulated = True
-
-    @property
-    def force_error(self) -> float:
-        """Largest relative error of the force."""
-        return self.certificate.force_error
-
-    @property
-    def stiffness_error(self) -> float:
-        """Largest relative error of the stiffness."""
-        return self.certificate.stiffness_error
 
     @property
     def rows(self) -> Rows:

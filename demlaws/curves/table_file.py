@@ -11,8 +11,9 @@ from demlaws.contact import Contact, contact_at
 from demlaws.core.grid import shape_from_nodes
 from demlaws.core.table_types import NO_YIELD, BulkYield
 from demlaws.curves import table_grammar
+from demlaws.curves.closed import Certificate
 from demlaws.curves.points import Knots
-from demlaws.curves.table import Certificate, TableCurve
+from demlaws.curves.table import TableCurve
 from demlaws.curves.table_grammar import UNLOADING
 from demlaws.curves.unloading import Unloading
 from demlaws.errors import DemlawsError

@@ -179,12 +179,6 @@ class TableFile(NamedTuple):
     fingerprint: int  # CRC-32 of the text up to the last check mark
 
 
-def exponent(nodes):
-    """d ln s/d ln u of the first row."""
-    u, s, slope = (v[0] for v in Nodes(*(v[:1] for v in nodes)).curve())
-    return float(u * slope / s)
-
-
 # --- reading
 
 
@@ -339,7 +333,8 @@ class Reader:
         if wrong is not None:
             self.fail(self.first_line[prefix] + wrong[0], wrong[1])
         straight = self.values[prefix + BELOW] == "straight"
-        if straight and exponent(nodes) > 1.0 + 1e-9:
+        u, s, slope = (values[0] for values in nodes.curve())
+        if straight and u * slope / s > 1.0 + 1e-9:
             what = "straight below the first row, this curve would have a force below 0 at overlap 0"
             self.fail(self.lines[prefix + BELOW], what)
         return Rows(nodes, bits, straight)

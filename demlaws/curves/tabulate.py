@@ -19,8 +19,9 @@ from demlaws.core.loops import (
     params_at,
 )
 from demlaws.core.table_types import NO_YIELD
+from demlaws.curves.closed import Certificate
 from demlaws.curves.soundness import refuse_unless_collapses
-from demlaws.curves.table import Certificate, TableCurve
+from demlaws.curves.table import TableCurve
 from demlaws.curves.unloading import Unloading, joined_shape
 from demlaws.errors import Argument, DemlawsError
 from demlaws.laws.definition import Definition

@@ -100,7 +100,7 @@ def refuse_unless_passive(law: Any) -> None:
     excess, force = largest_stiffness_ratio(law)
     curve = law.unloading_parts.curve
     # the stiffness of a table is as exact as its certificate states
-    uncertainty = 0.0 if curve is None else law.curve.stiffness_error + curve.stiffness_error
+    uncertainty = 0.0 if curve is None else law.curve.certificate.stiffness_error + curve.certificate.stiffness_error
     if excess > 1.0 + 1e-9 + uncertainty:
         whose = "Hertz's" if curve is None else f"that of its unloading curve ({curve.definition.name!r})"
         ratio = f"{excess:.4g}" if excess > 1.001 else f"1 + {excess - 1.0:.1g}"

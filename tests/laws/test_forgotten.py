@@ -24,7 +24,8 @@ SQ = {"roughness": 1.7e-6, "fractal_dimension": 2.22, "hardness": 6.266e9}
 OPTIONS = {"roughness": "--combined-roughness", "fractal_dimension": "--fractal-dimension", "hardness": "--hardness"}
 SCENE = """radii = [0.004]
 force = [1, 10]
-reference = {{ law = "{law}"{options} }}
+reference = "{law}"
+reference_options = {{ {options} }}
 [material]
 young = 60.6e9
 poisson = 0.25
@@ -89,7 +90,7 @@ def of_an_export(engine):
 
 
 def of_a_scene(law, name, folder):
-    options = "".join(f", {text}" for text in words(law, " = "))
+    options = ", ".join(words(law, " = "))
     surface = "\n".join(f"{key} = {value!r}" for key, value in without(name).items())
     (folder / "scene.toml").write_text(SCENE.format(law=law, options=options, surface=surface))
     return main(["choose", str(folder / "scene.toml")])
