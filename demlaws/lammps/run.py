@@ -124,14 +124,14 @@ def loaded(portable=False):
 
 
 class _Lammps(Engine):
-    name, begins = "LAMMPS", "Per MPI rank memory allocation"
+    name, begins, log = "LAMMPS", "Per MPI rank memory allocation", "log.lammps"
 
     def start(self, ranks, plugin, portable):
         binary = executable()
         environment = _environment(binary)
         if not plugin:
             environment.pop("LAMMPS_PLUGIN_PATH", None)
-        return binary.path, environment, loaded(portable) if plugin else {}, binary.mpiexec
+        return [binary.path], environment, loaded(portable) if plugin else {}, binary.mpiexec
 
     def column(self, word):
         return re.sub("^[vcf]_", "", word)

@@ -66,7 +66,11 @@ def export(folder, law=USUAL, grains=(), *, unloading=None, options=None, **more
         raise DemlawsError(f"stock model {case.stock!r}: only hertz is fitted")
     notes = stock_fit(case.bound(case.grains[0].contact(case.grains[0])), case.max_force).table()
     write_atomically(folder / "fit.txt", "\n".join(notes) + "\n")
-    model = _Model("hertz", "history", "", None, [_stock_young(case, grain) for grain in case.grains], notes)
+    young = []
+    for grain in case.grains:
+        law = make_law(case.law, grain.contact(grain), **case.options)
+        young.append(young_against_itself(stock_fit(law, case.max_force).modulus, grain.material.poisson))
+    model = _Model("hertz", "history", "", None, young, notes)
     return case.write(folder, _render(case, model), "liggghts")
 
 
@@ -79,11 +83,6 @@ class _Model(NamedTuple):
     roughness: list | None  # Sq of each type [m], where the table is for all of them
     young: list  # [Pa] of each type
     notes: tuple = ()  # of a fit
-
-
-def _stock_young(case, grain):
-    fit = stock_fit(make_law(case.law, grain.contact(grain), **case.options), case.max_force)
-    return young_against_itself(fit.modulus, grain.material.poisson)
 
 
 def table_words(case, folder):
@@ -134,6 +133,10 @@ def _render(case, model):
         values = [getattr(g.material, name) for g in grains]
         return [*values, values[0]]
 
+    more = ""
+    if model.roughness is not None:
+        roughness = " ".join(f"{v:.10g}" for v in [*model.roughness, model.roughness[0]])
+        more = f"fix             p5 all property/global surfaceRoughness peratomtype {roughness}\n"
     values = {
         "title": case.title + (f", as a fit of stock {model.name}" if model.notes else ""),
         "version": demlaws.__version__,
@@ -145,7 +148,7 @@ def _render(case, model):
         "poisson": " ".join(f"{v:g}" for v in of_types("poisson")),
         "restitution": f"{types} {_matrix(case.restitution, types)}",
         "friction": f"{types} {_matrix(case.friction, types)}",
-        "more": _more_properties(model),
+        "more": more,
         "model": model.name,
         "tangential": model.tangential,
         "words": f" {model.words}" if model.words else "",
@@ -176,13 +179,6 @@ _SEEDS = [15485863, 15485867, 32452843, 32452867, 49979687, 49979693, 67867967, 
 
 def _matrix(value, n):
     return " ".join([f"{value:.12g}"] * (n * n))
-
-
-def _more_properties(model):
-    if model.roughness is None:
-        return ""
-    values = " ".join(f"{v:.10g}" for v in [*model.roughness, model.roughness[0]])
-    return f"fix             p5 all property/global surfaceRoughness peratomtype {values}\n"
 
 
 _CASE = """\

@@ -64,11 +64,7 @@ def versions():
 
 
 class _Liggghts(Engine):
-    name, begins = "LIGGGHTS", "Memory usage"
-
-    def prefix(self, plugin):
-        """Without the plugin LIGGGHTS's error would be lost: it is buffered where the output goes to a pipe."""
-        return ["stdbuf", "-oL"] if not plugin and shutil.which("stdbuf") else []
+    name, begins, log = "LIGGGHTS", "Memory usage", "log.liggghts"
 
     def start(self, ranks, plugin, portable):
         environment, loading = dict(os.environ), {}
@@ -77,7 +73,9 @@ class _Liggghts(Engine):
             loading = {"LD_PRELOAD": ":".join(p for p in (str(build(portable)), environment.get("LD_PRELOAD")) if p)}
         if ranks == 1 and not any(name.startswith(("OMPI_COMM_", "PMIX_", "PMI_")) for name in environment):  # no mpirun
             environment = SERIAL_ONLY | environment
-        return executable(), environment, loading, None
+        # without the plugin LIGGGHTS's error would be lost: it is buffered where the output goes to a pipe
+        buffered = not plugin and shutil.which("stdbuf")
+        return [*(["stdbuf", "-oL"] if buffered else []), executable()], environment, loading, None
 
 
 ENGINE = _Liggghts()

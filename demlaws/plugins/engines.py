@@ -120,10 +120,6 @@ class Plugin:
         """Further include options."""
         return []
 
-    def links(self):
-        """Link options and libraries."""
-        return []
-
     def runs_with(self):
         """Bytes of the engine's library that the plugin is made for."""
         return b""
@@ -216,19 +212,11 @@ class Engine:
 
     name: str
     begins: str  # how the line above a thermo table begins
-
-    @property
-    def log(self):
-        """Name of the log file."""
-        return f"log.{self.name.lower()}"
+    log: str  # name of the log file
 
     def start(self, ranks, plugin, portable):
-        """(program, environment, variables of the ranks that load the plugin, mpiexec of the program's own or None)."""
+        """(words of the program, environment, variables that load the plugin, mpiexec of the program's own or None)."""
         raise NotImplementedError
-
-    def prefix(self, plugin):
-        """Words before the program."""
-        return []
 
     def column(self, word):
         """Name of a thermo column."""
@@ -243,7 +231,7 @@ class Engine:
         if ranks < 1:
             raise DemlawsError(f"ranks = {ranks}: at least 1")
         program, environment, loading, mpiexec = self.start(ranks, plugin, portable)
-        line = [*self.prefix(plugin), str(program), "-in", str(script), "-log", str(log or self.log)]
+        line = [*map(str, program), "-in", str(script), "-log", str(log or self.log)]
         for name, value in (variables or {}).items():
             line += ["-var", name, *(map(str, value) if isinstance(value, (list, tuple)) else [str(value)])]
         line += map(str, arguments)

@@ -266,7 +266,7 @@ def test_an_engine_without_an_error_of_its_own(engine, tmp_path, monkeypatch, pr
     (tmp_path / "in.case").write_text("")
     module = part(engine, "run")
     (tmp_path / module.ENGINE.log).write_text(f"{module.ENGINE.name} (old)\nERROR: of an earlier run\n")
-    monkeypatch.setattr(module.ENGINE, "start", lambda *_: (binary, dict(os.environ), {}, None))
+    monkeypatch.setattr(module.ENGINE, "start", lambda *_: ([binary], dict(os.environ), {}, None))
     with pytest.raises(EngineStopped) as caught:
         module.run(tmp_path / "in.case")
     assert message in str(caught.value) and "earlier run" not in str(caught.value) and "[host" not in str(caught.value)
@@ -280,7 +280,7 @@ def test_each_run_has_a_folder_of_its_own_for_files_of_mpi(engine, tmp_path, mon
     binary.write_text("#!/bin/sh\ntouch $OMPI_MCA_orte_tmpdir_base/file\necho FOLDER $OMPI_MCA_orte_tmpdir_base\nexit 1\n")
     binary.chmod(0o755)
     (tmp_path / "in.case").write_text("")
-    monkeypatch.setattr(module.ENGINE, "start", lambda *_: (binary, dict(os.environ), {}, None))
+    monkeypatch.setattr(module.ENGINE, "start", lambda *_: ([binary], dict(os.environ), {}, None))
 
     def folder():
         with pytest.raises(EngineStopped) as caught:
