@@ -30,7 +30,7 @@ from demlaws.units import check_overlaps, number
 __all__ = [
     "BAND",
     "YIELD_RATIO",
-    "Advice",
+    "LawAdvice",
     "Regime",
     "advise",
     "assess",
@@ -159,7 +159,7 @@ def assess(contact: Contact, force: Any, mu: float | None = None, *, yield_press
     )
 
 
-class Advice(NamedTuple):
+class LawAdvice(NamedTuple):
     """Whether a law applies to a contact up to a force, and why."""
 
     law: str
@@ -167,7 +167,7 @@ class Advice(NamedTuple):
     reason: str
 
 
-def advise(contact: Contact, force: Any, yield_pressure: Any = None, *, mu: float | None = None) -> list[Advice]:
+def advise(contact: Contact, force: Any, yield_pressure: Any = None, *, mu: float | None = None) -> list[LawAdvice]:
     """Which laws apply to a contact from first touch up to a force.
 
     Parameters
@@ -183,7 +183,7 @@ def advise(contact: Contact, force: Any, yield_pressure: Any = None, *, mu: floa
 
     Returns
     -------
-    list of Advice
+    list of LawAdvice
         One per law, with the reason.
 
     Raises
@@ -211,4 +211,4 @@ def advise(contact: Contact, force: Any, yield_pressure: Any = None, *, mu: floa
         yields, state = ratio > YIELD_RATIO, f"p(0)/H_m = {ratio:.2f}"
     conditions = Conditions(contact, alpha, float(pressure_drop(alpha)), yields, state)
     advice = {name: definition.advice.advise(conditions) for name, definition in registry().items()}
-    return [Advice(name, bool(fits), reason) for name, (fits, reason) in advice.items()]
+    return [LawAdvice(name, bool(fits), reason) for name, (fits, reason) in advice.items()]

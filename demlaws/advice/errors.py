@@ -31,11 +31,7 @@ class Loaded:
 
     def __init__(self, law, sample):
         self.law, self.sample = law, sample
-        self.top = self.overlap_of(sample.peak)
-
-    def overlap_of(self, force):
-        """Overlap [m] of first loading at each force [N]."""
-        return np.atleast_1d(self.law.overlap(force))
+        self.top = np.atleast_1d(law.overlap(sample.peak))  # overlap [m] of first loading
 
     def state_at(self, top):
         """State, force [N] and stiffness [N/m] after first loading to each overlap `top` [m]."""

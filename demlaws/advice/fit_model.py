@@ -12,7 +12,7 @@ import numpy as np
 
 from demlaws.contact import unchecked
 from demlaws.core import loops
-from demlaws.core.history import history as forces_history
+from demlaws.core.history import history
 from demlaws.errors import Argument, DemlawsError, quiet
 from demlaws.laws.definition import OF_CONTACT, Parameter
 from demlaws.laws.registry import find, registry
@@ -46,11 +46,6 @@ def parameters():
 def largest_compliance(contact):
     """End of the range [m/N] in which the compliance of the apparatus is searched."""
     return APPARATUS[COMPLIANCE].bounds(contact)[1]
-
-
-def history(law, force):
-    """Overlap [m] and tangent stiffness [N/m] at each force > 0 [N] of a history that starts with first loading."""
-    return forces_history(law.unloading_parts.rule, law.params, np.array(force, float))
 
 
 class Model:
@@ -100,7 +95,7 @@ class Model:
         contact, options = self.inputs(x)
         params = loops.bind_params(self.definition.prepare(contact, **options), contact)
         force = np.maximum(self.force - self.values(x).get(FORCE_ZERO, 0.0), _LEAST_FORCE * np.max(self.force))
-        overlap, stiffness = forces_history(self.rule, params, force)
+        overlap, stiffness = history(self.rule, params, force)
         # outside the range of a curve: far away, not NaN
         return np.where(np.isfinite(overlap), overlap, 1e3 * contact.radius), stiffness
 

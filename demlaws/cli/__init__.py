@@ -78,7 +78,8 @@ class Parser(argparse.ArgumentParser):
     """argparse with --law-file and --json, which reads -1e-3 as a number so that the error names its value and unit."""
 
     def __init__(self, *arguments, **options):
-        super().__init__(*arguments, **options)
+        # --law would otherwise stand for --law-file where a command has no --law
+        super().__init__(*arguments, allow_abbrev=False, **options)
         self.add_argument(
             LAW_FILE,
             action=_LawFile,
@@ -100,10 +101,6 @@ class Parser(argparse.ArgumentParser):
                 "--force", dest="overwrite", action="store_true", help="overwrite files that this command did not write"
             )
         return super().add_argument(*names, **options)
-
-    def _get_option_tuples(self, option_string):
-        """Options are not abbreviated: --law would otherwise stand for --law-file where a command has no --law."""
-        return []
 
     def parse_args(self, args=None, namespace=None):
         """As argparse; an unknown option is reported with the most similar, and `json` and `outputs` are always set."""

@@ -57,7 +57,15 @@ def run(arguments, result):
     )
     name = scene.name or arguments.scene.stem
     _print_choices(result, choices, scene, name, arguments.all)
-    result.values = _values(choices, scene, name)
+    result.values = {
+        "scene": name,
+        "quantity": scene.quantity,
+        "tolerance": scene.tolerance,
+        "reference": {"law": choices.reference.name, "unloading": choices.reference.unloading},
+        "choices": [{"choice": c.describe(), **{name: getattr(c, name) for name in FIELDS}} for c in choices],
+        "ruled_out": dict(choices.ruled_out),
+        "notes": list(choices.notes),
+    }
     if arguments.csv is not None:
         result.write_csv(arguments.csv, TITLES, ((c.describe(), *(getattr(c, name) for name in FIELDS)) for c in choices))
     best = choices.best
@@ -103,18 +111,6 @@ def _print_choices(result, choices, scene, name, every):
         result.say(f"ruled out: {'; '.join(plans)}: {reason}")
     for note in choices.notes:
         result.say(f"note: {note}")
-
-
-def _values(choices, scene, name):
-    return {
-        "scene": name,
-        "quantity": scene.quantity,
-        "tolerance": scene.tolerance,
-        "reference": {"law": choices.reference.name, "unloading": choices.reference.unloading},
-        "choices": [{"choice": c.describe(), **{name: getattr(c, name) for name in FIELDS}} for c in choices],
-        "ruled_out": dict(choices.ruled_out),
-        "notes": list(choices.notes),
-    }
 
 
 def _print_best(result, best, scene):

@@ -6,10 +6,11 @@ from types import SimpleNamespace
 import bench_fit
 import numpy as np
 import pytest
+from bench_fit import history
 from examples import shared
 
 import demlaws as dl
-from demlaws.advice.fit_model import FORCE_ZERO, history
+from demlaws.advice.fit_model import FORCE_ZERO
 from demlaws.advice.fit_report import _aicc
 
 PAIR = dl.Contact(4.35e-3, 32.32e9, 2.4e-6, 2.22, 6.266e9)

@@ -7,9 +7,9 @@ import warnings
 
 import numpy as np
 import pytest
+from bench_fit import history
 
 import demlaws as dl
-from demlaws.advice.fit_model import history
 from demlaws.advice.fit_report import Estimate
 from demlaws.cli import main
 from demlaws.cli.fit import shown

@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 import demlaws as dl
-from demlaws.advice.fit_model import APPARATUS, COMPLIANCE, FORCE_ZERO, ZERO, history, parameters
+from demlaws.advice.fit_model import APPARATUS, COMPLIANCE, FORCE_ZERO, ZERO, parameters
+from demlaws.core.history import history as history_loop
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import quiet
 from demlaws.laws.registry import find, registry
@@ -76,6 +77,11 @@ CASES = (
     ),
     Case("ten points", "rms", "hertz", PAIR, {"roughness": 2.4e-6}, ("roughness",), CYCLE[::7], 3e-8),
 )
+
+
+def history(law, force):
+    """Overlap [m] and tangent stiffness [N/m] at each force > 0 [N] of a history that starts with first loading."""
+    return history_loop(law.unloading_parts.rule, law.params, np.array(force, float))
 
 
 def made(case, seed):
