@@ -36,17 +36,15 @@ def run_regime(arguments, result):
 
     if arguments.yield_load is not None and arguments.yield_pressure is not None:
         raise DemlawsError("--yield-load and --yield-pressure are alternatives: give one of them")
-    measured = arguments.yield_load is not None or arguments.yield_pressure is not None
-    pair = contact_from(arguments)
-    if pair.roughness is None:
-        raise MissingQuantity.of("the criterion", "roughness")
-    if pair.hardness is None and not measured:
-        raise MissingQuantity.of("the criterion", "hardness")
-    limit = arguments.yield_pressure
+    pair, limit = contact_from(arguments), arguments.yield_pressure
     if arguments.yield_load is not None:
         limit = float(regime.hertz_pressure(pair, arguments.yield_load))
+    if pair.roughness is None:
+        raise MissingQuantity.of("the criterion", "roughness")
+    if pair.hardness is None and limit is None:
+        raise MissingQuantity.of("the criterion", "hardness")
     if arguments.load is None:
-        if measured:
+        if limit is not None:
             raise DemlawsError("--load missing: a measured yield is compared with a load")
         yields = regime.transition_force(pair, mu=arguments.mu)
         result.print(f"the bulk yields (p(0)/H_m = {regime.YIELD_RATIO}) from {yields:.4g} N; below, asperities")

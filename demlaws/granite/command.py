@@ -130,24 +130,17 @@ def draw(out, tests, runs, modulus, whole):
     """Draw all figures of these tests, with the E* of this name; returns the files."""
     figures = []  # name, function that draws, its arguments
 
-    def run_of(test, law):
-        return (
-            next((run for run in runs[test] if run.law.name == law), None)
-            or granite.run_test(law, granite.find_test(test, modulus))[0]
-        )
-
     for test in tests:
         figures.append((f"force-{test.key}", pictures.force, test, runs[test.name]))
         for result in runs[test.name]:
             if test.cyclic and result.law.definition.before_yield is not None:
                 figures.append((f"cycles-{test.key}", pictures.cycling, result))
-    if "SS(12-18)" in runs:
-        figures.append(("unloading-ss-12-18", pictures.unloading, run_of("SS(12-18)", POHRT_POPOV)))
     if whole:
+        named = {(run.test.name, run.law.name): run for test in tests for run in runs[test.name]}
+        figures.append(("unloading-ss-12-18", pictures.unloading, named["SS(12-18)", POHRT_POPOV]))
         figures += [(name, getattr(pictures, name), modulus) for name in ("stiffness", "roughness")]
         figures.append(("crossover-ss-18-18", pictures.crossover))
-        cones = run_of("RFC10", ROUGH_PLASTIC), run_of("FC5", ROUGH_PLASTIC)
-        figures.append(("cones", pictures.cones, *cones))
+        figures.append(("cones", pictures.cones, named["RFC10", ROUGH_PLASTIC], named["FC5", ROUGH_PLASTIC]))
         figures.append(("effective-radius", pictures.radius, modulus))
 
     return [plots.save(picture(*arguments), out / f"{name}.png") for name, picture, *arguments in figures]
