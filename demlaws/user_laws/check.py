@@ -45,7 +45,7 @@ class LawCheck(NamedTuple):
 
 
 def check_law(
-    name: str, contact: Contact | None = None, rules: tuple | None = None, *, paths: int = 2000, **options: Any
+    name: str, contact: Contact | None = None, rules: tuple | None = None, *, paths: int = 500, **options: Any
 ) -> LawCheck:
     """Run the project's tests of laws on one law.
 
