@@ -92,8 +92,7 @@ class Choice:
         """Pair of kinds of grain → `Table`. `NeedsClasses` where one table cannot serve all sizes (`export` writes each)."""
         scene = self.scene
         if not find(self.name).collapses and len({*(scene.pair_radii() or scene.effective_radii())}) > 1:
-            several = f"{_ONE_SIZE}, and the grains have several: use the law itself, or the engine LIGGGHTS or LAMMPS"
-            raise NeedsClasses(f"no table of {self.name}: {several if scene.pair_radii() else _NO_TABLE}")
+            raise NeedsClasses(f"no table of {self.name}: {_ONE_SIZE if scene.pair_radii() else _NO_TABLE}")
         plan, contacts = _as_table(self.plan, scene), scene.contacts(scene.effective_radii()[1])
         return {kinds: plan.bind(contact, self.max_force) for kinds, contact in zip(scene.kinds(), contacts, strict=True)}
 

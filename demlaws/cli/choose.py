@@ -114,14 +114,10 @@ def _print_choices(result, choices, scene, name, every):
 
 
 def _print_best(result, best, scene):
-    from demlaws.contact import DENSITY
-    from demlaws.timestep import STEP_SAFETY, rayleigh_step
+    from demlaws.timestep import STEP_SAFETY
 
-    rayleigh = min(rayleigh_step(scene.radii[0], m.density or DENSITY, m.young, poisson=m.poisson) for m in scene.materials)
     result.print(f"\nchosen: {best.describe()}")
-    result.say(
-        f"time step {best.step:.3g} s, at most {STEP_SAFETY:g} of the estimated stability limit (Rayleigh: {rayleigh:.3g} s)"
-    )
+    result.print(f"time step {best.step:.3g} s, at most {STEP_SAFETY:g} of the estimated stability limit")
     for physics, error in best.left_out:
         result.print(f"  neglected: {physics}: error of the {scene.quantity} {error:.2g}")
 

@@ -22,7 +22,7 @@ SHOWN = {
     "table": [*PLASTIC, *ROUGH, "--out", "{out}/law.tbl"],
     "regime": [*ROUGH, "--load", "20"],
     "surface": ["{map}"],
-    "fit": [TESTS.parent / "docs" / "tutorials" / "contact.csv", *ROUGH, "--law", "greenwood-tripp", "--law", "hertz"],
+    "fit": [TESTS.parent / "docs" / "tutorials" / "contact.csv", *ROUGH, "--law", "pohrt-popov", "--law", "hertz"],
     "choose": [DATA / "ballast.toml", "--all"],
     "soften": ["--factor", "100", *PLASTIC, *ROUGH],
     "timestep": [DUMPS / "grains.txt", DUMPS / "contacts-lammps.txt", *ELASTIC],
