@@ -22,18 +22,14 @@ class Models(NamedTuple):
     walls: list  # the words of a wall's model, one entry per type; equal where one serves all
 
 
-def joined(one, other):
-    """Young's modulus [Pa] and Poisson's ratio of the material that, against itself, has E* and G* of the two."""
-    ratio = shear_ratio(one, other)
-    poisson = 2.0 * (1.0 - ratio) / (2.0 - ratio)
-    return young_against_itself(effective_modulus(one, other), poisson), poisson
-
-
 def stock_models(grains, restitution=0.5, friction=0.5):
     """`Models` of LAMMPS's own hertz/material; one line per pair of types, for its mixing is too soft in shear."""
 
     def words(one, other):
-        young, poisson = joined(one.material, other.material)
+        # of the material that, against itself, has E* and G* of the two
+        ratio = shear_ratio(one.material, other.material)
+        poisson = 2.0 * (1.0 - ratio) / (2.0 - ratio)
+        young = young_against_itself(effective_modulus(one.material, other.material), poisson)
         text = f"hertz/material {young:.12g} {restitution:.12g} {poisson:.12g}"
         return f"{text} tangential mindlin_rescale/force NULL 1 {friction:g} damping coeff_restitution"
 

