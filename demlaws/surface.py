@@ -99,19 +99,6 @@ def read_unchecked(path, pixel=None, unit="m", *, missing=None, channel=None):
     else:
         raise DemlawsError(f"channel = {channel!r}: {path.name} has one channel only")
     plausibility.refuse_other_arrays(heights, path)
-    _refuse_contradiction(path, header, pixels, unit)
-    pixels = pixels or header.get("pixel")
-    if pixels is None:
-        raise DemlawsError(_NO_PIXEL.format(path))
-    scale = header.get("scale", UNITS[unit])
-    heights = np.asarray(heights, float)
-    if filler is not None:
-        heights = np.where(heights == filler, np.nan, heights)
-    return HeightMap(heights * scale, *pixels), scale
-
-
-def _refuse_contradiction(path, header, pixels, unit):
-    """Raise if a pixel size or unit of heights is given, and the file contains another."""
     found = header.get("pixel")
     if pixels and found and not np.allclose(pixels, found, rtol=0.01):
         raise DemlawsError(
@@ -120,6 +107,14 @@ def _refuse_contradiction(path, header, pixels, unit):
         )
     if unit != "m" and header.get("scale", UNITS[unit]) != UNITS[unit]:
         raise DemlawsError(f"{path} has heights in units of {header['scale']:g} m, unit = {unit!r} is given: leave it out")
+    pixels = pixels or header.get("pixel")
+    if pixels is None:
+        raise DemlawsError(_NO_PIXEL.format(path))
+    scale = header.get("scale", UNITS[unit])
+    heights = np.asarray(heights, float)
+    if filler is not None:
+        heights = np.where(heights == filler, np.nan, heights)
+    return HeightMap(heights * scale, *pixels), scale
 
 
 def _pixel_pair(pixel):

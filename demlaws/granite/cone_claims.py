@@ -111,7 +111,10 @@ def _plastic_claims(get):
     small = get.run(ROUGH_PLASTIC, "FC5")
     other = {round(s.maximum_force): s.plastic_overlap / MICRO for s in stages_of(small) if s.stage == 4}
     ratios = {f: other[round(f)] / d for f, d in zip(load, plastic, strict=True) if round(f) in other}
-    tip = _plastic_on_the_tip(get, [f for f in load if round(f) in other])
+    # the same loads with R of the tip in place of the bulk's
+    turns = tuple(turn for f in load if round(f) in other for turn in (f, 0.0))
+    sharp, _ = run_test(ROUGH_PLASTIC, get.test("FC5")._replace(bulk_radius=None, stages=(turns,)))
+    tip = [s.plastic_overlap / MICRO for s in stages_of(sharp)]
     yield Claim(
         "RFC10, FC5",
         "plastic deformations of the two cones compare well",
@@ -124,14 +127,6 @@ def _plastic_claims(get):
         verdict_of(all(0.67 < v < 1.5 for v in ratios.values())),
         "ratio between 0.67 and 1.5 at every load",
     )
-
-
-def _plastic_on_the_tip(get, loads):
-    """Plastic overlaps [µm] of FC5 after these loads [N], with R of the tip in place of the bulk's."""
-    small = get.test("FC5")._replace(bulk_radius=None)
-    turns = tuple(turn for load in loads for turn in (load, 0.0))
-    run, _ = run_test(ROUGH_PLASTIC, small._replace(stages=(turns,)))
-    return [s.plastic_overlap / MICRO for s in stages_of(run)]
 
 
 def _stiffer_claims(get):

@@ -67,15 +67,6 @@ def _triangle(stats, i, u1, u2, u3, x1, y1, x2, y2, x3, y3):
 
 
 @kernel
-def _begin(parent, stats, label, i, j):
-    """Begin a patch at pixel (i, j)."""
-    parent[label] = label
-    for n in range(X0):
-        stats[label, n] = 0.0
-    stats[label, X0], stats[label, Y0] = j, i
-
-
-@kernel
 def _join(parent, first, second):
     """Make two labels one patch."""
     a, b = _root(parent, first), _root(parent, second)
@@ -128,7 +119,9 @@ def scan(h, cut, labels, parent, stats, spread, limit):
                 if label == 0:
                     count += 1
                     label = count
-                    _begin(parent, stats, label, i, j)
+                    parent[label] = label
+                    stats[label, :X0] = 0.0
+                    stats[label, X0], stats[label, Y0] = j, i
                 elif north and west and not north_west:
                     _join(parent, north, west)
                 if i == 0 or j == 0 or i == rows - 1 or j == columns - 1:

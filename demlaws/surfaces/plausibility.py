@@ -70,12 +70,7 @@ def doubts(heights, scale: float = 1.0) -> list[str]:
                 f"spikes or pits: the largest height is {highest:.3g} times the robust Sq {robust:.4g} m, kurtosis "
                 f"{kurtosis:.3g} (Gaussian: 3); Sq = {sq:.4g} m contains them; use despiked() (--despike), or robust_sq"
             )
-    return found + _doubts_of_lengths(heights, z)
-
-
-def _doubts_of_lengths(heights, z):
-    """Slopes, gaps and a field of view that no instrument has; z: heights without form."""
-    found, remedy = [], "check unit (--unit) and pixel (--pixel)"
+    remedy = "check unit (--unit) and pixel (--pixel)"
     slopes = heights.with_heights(z).slopes()
     if all(slope.size for slope in slopes):
         slope = math.hypot(*map(robust_sq, slopes))  # robust, too: spikes are no wrong unit
