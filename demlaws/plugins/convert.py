@@ -139,7 +139,7 @@ def _command(engine, words, table, folder, name):
 _SUB_MODELS = {
     "tangential": ("off", "no_history", "history", "demlaws"),
     "rolling_friction": ("off", "cdt", "epsd", "epsd2"),
-    "cohesion": ("off", "sjkr", "sjkr2"),
+    "cohesion": ("off",),
     "surface": ("default",),
 }
 _STOCK_SETTINGS = (

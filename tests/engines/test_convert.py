@@ -323,7 +323,7 @@ def test_tutorials_of_the_package_run(engine, tutorials, tmp_path):
         if not all(note.served for note in converted.notes):
             refused.append(path.name)
             continue
-        if path.parent.name not in (*script.TUTORIALS, "cohesion", "contactModels"):
+        if path.parent.name not in (*script.TUTORIALS, "contactModels"):
             continue
         there = tmp_path / path.parent.name
         shutil.copytree(path.parent, there, dirs_exist_ok=True)

@@ -37,7 +37,7 @@ LIGGGHTS = [  # pair style, line of a wall or (old, new) of the text, words of t
     (f"{GRAN} pairtable 1 1 law.tbl", "", "types 1 and 2"),
     (f"{GRAN} table law.tbl pairtable 1 3 law.tbl", "", "type 3"),
     (f"{GRAN} table law.tbl bogus on", "", "bogus"),
-    (f"{GRAN} cohesion washino/capillary/viscous table law.tbl", "", MODELS),
+    (f"{GRAN} cohesion sjkr table law.tbl", "", MODELS),
     (f"{GRAN} rolling_friction epsd3 table law.tbl", "", MODELS),
     (f"{GRAN} surface multicontact table law.tbl", "", MODELS),
     ("model demlaws/table tangential tan_luding table law.tbl", "", MODELS),

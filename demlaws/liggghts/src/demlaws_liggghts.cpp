@@ -21,17 +21,16 @@ template <class MODEL> Walls::IGranularWall *make_wall(LAMMPS *lmp, FixWallGran 
 template <class STYLE, class PARENT> STYLE *refuse(LAMMPS *lmp, PARENT *, const int64_t) {
   lmp->error->all(
       FLERR, "model demlaws/table works with tangential off, no_history, history, demlaws; rolling_friction off, cdt, "
-             "epsd, epsd2; cohesion off, sjkr, sjkr2; surface default: leave the other sub-model out");
+             "epsd, epsd2; cohesion off; surface default: leave the other sub-model out");
   return NULL;
 }
 
 struct Registration {
   template <int TANGENTIAL, int ROLLING> static void add() {
-    for (int cohesion : {(int)COHESION_OFF, (int)COHESION_SJKR, (int)COHESION_SJKR2}) {
-      const int64_t hash = Utils::generate_gran_hashcode(DEMLAWS_TABLE, TANGENTIAL, cohesion, ROLLING, SURFACE_DEFAULT);
-      PairStyles::Factory::instance().addStyle("gran", hash, &make_pair_style<Model<TANGENTIAL, ROLLING>>);
-      Walls::Factory::instance().addStyle("gran", hash, &make_wall<Model<TANGENTIAL, ROLLING>>);
-    }
+    const int64_t hash =
+        Utils::generate_gran_hashcode(DEMLAWS_TABLE, TANGENTIAL, COHESION_OFF, ROLLING, SURFACE_DEFAULT);
+    PairStyles::Factory::instance().addStyle("gran", hash, &make_pair_style<Model<TANGENTIAL, ROLLING>>);
+    Walls::Factory::instance().addStyle("gran", hash, &make_wall<Model<TANGENTIAL, ROLLING>>);
   }
   template <int TANGENTIAL> static void add_rolling() {
     add<TANGENTIAL, ROLLING_OFF>();
@@ -46,8 +45,7 @@ struct Registration {
         for (int rolling = 0; rolling <= 6; rolling++)
           for (int surface = 0; surface <= 5; surface++) {
             const bool shears = tangential <= TANGENTIAL_HISTORY || tangential == TANGENTIAL_DEMLAWS;
-            if (shears && cohesion <= COHESION_SJKR2 && rolling <= ROLLING_EPSD2 && surface == SURFACE_DEFAULT)
-              continue;
+            if (shears && cohesion == COHESION_OFF && rolling <= ROLLING_EPSD2 && surface == SURFACE_DEFAULT) continue;
             const int64_t hash = Utils::generate_gran_hashcode(DEMLAWS_TABLE, tangential, cohesion, rolling, surface);
             PairStyles::Factory::instance().addStyle("gran", hash, &refuse<PairStyles::IGranularPairStyle, PairGran>);
             Walls::Factory::instance().addStyle("gran", hash, &refuse<Walls::IGranularWall, FixWallGran>);

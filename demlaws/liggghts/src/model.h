@@ -12,52 +12,26 @@ using namespace LAMMPS_NS;
 using namespace LIGGGHTS;
 using namespace LIGGGHTS::ContactModels;
 
-// A stock cohesion model, which makes its area from the overlap: here of the overlap at which Hertz's contact would be
-// as wide as the law's is, so that sjkr beside a table of Hertz's law is stock's. The width is that of first loading at
-// the overlap, also while the contact unloads: so cohesion has a potential, and creates no energy [our derivation].
-class Cohesion {
-public:
-  Cohesion(LAMMPS *lmp, IContactHistorySetup *setup, ContactModelBase *base, const int64_t hash)
-      : which_((int)(hash >> 12 & 63)) {
-    if (which_ == COHESION_SJKR) model_.reset(new CohesionModel<COHESION_SJKR>(lmp, setup, base));
-    if (which_ == COHESION_SJKR2) model_.reset(new CohesionModel<COHESION_SJKR2>(lmp, setup, base));
-  }
-  int which() const { return which_; }
-  CohesionModelBase *model() const { return model_.get(); }
-  void pull(SurfacesIntersectData &data, double overlap, ForceData &on_i, ForceData &on_j) const {
-    const double r = data.r;
-    data.r = (data.is_wall ? data.radi : data.radi + data.radj) - overlap;
-    model_->surfacesIntersect(data, on_i, on_j);
-    data.r = r;
-  }
-
-private:
-  const int which_;
-  std::unique_ptr<CohesionModelBase> model_;
-};
-
-// The sub-models of one contact, composed when compiled, as the stock ContactModel is; cohesion when it is made.
+// The sub-models of one contact, composed when compiled, as the stock ContactModel is; none of cohesion.
 template <int TANGENTIAL, int ROLLING> class Model : public ContactModelBase {
 public:
   SurfaceModel<SURFACE_DEFAULT> surface;
   NormalModel<DEMLAWS_TABLE> normal;
-  Cohesion cohesion;
   TangentialModel<TANGENTIAL> tangential;
   RollingModel<ROLLING> rolling;
 
   // the order of the members is the order in which they claim history
-  Model(LAMMPS *lmp, IContactHistorySetup *setup, bool wall, const int64_t hash)
-      : ContactModelBase(lmp, wall), surface(lmp, setup, this), normal(lmp, setup, this),
-        cohesion(lmp, setup, this, hash), tangential(lmp, setup, this), rolling(lmp, setup, this) {
+  Model(LAMMPS *lmp, IContactHistorySetup *setup, bool wall, const int64_t)
+      : ContactModelBase(lmp, wall), surface(lmp, setup, this), normal(lmp, setup, this), tangential(lmp, setup, this),
+        rolling(lmp, setup, this) {
     join(tangential);
   }
   int64_t hashcode() {
-    return Utils::generate_gran_hashcode(DEMLAWS_TABLE, TANGENTIAL, cohesion.which(), ROLLING, SURFACE_DEFAULT);
+    return Utils::generate_gran_hashcode(DEMLAWS_TABLE, TANGENTIAL, COHESION_OFF, ROLLING, SURFACE_DEFAULT);
   }
   void registerSettings(Settings &s) {
     surface.registerSettings(s);
     normal.registerSettings(s);
-    if (cohesion.model()) cohesion.model()->registerSettings(s);
     tangential.registerSettings(s);
     rolling.registerSettings(s);
   }
@@ -71,7 +45,6 @@ public:
     if (TANGENTIAL == TANGENTIAL_HISTORY) normal.warn_of_history();
     surface.connectToProperties(p);
     normal.connectToProperties(p);
-    if (cohesion.model()) cohesion.model()->connectToProperties(p);
     tangential.connectToProperties(p);
     rolling.connectToProperties(p);
   }
@@ -89,7 +62,6 @@ public:
   template <bool IS_WALL> inline void touch(SurfacesIntersectData &d, ForceData &i, ForceData &j) {
     surface.surfacesIntersect(d, i, j);
     normal.template touch<IS_WALL>(d, i, j);
-    if (__builtin_expect(cohesion.model() != NULL, 0)) cohesion.pull(d, normal.overlap_as_wide(d), i, j);
     shear<IS_WALL>(tangential, d, i, j);
     rolling.surfacesIntersect(d, i, j);
   }
@@ -99,7 +71,6 @@ public:
   inline void surfacesClose(SurfacesCloseData &d, ForceData &i, ForceData &j) {
     surface.surfacesClose(d, i, j);
     normal.surfacesClose(d, i, j);
-    if (cohesion.model()) cohesion.model()->surfacesClose(d, i, j);
     tangential.surfacesClose(d, i, j);
     rolling.surfacesClose(d, i, j);
   }
@@ -115,7 +86,7 @@ public:
     Factory &known = Factory::instance();
     if (kind == "surface") return known.getSurfaceModelId(name) == SURFACE_DEFAULT;
     if (kind == "normal") return known.getNormalModelId(name) == DEMLAWS_TABLE;
-    if (kind == "cohesion") return known.getCohesionModelId(name) == cohesion.which();
+    if (kind == "cohesion") return known.getCohesionModelId(name) == COHESION_OFF;
     if (kind == "tangential") return known.getTangentialModelId(name) == TANGENTIAL;
     if (kind == "rolling_friction") return known.getRollingModelId(name) == ROLLING;
     return false;

@@ -203,15 +203,6 @@ public:
         "spheres doubled its energy in 30 ms; use 'tangential demlaws' (" DEMLAWS_PAGE("shear") ")");
   }
 
-  // The overlap at which Hertz's contact is as wide as the law's in first loading at this overlap: a^2/R.
-  double overlap_as_wide(const SurfacesIntersectData &data) const {
-    const demlaws::Pair &pair = law_of(data).pair;
-    const double length = pair.length_of(radius_of(data));
-    double s, slope;
-    pair.table->loading_curve().evaluate(data.deltan / length, s, slope);
-    return pair.table->area(s) * length;
-  }
-
   // For the tangential model: K_t / K, and the springs of a contact after its step.
   demlaws::Shear shear() const { return now_.shear; }
   double shear_ratio(const SurfacesCloseData &data) const { return law_of(data).tangential; }

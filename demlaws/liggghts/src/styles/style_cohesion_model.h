@@ -1,2 +1,1 @@
-#include "cohesion_model_sjkr.h"
-#include "cohesion_model_sjkr2.h"
+// none beside the laws
