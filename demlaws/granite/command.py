@@ -129,7 +129,6 @@ def write_csv(out, tests, runs, notes, verdicts):
 def draw(out, tests, runs, modulus, whole):
     """Draw all figures of these tests, with the E* of this name; returns the files."""
     figures = []  # name, function that draws, its arguments
-
     for test in tests:
         figures.append((f"force-{test.key}", pictures.force, test, runs[test.name]))
         for result in runs[test.name]:

@@ -74,7 +74,7 @@ def test_granite(tmp_path, capsys):
     out = capsys.readouterr().out
     assert "17.8" in out
     names = {file.name for file in tmp_path.iterdir()}
-    assert {"force-ss-12-18.png", "unloading-ss-12-18.png", "ss-12-18-pohrt-popov.csv", "summary.csv"} <= names
+    assert {"force-ss-12-18.png", "ss-12-18-pohrt-popov.csv", "summary.csv"} <= names
     assert not [name for name in names if name.startswith(".")]  # no temporary file left
 
 

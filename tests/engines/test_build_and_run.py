@@ -441,7 +441,7 @@ def descendants(process):
     return found - {process}
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.slow)])
 @both
 def test_a_signal_ends_the_ranks(engine, tmp_path, number):
     """They went on: Python ended at once, or killed mpiexec, which then could not end them."""

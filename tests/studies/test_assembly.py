@@ -92,6 +92,7 @@ def quick(tmp_path_factory):
     return line, study.read(folder / "moduli.csv")
 
 
+@pytest.mark.slow
 def test_a_quick_run_with_the_contacts_kept_has_the_exponent_of_one_contact(quick):
     """1/3 with Hertz; below its threshold Pohrt-Popov has K ∝ P^(0.2567 Df). New contacts add to both."""
     for case, series in report.cases(quick[1]).items():
@@ -103,6 +104,7 @@ def test_a_quick_run_with_the_contacts_kept_has_the_exponent_of_one_contact(quic
         assert isotropic[-1]["side_kPa"] == pytest.approx(1000.0, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_a_second_run_adds_nothing(quick, capsys):
     line, rows = quick
     assert main(line) == 0

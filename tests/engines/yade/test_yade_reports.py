@@ -272,7 +272,7 @@ def test_a_stepper_is_judged_once_there_are_spheres(omega):
     assert "rough" not in str(seen[0].message) and stepper.maxDt == pytest.approx(0.8 * 4 * yade.utils.PWaveTimeStep())
 
 
-@pytest.mark.parametrize("tabulated", [False, True])
+@pytest.mark.parametrize("tabulated", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_which_contacts_have_yielded(omega, tabulated):
     """Of two pairs that are unloaded, one has passed the yield point."""
     pair = dl.Contact(0.005, MODULUS, GRANITE.roughness * 2**0.5, GRANITE.fractal_dimension, GRANITE.hardness)

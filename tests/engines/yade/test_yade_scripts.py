@@ -106,6 +106,7 @@ def test_run_keeps_the_interpreter(tmp_path):
     assert "threads 1" in leaves.stdout and "typed" not in leaves.stdout and leaves.returncode == 0
 
 
+@pytest.mark.slow
 def test_a_batch_with_a_job_that_fails(tmp_path, capsys):
     """yade-batch itself ends with status 0."""
     script, table = tmp_path / "s.py", tmp_path / "t.table"

@@ -81,7 +81,9 @@ def test_tangential_stiffness_through_a_reversal(omega):
         assert np.all(jumps < 1e-9)
 
 
-@pytest.mark.parametrize(("name", "rule"), [("pohrt-popov", "elastic"), ("pohrt-popov", "hertz")])
+@pytest.mark.parametrize(
+    ("name", "rule"), shared([("pohrt-popov", "elastic"), ("pohrt-popov", "hertz")], lambda one: one[1] == "hertz")
+)
 def test_shear_force_is_that_of_the_passive_contact(omega, name, rule):
     """Along closed paths of normal force and displacement, which then return no work."""
     one = example(name, CONTACT, rule)
@@ -110,7 +112,7 @@ def oblique(law, steps=400, seed=5):
     return overlaps, 0.2 * depth * (places - places[0])
 
 
-@pytest.mark.parametrize("levels", [1, None])
+@pytest.mark.parametrize("levels", shared([1, None], lambda levels: levels is None))
 def test_levels_are_those_of_python(omega, levels):
     """Along oblique paths under vibration, with sliding; energies, too."""
     for name, rule in [("hertz", "elastic"), ("pohrt-popov", "hertz")]:
@@ -161,7 +163,7 @@ def test_levels_continue_from_a_saved_scene(omega, tmp_path):
     assert np.array(shear) == pytest.approx(np.array(expected)[:, 50:], rel=1e-12)
 
 
-@pytest.mark.parametrize("levels", [1, 3, 8])
+@pytest.mark.parametrize("levels", shared([1, 3, 8], lambda levels: levels == 3))
 def test_no_step_of_a_random_path_creates_energy(omega, levels):
     """What the totals count as dissipated never falls, and what is stored never exceeds the work."""
     one = example("pohrt-popov", CONTACT, "hertz")
@@ -278,6 +280,7 @@ def test_choice_is_saved_and_checked(omega):
             functor(shear=wrong)
 
 
+@pytest.mark.slow
 def test_friction_limits_a_damped_contact_that_slides():
     """The dashpot of the shear force is off while the contact slides, though the normal dashpot raises Coulomb's limit."""
     (job,) = [job for job in collision_jobs("YADE") if job["restitution"] == 0.9]
