@@ -14,8 +14,7 @@
 //     demlaws::Force now = demlaws::step(pair, radius, overlap, state);
 //     if (now.outside) ...                                        // overlap beyond the last row: no certified value
 //
-// Where many processes need a table one reads the bytes, `Table::contents(path)`, and sends them; each then calls
-// `table.parse(bytes, path)`. `table.fingerprint()` tells whether two tables, or a restarted run's, are the same.
+// docs/how-to/own-code.md: a complete contact, MPI, restart.
 //
 // Licence: GPL-2.0-or-later, as the package demlaws.
 #ifndef DEMLAWS_TABLE_H

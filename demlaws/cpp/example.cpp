@@ -1,9 +1,8 @@
 // The contact of a DEM code with a table of demlaws; no other file of demlaws is needed. Reads the path of one contact,
 // per line overlap and two tangential displacements since the start [m], and prints force [N], tangent stiffness [N/m],
 // maximum and plastic overlap [m], stored and dissipated energy [J], the two tangential forces [N].
-//     g++ -std=c++11 -O2 -I "$(python -c 'import demlaws.liggghts as lg; print(lg.header_folder())')" example.cpp -o
-//     example
-//     ./example granite.tbl 32.32e9 4.35e-3 2.4e-6 0.857 0.5 < path.txt
+//     g++ -std=c++11 -O2 -I "$(python -c 'import demlaws.liggghts as lg; print(lg.header_folder())')" example.cpp
+//     ./a.out granite.tbl 32.32e9 4.35e-3 2.4e-6 0.857 0.5 < path.txt
 #include "demlaws_shear.h"
 #include "demlaws_table.h"
 
@@ -68,8 +67,7 @@ demlaws::Force step_contact(const Materials &materials, double radius, double ma
 
 int main(int count, char **words) {
   if (count < 7 || count > 9) {
-    fprintf(stderr, "usage: example TABLE EFFECTIVE_MODULUS EFFECTIVE_RADIUS ROUGHNESS SHEAR_RATIO FRICTION [LEVELS "
-                    "[DAMPING]] < PATH\n");
+    fprintf(stderr, "usage: example TABLE MODULUS RADIUS ROUGHNESS SHEAR_RATIO FRICTION [LEVELS [DAMPING]] < PATH\n");
     return 2;
   }
   try {

@@ -33,55 +33,62 @@ template <class Result> inline Result call(void *object, int number) {
 
 // What GranularModel::check_contact and calculate_forces do for a pair of particles without rolling, twisting and heat.
 // Written out here so that the law and its damping need no virtual calls and no second reading of their numbers.
-inline double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-// Component k of a x b.
-inline double cross(const double *a, const double *b, int k) {
-  const int i = (k + 1) % 3, j = (k + 2) % 3;
-  return a[i] * b[j] - a[j] * b[i];
-}
 template <class Model> inline bool touching(Model *m) {
-  double apart[3];
-  for (int k = 0; k < 3; k++) m->dx[k] = apart[k] = m->xi[k] - m->xj[k];
-  const double radsum = m->radi + m->radj, square = dot(apart, apart);
-  m->rsq = square;
+  const double *const a = m->xi, *const b = m->xj;
+  const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2], radsum = m->radi + m->radj;
+  m->dx[0] = x;
+  m->dx[1] = y;
+  m->dx[2] = z;
+  const double rsq = m->rsq = x * x + y * y + z * z;
   m->radsum = radsum;
-  m->touch = square < radsum * radsum;
-  if (square < radsum * radsum) m->Reff = m->radi * m->radj / radsum;
-  return square < radsum * radsum;
+  m->touch = rsq < radsum * radsum;
+  if (m->touch) m->Reff = m->radi * m->radj / radsum;
+  return m->touch;
 }
 template <class Model> __attribute__((always_inline)) inline void geometry(Model *m, bool speed) {
   const double r = sqrt(m->rsq), rinv = 1. / r, radi = m->radi, radj = m->radj;
-  double n[3], v[3], w[3], t[3];
-  for (int k = 0; k < 3; k++) {
-    n[k] = rinv * m->dx[k];
-    v[k] = m->vi[k] - m->vj[k];
-    w[k] = radi * m->omegai[k] + radj * m->omegaj[k];
-  }
-  const double along = dot(v, n);
-  for (int k = 0; k < 3; k++) t[k] = v[k] - along * n[k] - cross(w, n, k);
+  const double x = rinv * m->dx[0], y = rinv * m->dx[1], z = rinv * m->dx[2];
+  const double *const vi = m->vi, *const vj = m->vj, *const wi = m->omegai, *const wj = m->omegaj;
+  const double vx = vi[0] - vj[0], vy = vi[1] - vj[1], vz = vi[2] - vj[2];
+  const double wx = radi * wi[0] + radj * wj[0], wy = radi * wi[1] + radj * wj[1], wz = radi * wi[2] + radj * wj[2];
+  const double normal = vx * x + vy * y + vz * z;
+  const double tx = vx - normal * x - (wy * z - wz * y), ty = vy - normal * y - (wz * x - wx * z),
+               tz = vz - normal * z - (wx * y - wy * x);
   m->r = r;
   m->rinv = rinv;
   m->delta = m->radsum - r;
-  std::copy(n, n + 3, m->nx);
-  std::copy(v, v + 3, m->vr);
-  std::copy(w, w + 3, m->wr);
-  m->vnnr = along;
-  std::copy(t, t + 3, m->vtr);
-  if (speed) m->vrel = sqrt(dot(t, t));
+  m->nx[0] = x;
+  m->nx[1] = y;
+  m->nx[2] = z;
+  m->vr[0] = vx;
+  m->vr[1] = vy;
+  m->vr[2] = vz;
+  m->wr[0] = wx;
+  m->wr[1] = wy;
+  m->wr[2] = wz;
+  m->vnnr = normal;
+  m->vtr[0] = tx;
+  m->vtr[1] = ty;
+  m->vtr[2] = tz;
+  if (speed) m->vrel = sqrt(tx * tx + ty * ty + tz * tz);
 }
 template <class Model> __attribute__((always_inline)) inline void sum(Model *m, double total) {
   if (__builtin_expect(m->limit_damping && total < 0., 0)) total = 0.;
   m->Fntot = total;
   m->normal_model->Fncrit = fabs(total);
   call<void>(m->tangential_model, FORCES);
-  const double n[3] = {m->nx[0], m->nx[1], m->nx[2]}, fs[3] = {m->fs[0], m->fs[1], m->fs[2]}, half = 0.5 * m->delta;
+  const double x = m->nx[0], y = m->nx[1], z = m->nx[2], fx = m->fs[0], fy = m->fs[1], fz = m->fs[2];
+  const double tx = fy * z - fz * y, ty = fz * x - fx * z, tz = fx * y - fy * x, half = 0.5 * m->delta;
   const double i = m->radi - half, j = m->radj - half;
-  for (int k = 0; k < 3; k++) {
-    const double moment = cross(fs, n, k);
-    m->forces[k] = total * n[k] + fs[k];
-    m->torquesi[k] = i * moment;
-    m->torquesj[k] = j * moment;
-  }
+  m->forces[0] = total * x + fx;
+  m->forces[1] = total * y + fy;
+  m->forces[2] = total * z + fz;
+  m->torquesi[0] = i * tx;
+  m->torquesi[1] = i * ty;
+  m->torquesi[2] = i * tz;
+  m->torquesj[0] = j * tx;
+  m->torquesj[1] = j * ty;
+  m->torquesj[2] = j * tz;
 }
 
 template <bool LATE> struct Abi {

@@ -89,9 +89,8 @@ template <class ABI> struct Granular {
         into = 256. * into + (unsigned char)file[n];
       }
       this->material_properties = 1;
-      // Always the largest state: PairGranular::transfer_history moves the values of a pair of types whose sub-models
-      // have other sizes than those of another pair to the wrong place.
-      // The state, and the mark of the law.
+      // The largest state, and the mark of the law: PairGranular::transfer_history moves the values of a pair of types
+      // whose sub-models have other sizes than those of another pair to the wrong place.
       this->size_history = demlaws::MOST_STATE + 1;
       // the state is the same seen from either particle: the default factor -1 is not for it
       this->nondefault_history_transfer = 1;
@@ -159,10 +158,9 @@ template <class ABI> struct Granular {
 
     // After GranularModel::init() has dealt the history.
     void init() {
-      // A rolling displacement and an angle of twist are the same seen from either particle (the relative spin and the
-      // normal both turn), but LAMMPS turns their signs whenever a pair changes its order, unless the sub-model says
-      // otherwise.
       mark_ = law_.mark(gm->size_history);
+      // A rolling displacement and an angle of twist are the same seen from either particle (the relative spin and the
+      // normal both turn), but LAMMPS turns their signs whenever a pair changes its order, unless told otherwise.
       int at = 0;
       for (int k = 0; k <= HEAT; k++) {
         const bool same = (k == ROLLING || k == TWISTING) && !gm->sub_models[k]->nondefault_history_transfer;
