@@ -44,6 +44,8 @@ __all__ = [
 ]
 
 
+YIELD_PRESSURES = 1.0, 1e15
+"""Smallest and largest measured yield pressure [Pa] that is accepted."""
 FIRST = 0.01
 """Share of the force from which on a law must fit a contact (`advise`): roughness matters most at small forces."""
 
@@ -138,7 +140,7 @@ def assess(contact: Contact, force: Any, mu: float | None = None, *, yield_press
     _check_load(contact, force)
     p0, alpha = float(hertz_pressure(contact, force)), float(contact.roughness_parameter(force))
     if yield_pressure is not None:
-        limit = number(yield_pressure, "yield_pressure", "Pa", 1.0, 1e15)
+        limit = number(yield_pressure, "yield_pressure", "Pa", *YIELD_PRESSURES)
         ratio = p0 / limit
         deforms = deforming_part(YIELD_RATIO * ratio)
         yields = float(math.pi**3 * contact.radius**2 * limit**3 / (6.0 * contact.modulus**2))
@@ -201,7 +203,7 @@ def advise(contact: Contact, force: Any, yield_pressure: Any = None, *, mu: floa
     _check_load(contact, force)
     alpha = float(np.max(contact.roughness_parameter(FIRST * force)))
     if yield_pressure is not None:
-        limit = number(yield_pressure, "yield_pressure", "Pa", 1.0, 1e15)
+        limit = number(yield_pressure, "yield_pressure", "Pa", *YIELD_PRESSURES)
         ratio = float(np.max(hertz_pressure(contact, force))) / limit
         yields, state = ratio > 1.0, f"p0/p_y = {ratio:.2f}"
     elif contact.hardness is None:
