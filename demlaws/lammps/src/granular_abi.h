@@ -249,8 +249,8 @@ template <bool LATE> struct Abi {
                 !m->nondefault_history_transfer;
     for (int k = 0; k < 6; k++) good = good && !m->sub_models[k];
     // LAMMPS's Force holds the constants of the units
-    const char *const force = good ? *(const char **)m->of.force : NULL, *const constant =
-                                                                             (const char *)stock.global(lmp, "nktv2p");
+    const char *const force = good ? *(const char **)m->of.force : NULL;
+    const char *const constant = (const char *)stock.global(lmp, "nktv2p");
     good = good && constant > force && constant < force + 1024;
     if (!good) return false; // the buffer may be anything: leave it
     add_stock_model(stock, m, NORMAL, {"hertz/material", "3.0", "0.25", "0.125"});
