@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, stored_and_dissipated
-from demlaws.core.loops import energy_loop, loading_part
+from demlaws.core.loops import energy_loop
 from demlaws.core.numba_compat import loop
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, as_law
@@ -122,7 +122,7 @@ def force_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> P
 
 
 @loop
-def impact_loop(rule, p, state, mass, speed, dt, phase, limit, record):
+def impact_loop(rule, shape, p, state, mass, speed, dt, phase, limit, record):
     """Velocity Verlet from a fraction `phase` of a step before touch to separation. Columns of record: overlap, speed, force.
 
     Returns the steps taken, the last overlap and velocity, what the contact has dissipated, and the peak overlap.
@@ -138,8 +138,8 @@ def impact_loop(rule, p, state, mass, speed, dt, phase, limit, record):
         velocity -= 0.5 * dt * force / mass
         overlap += dt * velocity
         if overlap <= 0.0:
-            dissipated = stored_and_dissipated(rule, p, overlap, s)[1]
-        force, _, s = dispatch.step(rule, p, overlap, s)
+            dissipated = stored_and_dissipated(rule, shape, p, overlap, s)[1]
+        force, _, s = dispatch.step(rule, shape, p, overlap, s)
         velocity -= 0.5 * dt * force / mass
         peak = max(peak, overlap)
         if i < record.shape[0]:
@@ -214,7 +214,7 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
     # a plastic contact may leave more slowly than it came: room for a hundred times the elastic duration
     limit = int(100 * count)
     room = np.empty((min(limit, int(4 * count) + 16), 3))
-    steps, overlap, velocity, dissipated, _ = impact_loop(law.rule_tag, p, state, mass, speed, dt, 0.0, limit, room)
+    steps, overlap, velocity, dissipated, _ = impact_loop(law.rule_tag, law.shape, p, state, mass, speed, dt, 0.0, limit, room)
     if not math.isfinite(velocity):
         raise DemlawsError(law._out_of_range(peak))
     if overlap > 0.0:
@@ -265,7 +265,7 @@ def elastic_contact(law: Law, mass: float, speed: float) -> tuple[float, float]:
     params, kinetic = as_law(law).single_params(), _kinetic(mass, speed)
 
     def work(overlaps):  # without the advice that `law.energy` gives on overlaps which no impact reaches
-        return energy_loop(loading_part(params), np.atleast_1d(np.asarray(overlaps, float)))
+        return energy_loop(law.shape, params, np.atleast_1d(np.asarray(overlaps, float)))
 
     high = float(law.contact.radius)
     if not work(high)[0] > kinetic:  # also where a table ends before: its energy is not a number there

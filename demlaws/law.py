@@ -56,7 +56,7 @@ class Law(Response):
             same_kind
             and self.unloading == other.unloading
             and self.contact == other.contact
-            and equal_params(self.params, other.params)
+            and equal_params((self.shape, self.params), (other.shape, other.params))
         )
 
     def __hash__(self) -> int:

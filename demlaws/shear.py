@@ -116,19 +116,21 @@ def sheared(
     if shear == SLIP and friction is None:
         raise DemlawsError("partial slip needs the coefficient of friction: give friction=")
     limit = math.inf if friction is None else number(friction, "friction", allow_low=True)
-    params, state = law.params, law.new_state(1)
+    state = law.new_state(1)
     first, second = np.ascontiguousarray(plane.T)
     results = np.empty((6, depth.size))
     stiffness = np.atleast_1d(law.shear_stiffness(depth, 1.0, DEFAULT if shear == SLIP else shear))  # checks law and range
     if shear == SLIP:
         rows = np.zeros((2, whole(springs, "springs", high=100_000))), np.empty((2, SAMPLES))
         largest = max(float(stiffness.max()), 1e-300)
-        slip_loop(law.rule_tag, params, depth, first, second, ratio, limit, largest, state.arrays, *rows, results)
+        slip_loop(
+            law.rule_tag, law.shape, law.params, depth, first, second, ratio, limit, largest, state.arrays, *rows, results
+        )
     else:
         tag = CHOICES[shear].tag
         count = DEFAULT_LEVELS if levels is None else whole(levels, "levels", high=100_000)
         rows = np.zeros(count), np.zeros((2, count))
-        levels_loop(tag, law.rule_tag, params, depth, first, second, ratio, limit, state.arrays, *rows, results)
+        levels_loop(tag, law.rule_tag, law.shape, law.params, depth, first, second, ratio, limit, state.arrays, *rows, results)
     force, stiffness, *forces, work, stored = results
     shear_force = forces[0] if along.ndim == 1 else np.stack(forces, -1)
     return Sheared(depth, along, force, ratio * stiffness, shear_force, work, stored)

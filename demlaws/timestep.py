@@ -261,7 +261,7 @@ def stiffest_now(law: Law, force: np.ndarray, largest_overlap: np.ndarray | None
         return largest
     state, highest = law.new_state(force.size), loaded if largest_overlap is None else np.maximum(largest_overlap, loaded)
     law.evaluate(highest, state)
-    unloaded = np.minimum(unloaded_loop(law.rule_tag, law.params, force, state.arrays), highest * (1.0 - 2.0**-36))
+    unloaded = np.minimum(unloaded_loop(law.rule_tag, law.shape, law.params, force, state.arrays), highest * (1.0 - 2.0**-36))
     return np.maximum(largest, law.evaluate(unloaded, state)[1])
 
 
@@ -279,7 +279,7 @@ def _jumps_down(law, end):
 
 def _tangent(law, overlap):
     """Stiffness [N/m] of first loading, without the warnings of `law.stiffness`."""
-    return force_loop(law.params, overlap)[1]
+    return force_loop(law.shape, law.params, overlap)[1]
 
 
 def _ratio(value):

@@ -24,7 +24,7 @@ SPRING = """
     from typing import NamedTuple
 
     import demlaws as dl
-    from demlaws.core.dispatch import bind, energy, curves_of, first_loading
+    from demlaws.core.dispatch import bind, energy, first_loading, unloading_curve
     from demlaws.core.fastmath import kernel, sqrt
     from demlaws.core.fastmath import hertz_coefficient, hertz_overlap
     from demlaws.core.unloading import Rule, own_rule
@@ -36,26 +36,24 @@ SPRING = """
 
     class SpringParams(NamedTuple):
         hertz_coefficient: float
-        stiffness: float
-        lost: float
 
     @kernel
     def _scale(shape, radius, modulus, roughness):
-        return SpringParams(hertz_coefficient(radius, modulus), shape.stiffness, shape.lost)
+        return SpringParams(hertz_coefficient(radius, modulus))
 
     @kernel
-    def _first_loading(p, overlap):
-        force = p.stiffness * overlap
+    def _first_loading(shape, p, overlap):
+        force = shape.stiffness * overlap
         equivalent = hertz_overlap(p, force)
-        return force, p.stiffness, equivalent, equivalent
+        return force, shape.stiffness, equivalent, equivalent
 
     @kernel
-    def _inverse(p, force):
-        return force / p.stiffness
+    def _inverse(shape, p, force):
+        return force / shape.stiffness
 
     @kernel
-    def _energy(p, overlap):
-        return 0.5 * p.stiffness * overlap * overlap
+    def _energy(shape, p, overlap):
+        return 0.5 * shape.stiffness * overlap * overlap
 
     bind(SpringShape, scale=_scale)
     bind(SpringParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
@@ -64,12 +62,12 @@ SPRING = """
         '''Back along a straight line from (δmax, Pmax) to δp = lost δmax.'''
 
     @kernel
-    def _step(rule, p, overlap, state):
-        lost = curves_of(p)[1].lost
+    def _step(rule, shape, p, overlap, state):
+        lost = unloading_curve(shape, p)[0].lost
         positive = 0.0 if overlap <= 0.0 else overlap
         maximum, top = state
         if overlap >= state[0]:
-            force, stiffness, _, _ = first_loading(p, positive)
+            force, stiffness, _, _ = first_loading(shape, p, positive)
             maximum, top = overlap, force
         else:
             stiffness = top / (maximum * (1.0 - lost))
@@ -81,17 +79,17 @@ SPRING = """
         return force, stiffness, (maximum, top)
 
     @kernel
-    def _energies(rule, p, overlap, state):
+    def _energies(rule, shape, p, overlap, state):
         if state[0] <= 0.0:
             return 0.0, 0.0
-        lost = curves_of(p)[1].lost
+        lost = unloading_curve(shape, p)[0].lost
         whole = state[0] * (1.0 - lost)
         elastic = max(overlap - lost * state[0], 0.0) if overlap > 0.0 else 0.0
-        return 0.5 * state[1] * elastic * elastic / whole, energy(p, state[0]) - 0.5 * state[1] * whole
+        return 0.5 * state[1] * elastic * elastic / whole, energy(shape, p, state[0]) - 0.5 * state[1] * whole
 
     @kernel
-    def _unloaded(rule, p, force, state):
-        lost = curves_of(p)[1].lost
+    def _unloaded(rule, shape, p, force, state):
+        lost = unloading_curve(shape, p)[0].lost
         return state[0] * (lost + (1.0 - lost) * force / state[1])
 
     bind(Slack, step=_step, stored_and_dissipated=_energies, unloaded=_unloaded)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.contact import Contact
-from demlaws.core.loops import energies_loop, energy_loop, force_loop, inverse_loop, loading_part, unloaded_loop
+from demlaws.core.loops import energies_loop, energy_loop, force_loop, inverse_loop, unloaded_loop
 from demlaws.errors import quiet
 
 QUANTITIES = {
@@ -42,8 +42,8 @@ class Loaded:
     def unloaded(self, state, force):
         """Overlap at `force` after the peak."""
         if not state.arrays:
-            return inverse_loop(self.law.params, force)
-        return unloaded_loop(self.law.rule_tag, self.law.params, force, state.arrays)
+            return inverse_loop(self.law.shape, self.law.params, force)
+        return unloaded_loop(self.law.rule_tag, self.law.shape, self.law.params, force, state.arrays)
 
     def again(self, overlap, state):
         """Force and stiffness at `overlap` after the peak."""
@@ -54,17 +54,18 @@ class Loaded:
         """Work of loading to `top`, and the part that unloading does not return."""
         work = np.asarray(self.law.energy(np.asarray(top, float)), float)
         state, _, _ = self.state_at(top)
-        return work, energies_loop(self.law.rule_tag, self.law.params, np.asarray(top, float), state.arrays)[1]
+        rule, pair = self.law.rule_tag, (self.law.shape, self.law.params)
+        return work, energies_loop(rule, *pair, np.asarray(top, float), state.arrays)[1]
 
     def overlap_of_work(self, work):
         """Overlap at which loading has taken `work`; not a number where the law ends before.
 
         Newton's method for ln W over ln δ, nearly a straight line in every law.
         """
-        params = self.law.params
+        pair = self.law.shape, self.law.params
         overlap = np.maximum(self.top.astype(float), 1e-9 * np.asarray(self.law.contact.radius))
         for _ in range(60):
-            energy, (force, _) = energy_loop(loading_part(params), overlap), force_loop(params, overlap)
+            energy, (force, _) = energy_loop(*pair, overlap), force_loop(*pair, overlap)
             step = np.log(work / energy) * energy / (force * overlap)
             step = np.where(np.isfinite(step), np.clip(step, -2.0, 2.0), -0.7)  # beyond a table's end: half of it
             overlap *= np.exp(step)

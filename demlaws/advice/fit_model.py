@@ -93,9 +93,10 @@ class Model:
     def overlap(self, x):
         """Overlap [m] and tangent stiffness [N/m] at each force."""
         contact, options = self.inputs(x)
-        params = loops.bind_params(self.definition.prepare(contact, **options), contact)
+        shape = self.definition.prepare(contact, **options)
+        params = loops.bind_params(shape, contact)
         force = np.maximum(self.force - self.values(x).get(FORCE_ZERO, 0.0), _LEAST_FORCE * np.max(self.force))
-        overlap, stiffness = history(self.rule, params, force)
+        overlap, stiffness = history(self.rule, shape, params, force)
         # outside the range of a curve: far away, not NaN
         return np.where(np.isfinite(overlap), overlap, 1e3 * contact.radius), stiffness
 
@@ -142,9 +143,10 @@ class Model:
     def joint(self, x):
         """Load [N] at the last joint of the curve of first loading; NaN if it has none."""
         contact, options = self.inputs(x)
-        params = loops.bind_params(self.definition.prepare(contact, **options), contact)
+        shape = self.definition.prepare(contact, **options)
+        params = loops.bind_params(shape, contact)
         kinks = self.definition.kinks(params, **options)
-        return float(loops.force_loop(params, np.array([max(kinks)]))[0][0]) if kinks else math.nan
+        return float(loops.force_loop(shape, params, np.array([max(kinks)]))[0][0]) if kinks else math.nan
 
     def joint_places(self, x, index):
         """Coordinates `index` at which the joint of the curve lies at `JOINTS`; none where the joint does not rise or fall."""

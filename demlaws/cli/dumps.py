@@ -222,7 +222,7 @@ def _compare(path, dumped, law):
     if law.state_size and largest is not None:
         state, highest = law.new_state(force.size), np.maximum(largest, expected)
         law.evaluate(highest, state)
-        expected = np.minimum(unloaded_loop(law.rule_tag, law.params, force, state.arrays), highest)
+        expected = np.minimum(unloaded_loop(law.rule_tag, law.shape, law.params, force, state.arrays), highest)
     clear = dumped.rounding < 0.1 * expected
     if not clear.any():
         return

@@ -12,10 +12,10 @@ from typing import NamedTuple
 import numpy as np
 from numba.extending import overload
 
-from demlaws.core.dispatch import bind, energy, first_loading
-from demlaws.core.fastmath import bits, from_bits, hertz_coefficient, hertz_overlap, row_of_four, sqrt
+from demlaws.core.dispatch import bind, energy, first_loading, with_pointers
+from demlaws.core.fastmath import bits, from_bits, hertz_coefficient, hertz_overlap, read_only, row_of_four, sqrt
 from demlaws.core.numba_compat import INLINED, kernel, loop
-from demlaws.core.table_types import TableParams, TableShape
+from demlaws.core.table_types import Grid, TableParams, TableShape
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
 
@@ -24,7 +24,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
 def scale_table(shape, radius, modulus, roughness, offset):
     """TableParams of one contact, with an offset in u."""
     length = shape.length_over_roughness * roughness + shape.length_over_radius * radius
-    return TableParams(hertz_coefficient(radius, modulus), length, 1.0 / length, offset, shape.grid, shape.bulk)
+    return TableParams(hertz_coefficient(radius, modulus), length, 1.0 / length, offset)
 
 
 @kernel
@@ -32,13 +32,13 @@ def _scale(shape, radius, modulus, roughness):
     return scale_table(shape, radius, modulus, roughness, 0.0)
 
 
-def reached(kinks, u):
+def count_kinks_below(kinks, u):
     """How many of the kinks lie at or below u: one comparison each, no loop, so that the caller's loop vectorises."""
     return sum(u >= kink for kink in kinks)
 
 
-@overload(reached, jit_options=INLINED)
-def _reached(kinks, u):
+@overload(count_kinks_below, jit_options=INLINED)
+def _count_kinks_below(kinks, u):
     return eval("lambda kinks, u: " + " + ".join(f"(1 if u >= kinks[{n}] else 0)" for n in range(len(kinks))))
 
 
@@ -52,7 +52,7 @@ def cell_and_place(g, u):
     inside = inside if inside >= g.floor else g.floor
     pattern = bits(inside)
     cell = (pattern >> g.shift) - g.first
-    cell += reached(g.kinks, inside)
+    cell += count_kinks_below(g.kinks, inside)
     # the bits below the cell number, moved up, are t as the mantissa of a number in [1, 2)
     t = from_bits(((pattern << (52 - g.shift)) & 0x000FFFFFFFFFFFFF) | 0x3FF0000000000000) - 1.0
     inverse_width = from_bits((2046 << 52) - ((pattern & 0x7FF0000000000000) - ((52 - g.shift) << 52)))
@@ -74,12 +74,12 @@ def read_curve(g, u, row):
 
 
 @kernel
-def _first_loading(p, overlap):
+def _first_loading(shape, p, overlap):
     u = overlap * p.inverse_length + p.offset
-    s, slope = read_curve(p.grid, u, 0)
+    s, slope = read_curve(shape.grid, u, 0)
     equivalent = s * p.length
     root = p.hertz_coefficient * sqrt(equivalent)
-    bulk = p.bulk
+    bulk = shape.bulk
     more = bulk.slope * (s * sqrt(s) - bulk.area * sqrt(bulk.area))
     area = (bulk.area + more) * p.length if s > bulk.area else equivalent
     return root * equivalent, 1.5 * root * slope, equivalent, area
@@ -95,7 +95,7 @@ def _rows_below(g):
 def invert_curve(g, s):
     """u at which the curve reaches s: bisection over cells, then Newton inside the cell; NaN above the last node."""
     starts = g.starts
-    if not (s <= g.cells[g.count - 1, 0] * (1.0 + 1e-12)):
+    if not (s <= row_of_four(g.cells, g.count - 1)[0] * (1.0 + 1e-12)):
         return math.nan
     below = _rows_below(g)
     t_low = 0.0
@@ -117,7 +117,7 @@ def invert_curve(g, s):
         high = below
         while high - low > 1:
             middle = (low + high) // 2
-            if g.cells[middle, 0] <= s:
+            if row_of_four(g.cells, middle)[0] <= s:
                 low = middle
             else:
                 high = middle
@@ -144,8 +144,8 @@ def invert_curve(g, s):
 
 
 @kernel
-def _inverse(p, force):
-    u = invert_curve(p.grid, hertz_overlap(p, force) * p.inverse_length)
+def _inverse(shape, p, force):
+    u = invert_curve(shape.grid, hertz_overlap(p, force) * p.inverse_length)
     return max((u - p.offset) * p.length, 0.0) if u == u else u
 
 
@@ -182,20 +182,32 @@ def integrate_curve(g, u):
 
 
 @kernel
-def _energy(p, overlap):
+def _energy(shape, p, overlap):
     more = overlap * p.inverse_length
     if more < 1e-3 * p.offset:  # far below a seat the difference of two energies would cancel
         half = 0.5 * more
         scaled = 0.0
         for k in range(_NODES.size):
-            s, _ = read_curve(p.grid, p.offset + half * (1.0 + _NODES[k]), 0)
+            s, _ = read_curve(shape.grid, p.offset + half * (1.0 + _NODES[k]), 0)
             scaled += half * _WEIGHTS[k] * 4.0 / 3.0 * s * sqrt(s)
     else:
-        scaled = integrate_curve(p.grid, more + p.offset) - integrate_curve(p.grid, p.offset)
+        scaled = integrate_curve(shape.grid, more + p.offset) - integrate_curve(shape.grid, p.offset)
     return 0.75 * p.hertz_coefficient * p.length * p.length * sqrt(p.length) * scaled
 
 
-bind(TableShape, scale=_scale)
+@kernel
+def grid_with_pointers(g):
+    """A grid whose cells are a `read_only` pointer."""
+    place = g.shift, g.first, g.kinks, g.lowest, g.highest, g.floor, g.inverse_floor, g.exponent, g.seat, g.count
+    return Grid(read_only(g.cells), g.starts, *place)
+
+
+@kernel
+def _with_pointers(shape):
+    return TableShape(grid_with_pointers(shape.grid), shape.bulk, shape.length_over_roughness, shape.length_over_radius)
+
+
+bind(TableShape, scale=_scale, with_pointers=_with_pointers)
 bind(TableParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
@@ -211,40 +223,44 @@ class CurveParams(NamedTuple):
 
     hertz_coefficient: float
     curve: TableParams
-    reverse: TableParams
 
 
 @kernel
 def _curve_scale(shape, radius, modulus, roughness):
     curve = scale_table(shape.curve, radius, modulus, roughness, 0.0)
-    reverse = scale_table(shape.reverse, radius, modulus, roughness, 0.0)
-    return CurveParams(curve.hertz_coefficient, curve, reverse)
+    return CurveParams(curve.hertz_coefficient, curve)
 
 
 @kernel
-def _curve_first_loading(p, overlap):
-    return first_loading(p.curve, overlap)
+def _curve_first_loading(shape, p, overlap):
+    return first_loading(shape.curve, p.curve, overlap)
 
 
 @kernel
-def _curve_inverse(p, force):
-    return _inverse(p.curve, force)
+def _curve_inverse(shape, p, force):
+    return _inverse(shape.curve, p.curve, force)
 
 
 @kernel
-def _curve_energy(p, overlap):
-    return energy(p.curve, overlap)
+def _curve_energy(shape, p, overlap):
+    return energy(shape.curve, p.curve, overlap)
 
 
 @kernel
-def _curve_inverse_near(p, force, equivalent):
+def _curve_inverse_near(shape, p, force, equivalent):
     """One look-up where `inverse` searches; NaN above the last node of the reverse."""
-    above = equivalent * p.curve.inverse_length - p.curve.grid.seat
-    u, _ = read_curve(p.reverse.grid, 0.0 if above <= 0.0 else above, 0)
-    return (p.curve.grid.highest if u > p.curve.grid.highest else u) * p.curve.length
+    above = equivalent * p.curve.inverse_length - shape.curve.grid.seat
+    u, _ = read_curve(shape.reverse.grid, 0.0 if above <= 0.0 else above, 0)
+    highest = shape.curve.grid.highest
+    return (highest if u > highest else u) * p.curve.length
 
 
-bind(CurveShape, scale=_curve_scale)
+@kernel
+def _curve_with_pointers(shape):
+    return CurveShape(with_pointers(shape.curve), with_pointers(shape.reverse))
+
+
+bind(CurveShape, scale=_curve_scale, with_pointers=_curve_with_pointers)
 bind(
     CurveParams,
     first_loading=_curve_first_loading,

@@ -20,12 +20,12 @@ class LoadedParams(NamedTuple):
 
 
 @kernel
-def _loaded_first_loading(p, overlap):
+def _loaded_first_loading(shape, p, overlap):
     return p.force, p.stiffness, p.equivalent, p.area
 
 
 @kernel
-def _loaded_inverse(p, force):
+def _loaded_inverse(shape, p, force):
     return p.overlap
 
 
@@ -33,16 +33,16 @@ bind(LoadedParams, first_loading=_loaded_first_loading, inverse=_loaded_inverse)
 
 
 @loop
-def loading_loop(p, force, overlap, stiffness, equivalent, area):
+def loading_loop(shape, p, force, overlap, stiffness, equivalent, area):
     """First loading of one contact at each `force` > 0 [N]: all else that `LoadedParams` has."""
     for i in range(force.size):
-        overlap[i] = inverse(p, force[i])
+        overlap[i] = inverse(shape, p, force[i])
         # below a seating load the curve continues to overlaps under 0, where `first_loading` is not defined
-        _, stiffness[i], equivalent[i], area[i] = first_loading(p, max(overlap[i], 1e-300))
+        _, stiffness[i], equivalent[i], area[i] = first_loading(shape, p, max(overlap[i], 1e-300))
 
 
 @loop
-def history_loop(rule, params, force, initial_state, overlap, stiffness):
+def history_loop(rule, shape, params, force, initial_state, overlap, stiffness):
     """Overlap [m] and tangent stiffness [N/m] at each `force` > 0 [N] that one contact carries in turn.
 
     Below the largest force so far the contact unloads or reloads. params: of the contact, or `LoadedParams` with an entry for
@@ -54,15 +54,15 @@ def history_loop(rule, params, force, initial_state, overlap, stiffness):
         loads = force[i] >= peak
         if loads:
             peak = force[i]
-            overlap[i] = inverse(p, peak)
+            overlap[i] = inverse(shape, p, peak)
         else:
-            overlap[i] = unloaded(rule, p, force[i], state)
+            overlap[i] = unloaded(rule, shape, p, force[i], state)
         # below a seating load the curve continues to overlaps under 0, where `step` sees no contact
-        _, stiffness[i], new = step(rule, p, max(overlap[i], 1e-300), state)
+        _, stiffness[i], new = step(rule, shape, p, max(overlap[i], 1e-300), state)
         state = new if loads else state
 
 
-def history(rule, params, force):
+def history(rule, shape, params, force):
     """Overlap [m] and tangent stiffness [N/m] at each `force` > 0 [N] that a contact without history carries in turn.
 
     Laws share the loops of the rules along Hertz's curve, so that a law compiles one loop whatever its rules.
@@ -70,10 +70,10 @@ def history(rule, params, force):
     overlap, stiffness, equivalent, area = np.empty((4, force.size))
     if rule.curve in ("own", "hertz"):
         largest = force if rule.curve == "own" else np.maximum.accumulate(force)
-        loading_loop(params, largest, overlap, stiffness, equivalent, area)
+        loading_loop(shape, params, largest, overlap, stiffness, equivalent, area)
         if rule.curve == "own":
             return overlap, stiffness
         params = LoadedParams(params.hertz_coefficient, overlap, largest, stiffness, equivalent, area)
         overlap, stiffness = np.empty((2, force.size))
-    history_loop(rule.tag, params, force, (0.0,) * len(rule.state), overlap, stiffness)
+    history_loop(rule.tag, shape, params, force, (0.0,) * len(rule.state), overlap, stiffness)
     return overlap, stiffness

@@ -99,7 +99,7 @@ def slide(bound, stretch, du, dv, limit):
 
 
 @loop
-def levels_loop(choice, rule, p, overlap, along, across, ratio, friction, state, bound, stretch, results):
+def levels_loop(choice, rule, shape, p, overlap, along, across, ratio, friction, state, bound, stretch, results):
     """One contact along a path of overlaps and displacements [m] in two directions of its tangent plane.
 
     choice: the normal stiffness to which K_t is proportional (`demlaws.core.shear`). friction: may be infinite. bound, stretch:
@@ -108,9 +108,9 @@ def levels_loop(choice, rule, p, overlap, along, across, ratio, friction, state,
     """
     work = 0.0
     for n in range(overlap.size):
-        force, tangent, new = step(rule, p, overlap[n], gather(state, 0))
+        force, tangent, new = step(rule, shape, p, overlap[n], gather(state, 0))
         scatter(state, 0, new)
-        top = shear_stiffness(choice, rule, p, overlap[n], force, tangent, new) if overlap[n] > 0.0 else 0.0
+        top = shear_stiffness(choice, rule, shape, p, overlap[n], force, tangent, new) if overlap[n] > 0.0 else 0.0
         set_stiffness(bound, stretch, ratio * top)
         du = along[n] - along[n - 1] if n > 0 else 0.0
         dv = across[n] - across[n - 1] if n > 0 else 0.0

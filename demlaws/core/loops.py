@@ -1,6 +1,7 @@
 """Compiled loops over arrays of contacts, for any law and any unloading rule, and the Params that they read.
 
-Params of one contact or of an array of contacts are nested tuples whose leaves are numbers or 1-D arrays.
+Params of one contact are a (nested) tuple of floats. Those of an array of contacts are the same tuple with an array in place of
+each float, or one float where all contacts have the same.
 """
 
 import math
@@ -8,7 +9,7 @@ import math
 import numpy as np
 
 from demlaws.core import dispatch
-from demlaws.core.dispatch import gather, leaves, map_leaves, scatter, stored_and_dissipated
+from demlaws.core.dispatch import gather, map_leaves, refuse_other_values, scatter, stored_and_dissipated, with_pointers
 from demlaws.core.numba_compat import kernel, loop
 from demlaws.core.unloading import Elastic, JoinedParams, JoinedShape
 from demlaws.errors import DemlawsError
@@ -28,20 +29,20 @@ def scale_loop(shape, radius, modulus, roughness, params):
 
 
 @loop
-def batch_loop(rule, params, overlap, state, largest_overlap, expected_maximum, force, stiffness):
-    """A step of every contact. Returns whether none needs a look: without a history all overlaps [m], with one all forces
-    [N] are numbers up to `expected_maximum`.
+def batch_loop(rule, shape, params, overlap, state, largest_overlap, expected_maximum, force, stiffness):
+    """A step of every contact. Returns True if all overlaps [m], of a rule with a history all forces [N], are numbers up to
+    `expected_maximum`.
 
     An overlap beyond `largest_overlap` [m] counts as NaN, with which every rule gives the force NaN and leaves the history as
     it was. A rule without a history answers all the same, and a law may give a number for NaN.
     """
     good = True
-    params = dispatch.fix_tables(params)
+    shape = with_pointers(shape)
     for i in range(overlap.size):
         p = gather(params, i)
         here = float(overlap[i])
         here = here if (here <= largest_overlap) | (len(state) == 0) else math.nan
-        new_force, new_stiffness, new_state = dispatch.step(rule, p, here, gather(state, i))
+        new_force, new_stiffness, new_state = dispatch.step(rule, shape, p, here, gather(state, i))
         scatter(state, i, new_state)
         force[i] = new_force
         stiffness[i] = new_stiffness
@@ -54,53 +55,53 @@ FINITE = float(np.finfo(float).max)
 
 
 @loop
-def inverse_loop(params, force):
+def inverse_loop(shape, params, force):
     """Overlap [m] of first loading at each force [N], 0 where that is not positive."""
     overlap = np.empty(force.size)
     for i in range(force.size):
-        overlap[i] = dispatch.inverse(gather(params, i), force[i]) if force[i] > 0.0 else 0.0
+        overlap[i] = dispatch.inverse(shape, gather(params, i), force[i]) if force[i] > 0.0 else 0.0
     return overlap
 
 
 @loop
-def energy_loop(params, overlap):
+def energy_loop(shape, params, overlap):
     """Work of first loading [J] to each overlap [m], 0 where that is not positive."""
     energy = np.empty(overlap.size)
     for i in range(overlap.size):
-        energy[i] = dispatch.energy(gather(params, i), overlap[i]) if overlap[i] > 0.0 else 0.0
+        energy[i] = dispatch.energy(shape, gather(params, i), overlap[i]) if overlap[i] > 0.0 else 0.0
     return energy
 
 
 @loop
-def unloaded_loop(rule, params, force, state):
+def unloaded_loop(rule, shape, params, force, state):
     """Overlap [m] of each contact at `force` [N], below its largest overlap so far."""
     overlap = np.empty(force.size)
     for i in range(force.size):
-        overlap[i] = dispatch.unloaded(rule, gather(params, i), force[i], gather(state, i))
+        overlap[i] = dispatch.unloaded(rule, shape, gather(params, i), force[i], gather(state, i))
     return overlap
 
 
 @loop
-def energies_loop(rule, params, overlap, state):
+def energies_loop(rule, shape, params, overlap, state):
     """Energy [J] that each contact can still return, and what it has dissipated since it was made."""
     stored, dissipated = np.empty(overlap.size), np.empty(overlap.size)
     for i in range(overlap.size):
-        stored[i], dissipated[i] = stored_and_dissipated(rule, gather(params, i), float(overlap[i]), gather(state, i))
+        stored[i], dissipated[i] = stored_and_dissipated(rule, shape, gather(params, i), float(overlap[i]), gather(state, i))
     return stored, dissipated
 
 
 @loop
-def follow_loop(rule, p, overlap, state, history, force, stiffness, stored, dissipated):
+def follow_loop(rule, shape, p, overlap, state, history, force, stiffness, stored, dissipated):
     """One contact along a path; `state` (arrays of length 1) goes in as it is and comes out as the path leaves it."""
     banked = 0.0
     for i in range(overlap.size):
         old = gather(state, 0)
         if overlap[i] <= 0.0:
-            banked += stored_and_dissipated(rule, p, overlap[i], old)[1]
-        force[i], stiffness[i], new = dispatch.step(rule, p, overlap[i], old)
+            banked += stored_and_dissipated(rule, shape, p, overlap[i], old)[1]
+        force[i], stiffness[i], new = dispatch.step(rule, shape, p, overlap[i], old)
         scatter(state, 0, new)
         scatter(history, i, new)
-        energies = stored_and_dissipated(rule, p, overlap[i], new)
+        energies = stored_and_dissipated(rule, shape, p, overlap[i], new)
         stored[i] = energies[0]
         dissipated[i] = banked + energies[1]
 
@@ -125,15 +126,16 @@ def equal_params(params, other):
     return bool(np.array_equal(params, other))
 
 
-def loading_part(params):
-    """Of a law's Shape or Params what belongs to first loading: all of it, unless it has an unloading curve joined to it."""
-    return params.loading if isinstance(params, JoinedShape | JoinedParams) else params
+def loading_part(values):
+    """The part of a law's Shape or Params that belongs to first loading: all of it, unless an unloading curve is joined."""
+    return values.loading if isinstance(values, JoinedShape | JoinedParams) else values
 
 
-def force_loop(params, overlap):
+def force_loop(shape, params, overlap):
     """Force [N] and stiffness [N/m] of first loading at any overlaps [m]."""
     force, stiffness = np.empty(overlap.size), np.empty(overlap.size)
-    batch_loop(Elastic(), loading_part(params), overlap, (), UNBOUNDED, FINITE, force, stiffness)
+    shape, params = loading_part(shape), loading_part(params)
+    batch_loop(Elastic(), shape, params, overlap, (), UNBOUNDED, FINITE, force, stiffness)
     return force, stiffness
 
 
@@ -143,33 +145,26 @@ def clamped_roughnesses(contact):
 
 
 def bind_params(shape, contact):
-    """Params of a contact, or of an array of contacts: values that differ become arrays, the others stay numbers."""
-    roughness = clamped_roughnesses(contact)
-    if contact.size is None:
-        return scale_contact(shape, contact.radius, contact.modulus, float(roughness))
-    # copies: loops are compiled once for arrays that may be written to, once more for others
-    columns = [np.array(np.broadcast_to(v, contact.size), float) for v in (contact.radius, contact.modulus, roughness)]
-    if contact.size == 0:
+    """Params of a contact, or of an array of contacts; DemlawsError where the law's `scale` makes other values than floats."""
+    size, roughness = contact.size, clamped_roughnesses(contact)
+    if size == 0:
         raise DemlawsError("the contact's arrays are empty: give at least one contact")
+    # copies: loops are compiled once for arrays that may be written to, once more for others
+    columns = [np.array(np.broadcast_to(v, size or 1), float) for v in (contact.radius, contact.modulus, roughness)]
+    first = scale_contact(shape, *(float(column[0]) for column in columns))
+    refuse_other_values(first)
+    if size is None:
+        return first
+    params = map_leaves(lambda _: np.empty(size), first)
+    scale_loop(shape, *columns, params)
+    return map_leaves(_constant_or_array, params)
 
-    def shared(value):
-        one = isinstance(value, np.ndarray) and value.ndim == 1 and np.all(value == value[0])
-        return float(value[0]) if one else value
 
-    if contact.size <= 10_000:
-        kinds, kind = np.unique(columns, axis=1, return_inverse=True)
-        if kinds.shape[1] <= 100:  # to compile a loop over them would take longer
-            params = [scale_contact(shape, *map(float, one)) for one in kinds.T]
-            each = zip(*map(leaves, params), strict=True)
-            rows = [np.array(values)[kind.ravel()] if isinstance(values[0], float) else values[0] for values in each]
-            arrays = map(shared, rows)
-            return map_leaves(lambda _: next(arrays), params[0])
-    first = scale_contact(shape, *(float(c[0]) for c in columns))
-    arrays = map_leaves(lambda v: np.empty(contact.size) if isinstance(v, float) else v, first)
-    scale_loop(shape, *columns, arrays)
-    return map_leaves(shared, arrays)
+def _constant_or_array(values):
+    """One float where all contacts have the same: loops then read one array less."""
+    return float(values[0]) if np.all(values == values[0]) else values
 
 
 def params_at(params, index):
     """Params of contact `index` of an array of contacts (of a single one: its own)."""
-    return map_leaves(lambda v: float(v[index]) if isinstance(v, np.ndarray) and v.ndim == 1 else v, params)
+    return map_leaves(lambda v: float(v[index]) if isinstance(v, np.ndarray) else v, params)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.core.dispatch import bind, curves_of, first_loading, gather, generic, inverse, scatter, step
+from demlaws.core.dispatch import bind, first_loading, gather, generic, inverse, scatter, step, unloading_curve
 from demlaws.core.fastmath import cbrt, sqrt
 from demlaws.core.numba_compat import kernel, loop
 from demlaws.core.unloading import Elastic, Given, Hertz, Thornton
@@ -53,41 +53,41 @@ SLIP = "slip"
 
 def _just_below(*kinds):
     below = 1.0 - 2.0**-36
-    return lambda rule, p, overlap, force, stiffness, state: step(rule, p, overlap * below, state)[1]
+    return lambda rule, shape, p, overlap, force, stiffness, state: step(rule, shape, p, overlap * below, state)[1]
 
 
 @generic(_just_below)
-def unloading_stiffness(rule, p, overlap, force, stiffness, state):
+def unloading_stiffness(rule, shape, p, overlap, force, stiffness, state):
     """Stiffness [N/m] with which a contact would unload from here; the rest is what `step` has just returned for it.
 
     For a rule without such a function the tangent just below is used.
     """
 
 
-@generic(lambda *_: lambda rule, p, overlap, force, stiffness, state: at_force(p, force))
-def loading_stiffness(rule, p, overlap, force, stiffness, state):
+@generic(lambda *_: lambda rule, shape, p, overlap, force, stiffness, state: at_force(shape, p, force))
+def loading_stiffness(rule, shape, p, overlap, force, stiffness, state):
     """Tangent [N/m] of first loading at a force; the arguments are those of `unloading_stiffness`."""
 
 
 @kernel
-def at_force(p, force):
+def at_force(shape, p, force):
     """Tangent of first loading at `force`."""
-    return first_loading(p, inverse(p, force))[1] if force > 0.0 else 0.0
+    return first_loading(shape, p, inverse(shape, p, force))[1] if force > 0.0 else 0.0
 
 
 @generic()
-def shear_stiffness(choice, rule, p, overlap, force, stiffness, state):
+def shear_stiffness(choice, rule, shape, p, overlap, force, stiffness, state):
     """The normal stiffness [N/m] used to compute K_t; not negative."""
 
 
 @kernel
-def _elastic(choice, rule, p, overlap, force, stiffness, state):
-    return max(unloading_stiffness(rule, p, overlap, force, stiffness, state), 0.0)
+def _elastic(choice, rule, shape, p, overlap, force, stiffness, state):
+    return max(unloading_stiffness(rule, shape, p, overlap, force, stiffness, state), 0.0)
 
 
 @kernel
-def _loading(choice, rule, p, overlap, force, stiffness, state):
-    return max(loading_stiffness(rule, p, overlap, force, stiffness, state), 0.0)
+def _loading(choice, rule, shape, p, overlap, force, stiffness, state):
+    return max(loading_stiffness(rule, shape, p, overlap, force, stiffness, state), 0.0)
 
 
 bind(ElasticShear, shear_stiffness=_elastic)
@@ -98,7 +98,7 @@ bind(LoadingShear, shear_stiffness=_loading)
 
 
 @kernel
-def _same(rule, p, overlap, force, stiffness, state):
+def _same(rule, shape, p, overlap, force, stiffness, state):
     return stiffness
 
 
@@ -112,7 +112,7 @@ def _by_recoverable(coefficient, overlap, force, plastic):
 
 
 @kernel
-def of_hertz(rule, p, overlap, force, stiffness, state):
+def of_hertz(rule, shape, p, overlap, force, stiffness, state):
     """Shear stiffness's normal stiffness [N/m] by Hertz: that of the unloading curve where first loading ends, else the
     tangent."""
     if overlap >= state[0] and overlap > 0.0:
@@ -121,7 +121,7 @@ def of_hertz(rule, p, overlap, force, stiffness, state):
 
 
 @kernel
-def of_thornton(rule, p, overlap, force, stiffness, state):
+def of_thornton(rule, shape, p, overlap, force, stiffness, state):
     """The same with the larger radius of the state."""
     if overlap >= state[0] and overlap > 0.0:
         return _by_recoverable(p.hertz_coefficient * sqrt(state[2]), overlap, force, state[1])
@@ -129,15 +129,16 @@ def of_thornton(rule, p, overlap, force, stiffness, state):
 
 
 @kernel
-def _of_curve(rule, p, overlap, force, stiffness, state):
+def _of_curve(rule, shape, p, overlap, force, stiffness, state):
     elastic = overlap - state[1]
-    return first_loading(curves_of(p)[1], elastic)[1] if overlap >= state[0] and elastic > 0.0 else stiffness
+    curve_shape, curve, _ = unloading_curve(shape, p)
+    return first_loading(curve_shape, curve, elastic)[1] if overlap >= state[0] and elastic > 0.0 else stiffness
 
 
 @kernel
-def of_first_loading(rule, p, overlap, force, stiffness, state):
+def of_first_loading(rule, shape, p, overlap, force, stiffness, state):
     """The tangent of first loading [N/m] at the same force [N]."""
-    return stiffness if overlap >= state[0] else at_force(p, force)
+    return stiffness if overlap >= state[0] else at_force(shape, p, force)
 
 
 bind(Elastic, unloading_stiffness=_same, loading_stiffness=_same)
@@ -147,11 +148,11 @@ bind(Given, unloading_stiffness=_of_curve, loading_stiffness=of_first_loading)
 
 
 @loop
-def shear_loop(choice, rule, p, overlap, state):
+def shear_loop(choice, rule, shape, p, overlap, state):
     """The normal stiffness used to compute K_t along a path of one contact; `state` is moved on as in `follow_loop`."""
     shear = np.empty(overlap.size)
     for i in range(overlap.size):
-        force, stiffness, new = step(rule, p, overlap[i], gather(state, 0))
+        force, stiffness, new = step(rule, shape, p, overlap[i], gather(state, 0))
         scatter(state, 0, new)
-        shear[i] = shear_stiffness(choice, rule, p, overlap[i], force, stiffness, new)
+        shear[i] = shear_stiffness(choice, rule, shape, p, overlap[i], force, stiffness, new)
     return shear

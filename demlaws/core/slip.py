@@ -40,17 +40,17 @@ def stretched(u, v, du, dv, limit):
 
 
 @kernel
-def read_unloading_curve(rule, p, overlap, state, top, curve):
+def read_unloading_curve(rule, shape, p, overlap, state, top, curve):
     """Fill `curve` (2, points) with compressions [m] and stiffnesses [N/m] of the unloading curve, from where it ends to here.
 
     A stiffness above that of a larger overlap is replaced by it: springs of that stiffness have opened on the way.
     """
     last = curve.shape[1] - 1
-    foot = min(max(unloaded(rule, p, 0.0, state), 0.0), overlap)
+    foot = min(max(unloaded(rule, shape, p, 0.0, state), 0.0), overlap)
     curve[0, last], curve[1, last] = 0.0, top
     for j in range(last - 1, -1, -1):
         place = foot + (overlap - foot) * (j / last) ** 2
-        stiffness = step(rule, p, place, state)[1]
+        stiffness = step(rule, shape, p, place, state)[1]
         curve[0, j], curve[1, j] = overlap - place, min(stiffness, curve[1, j + 1])
 
 
@@ -105,7 +105,7 @@ def slip_step(top, previous, share, force, ratio, friction, du, dv, compression,
 
 
 @loop
-def slip_loop(rule, p, overlap, along, across, ratio, friction, largest, state, stretch, curve, results):
+def slip_loop(rule, shape, p, overlap, along, across, ratio, friction, largest, state, stretch, curve, results):
     """`levels.levels_loop` with a row of springs, by the stiffness with which the contact would unload.
 
     largest: stiffness [N/m] that the springs share equally, not below that of the contact at any point of the path. stretch:
@@ -115,12 +115,12 @@ def slip_loop(rule, p, overlap, along, across, ratio, friction, largest, state, 
     previous, work = 0.0, 0.0
     compression = np.empty(stretch.shape[1])
     for n in range(overlap.size):
-        force, tangent, new = step(rule, p, overlap[n], gather(state, 0))
+        force, tangent, new = step(rule, shape, p, overlap[n], gather(state, 0))
         scatter(state, 0, new)
-        top = max(unloading_stiffness(rule, p, overlap[n], force, tangent, new), 0.0) if overlap[n] > 0.0 else 0.0
+        top = max(unloading_stiffness(rule, shape, p, overlap[n], force, tangent, new), 0.0) if overlap[n] > 0.0 else 0.0
         spring_force = 0.0
         if top > 0.0:
-            read_unloading_curve(rule, p, overlap[n], new, top, curve)
+            read_unloading_curve(rule, shape, p, overlap[n], new, top, curve)
             spring_force = compress(curve, share, top, compression)
         du = along[n] - along[n - 1] if n > 0 else 0.0
         dv = across[n] - across[n - 1] if n > 0 else 0.0

@@ -49,5 +49,3 @@ class TableParams(NamedTuple):
     length: float  # [m]
     inverse_length: float  # [1/m]
     offset: float  # added to u before the curve is read: 0, but for laws with a seating load
-    grid: Grid
-    bulk: BulkYield

@@ -3,7 +3,7 @@
 A law may bring rules of its own (`own_rule`, `Definition.rules`), which no other law is offered.
 
 A rule is a `Rule` record, whose tag type stands for it in compiled code, and pure compiled functions over one contact bound to
-that type. The state is a tuple of floats; all zeros is a virgin contact, and a contact whose bodies part is virgin again.
+that type. The state is a tuple of floats; all zeros is a contact before first loading, as it is again after separation.
 """
 
 import math
@@ -15,14 +15,13 @@ from numba.extending import overload
 from demlaws.core.dispatch import (
     bind,
     contact_area,
-    curves_of,
     energy,
     first_loading,
-    fix_for_inverse,
-    fix_tables,
     inverse,
     inverse_near,
     scale,
+    unloading_curve,
+    with_pointers,
 )
 from demlaws.core.fastmath import cbrt, sqrt
 from demlaws.core.numba_compat import INLINED, kernel
@@ -61,13 +60,13 @@ GIVEN = "table"
 
 
 class Rule(NamedTuple):
-    """What is known of an unloading rule beside its kernels: whatever else needs to know it reads it here."""
+    """Properties of an unloading rule."""
 
     name: str
     tag: tuple  # instance of the type that its kernels are bound to
     state: tuple  # names of what a contact remembers, in the order of the state tuple
     curve: str  # along which it unloads: "own", that of first loading, so that nothing is lost; "hertz"; "given", by the user;
-    # "law": what its law says, which sees to it that no path returns work
+    # "law": by kernels of the law, which must return no work on any path
     number: int | None  # in demlaws_table.h; None: C++ does not have it
     description: str  # one line
     keys: tuple = ()  # of a law's own rule: names of the numbers that a table holds for it; `Definition.rule_numbers`
@@ -108,9 +107,10 @@ LARGEST_STATE = 3
 def own_rule(rule: Rule) -> Rule:
     """Make a law's own rule known to compiled code, for its `Definition.rules`.
 
-    Its kernels `step`, `unloaded` and `stored_and_dissipated` are bound to its tag. They read the law's Params from
-    `curves_of(p)[1]`, so that they serve a table of the law, too, and the force from `first_loading(p, overlap)`. A rule with a
-    `number` has `keys` and a `shape`: in a table `curves_of(p)[1]` is then what `shape` makes of the file's numbers.
+    Its kernels `step`, `unloaded` and `stored_and_dissipated` are bound to its tag. They have the law's Shape and Params from
+    `unloading_curve(shape, p)`, so that they serve a table of the law, too, and the force from `first_loading`. A rule with a
+    `number` has `keys` and a `shape`: of a table `unloading_curve` gives the Shape that `shape` makes of the file's numbers,
+    and its Params.
     TypeError: the name of a general rule, a state larger than engines keep, or springs that it cannot have.
     """
     size = len(rule.state)
@@ -142,7 +142,7 @@ def _rule_of_smooth_contact(rule):
 
 
 class JoinedShape(NamedTuple):
-    """What contacts share of a law that is given an unloading curve."""
+    """Common properties of the contacts of a law that is given an unloading curve."""
 
     loading: tuple
     unloading: tuple
@@ -169,61 +169,61 @@ def _joined_scale(shape, radius, modulus, roughness):
 
 
 @kernel
-def _joined_first_loading(p, overlap):
-    return first_loading(p.loading, overlap)
+def _joined_first_loading(shape, p, overlap):
+    return first_loading(shape.loading, p.loading, overlap)
 
 
 @kernel
-def _joined_inverse(p, force):
-    return inverse(p.loading, force)
+def _joined_inverse(shape, p, force):
+    return inverse(shape.loading, p.loading, force)
 
 
 @kernel
-def _joined_energy(p, overlap):
-    return energy(p.loading, overlap)
+def _joined_energy(shape, p, overlap):
+    return energy(shape.loading, p.loading, overlap)
 
 
 @kernel
-def _joined_parts(p):
-    return p.loading, p.unloading, p.equivalent_ratio
+def _joined_unloading_curve(shape, p):
+    return shape.unloading, p.unloading, p.equivalent_ratio
 
 
 @kernel
-def _joined_fix_tables(p):
-    return JoinedParams(p.hertz_coefficient, fix_tables(p.loading), fix_for_inverse(p.unloading), p.equivalent_ratio)
+def _joined_with_pointers(shape):
+    parts = with_pointers(shape.loading), with_pointers(shape.unloading)
+    return JoinedShape(*parts, shape.radius, shape.modulus, shape.roughness)
 
 
-bind(JoinedShape, scale=_joined_scale)
+bind(JoinedShape, scale=_joined_scale, with_pointers=_joined_with_pointers)
 bind(
     JoinedParams,
     first_loading=_joined_first_loading,
     inverse=_joined_inverse,
     energy=_joined_energy,
-    curves_of=_joined_parts,
-    fix_tables=_joined_fix_tables,
+    unloading_curve=_joined_unloading_curve,
 )
 
 
 @kernel
-def _elastic_step(rule, p, overlap, state):
-    force, stiffness, _, _ = first_loading(p, 0.0 if overlap <= 0.0 else overlap)
+def _elastic_step(rule, shape, p, overlap, state):
+    force, stiffness, _, _ = first_loading(shape, p, 0.0 if overlap <= 0.0 else overlap)
     if overlap <= 0.0:
         force, stiffness = 0.0, 0.0
     return force, stiffness, state
 
 
 @kernel
-def _elastic_stored_and_dissipated(rule, p, overlap, state):
-    return (energy(p, overlap) if overlap > 0.0 else 0.0), 0.0
+def _elastic_stored_and_dissipated(rule, shape, p, overlap, state):
+    return (energy(shape, p, overlap) if overlap > 0.0 else 0.0), 0.0
 
 
 @kernel
-def _elastic_unloaded(rule, p, force, state):
-    return inverse(p, force) if force > 0.0 else 0.0
+def _elastic_unloaded(rule, shape, p, force, state):
+    return inverse(shape, p, force) if force > 0.0 else 0.0
 
 
 @kernel
-def _hertz_step(rule, p, overlap, state):
+def _hertz_step(rule, shape, p, overlap, state):
     # Flat rather than nested conditions, and unloading always: LLVM then vectorises the loop around this, on AVX2, too.
     positive = 0.0 if overlap <= 0.0 else overlap
     maximum, plastic = state
@@ -232,7 +232,7 @@ def _hertz_step(rule, p, overlap, state):
     root = p.hertz_coefficient * sqrt(elastic)
     force, stiffness = root * elastic, 1.5 * root
     if overlap >= maximum:
-        force, stiffness, hertz_overlap, _ = first_loading(p, positive)
+        force, stiffness, hertz_overlap, _ = first_loading(shape, p, positive)
         maximum, plastic = overlap, overlap - hertz_overlap
     if overlap <= 0.0:
         force, stiffness, maximum, plastic = 0.0, 0.0, 0.0, 0.0
@@ -245,7 +245,7 @@ def _hertz_energy(coefficient, elastic):
 
 
 @kernel
-def _balance(p, coefficient, overlap, state):
+def _balance(shape, p, coefficient, overlap, state):
     """Stored and dissipated work where unloading follows coefficient (δ - δp)^1.5.
 
     With a seating load δp may be negative: what that curve holds below δ = 0 is never returned, so it is not stored.
@@ -254,22 +254,22 @@ def _balance(p, coefficient, overlap, state):
         return 0.0, 0.0
     loss = _hertz_energy(coefficient, -state[1])
     stored = _hertz_energy(coefficient, overlap - state[1]) - loss if overlap > 0.0 else 0.0
-    return max(stored, 0.0), energy(p, state[0]) - (_hertz_energy(coefficient, state[0] - state[1]) - loss)
+    return max(stored, 0.0), energy(shape, p, state[0]) - (_hertz_energy(coefficient, state[0] - state[1]) - loss)
 
 
 @kernel
-def _hertz_stored_and_dissipated(rule, p, overlap, state):
-    return _balance(p, p.hertz_coefficient, overlap, state)
+def _hertz_stored_and_dissipated(rule, shape, p, overlap, state):
+    return _balance(shape, p, p.hertz_coefficient, overlap, state)
 
 
 @kernel
-def _hertz_unloaded(rule, p, force, state):
+def _hertz_unloaded(rule, shape, p, force, state):
     root = cbrt(force / p.hertz_coefficient)
     return state[1] + root * root
 
 
 @kernel
-def thornton_step(rule, p, overlap, state):
+def thornton_step(rule, shape, p, overlap, state):
     """Force [N], stiffness [N/m] and new state on Hertz's curve of the larger radius that loading left."""
     positive = 0.0 if overlap <= 0.0 else overlap
     maximum, plastic, ratio = state
@@ -278,8 +278,8 @@ def thornton_step(rule, p, overlap, state):
     root = p.hertz_coefficient * sqrt(ratio * elastic)
     force, stiffness = root * elastic, 1.5 * root
     if overlap >= maximum:
-        force, stiffness, hertz_overlap, area = first_loading(p, positive)
-        area = contact_area(rule, p, positive, area)
+        force, stiffness, hertz_overlap, area = first_loading(shape, p, positive)
+        area = contact_area(rule, shape, p, positive, area)
         # R_p/R = (a²/R / δ_H)^1.5 and δmax - δp = a²/R_p
         growth = area / hertz_overlap
         ratio = growth * sqrt(growth)
@@ -290,27 +290,27 @@ def thornton_step(rule, p, overlap, state):
 
 
 @kernel
-def thornton_stored_and_dissipated(rule, p, overlap, state):
+def thornton_stored_and_dissipated(rule, shape, p, overlap, state):
     """Stored and dissipated work [J] at an overlap [m], with the larger radius of the state."""
-    return _balance(p, p.hertz_coefficient * sqrt(state[2]), overlap, state)
+    return _balance(shape, p, p.hertz_coefficient * sqrt(state[2]), overlap, state)
 
 
 @kernel
-def thornton_unloaded(rule, p, force, state):
+def thornton_unloaded(rule, shape, p, force, state):
     """Overlap [m] at a force [N] on the unloading curve of the state."""
     root = cbrt(force / (p.hertz_coefficient * sqrt(state[2])))
     return state[1] + root * root
 
 
 @kernel
-def _given_step(rule, p, overlap, state):
-    loading, curve, ratio = curves_of(p)
+def _given_step(rule, shape, p, overlap, state):
+    curve_shape, curve, ratio = unloading_curve(shape, p)
     positive = 0.0 if overlap <= 0.0 else overlap
     loads = overlap >= state[0]
     if loads:
-        force, stiffness, equivalent, _ = first_loading(loading, positive)
+        force, stiffness, equivalent, _ = first_loading(shape, p, positive)
         sought = equivalent * ratio
-        elastic = inverse_near(curve, force, sought)
+        elastic = inverse_near(curve_shape, curve, force, sought)
         force = force if elastic == elastic else math.nan  # beyond the curve's end
         maximum, plastic = overlap, 0.0
     else:
@@ -319,7 +319,7 @@ def _given_step(rule, p, overlap, state):
         elastic = positive - plastic
         elastic = 0.0 if elastic <= 0.0 else elastic
     # one reading of the curve for both: where the contact is, or the last step of the search for Pmax on it
-    back, tangent, equivalent, _ = first_loading(curve, elastic)
+    back, tangent, equivalent, _ = first_loading(curve_shape, curve, elastic)
     if loads:
         # in δ_H, which is straighter than the force: dδ_H/dδ = K δ_H/(1.5 P)
         rise = tangent * equivalent
@@ -335,22 +335,23 @@ def _given_step(rule, p, overlap, state):
 
 
 @kernel
-def _given_stored_and_dissipated(rule, p, overlap, state):
-    loading, curve, _ = curves_of(p)
+def _given_stored_and_dissipated(rule, shape, p, overlap, state):
+    curve_shape, curve, _ = unloading_curve(shape, p)
     if state[0] <= 0.0:
         return 0.0, 0.0
     # as in `_balance`: the energy of the curve below δ = 0 is never returned
-    loss = energy(curve, -state[1]) if state[1] < 0.0 else 0.0
+    loss = energy(curve_shape, curve, -state[1]) if state[1] < 0.0 else 0.0
     elastic = overlap - state[1]
-    stored = energy(curve, elastic) - loss if overlap > 0.0 and elastic > 0.0 else 0.0
+    stored = energy(curve_shape, curve, elastic) - loss if overlap > 0.0 and elastic > 0.0 else 0.0
     whole = state[0] - state[1]
-    whole_energy = energy(curve, whole) if whole > 0.0 else 0.0
-    return max(stored, 0.0), energy(loading, state[0]) - (whole_energy - loss)
+    whole_energy = energy(curve_shape, curve, whole) if whole > 0.0 else 0.0
+    return max(stored, 0.0), energy(shape, p, state[0]) - (whole_energy - loss)
 
 
 @kernel
-def _given_unloaded(rule, p, force, state):
-    return state[1] + (inverse(curves_of(p)[1], force) if force > 0.0 else 0.0)
+def _given_unloaded(rule, shape, p, force, state):
+    curve_shape, curve, _ = unloading_curve(shape, p)
+    return state[1] + (inverse(curve_shape, curve, force) if force > 0.0 else 0.0)
 
 
 bind(

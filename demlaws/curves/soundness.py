@@ -6,7 +6,6 @@ second when it is bound to a contact. A function is checked by the same measurem
 
 import math
 import re
-from collections import Counter
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
@@ -30,29 +29,25 @@ EPS = float(np.finfo(float).eps)
 _X, _W = np.polynomial.legendre.leggauss(4)
 DERIVATIVE = 1e-4
 """Relative difference of stiffness and derivative of the force from which a law is refused."""
-_passed = Counter()  # types of a law, or of a law and its rule → contacts on which it was found sound
-_FULLY = 30
-"""Contacts on which a law is fully checked in a process; then only for values that are not finite, negative or falling:
-a fit binds it thousands of times."""
 
 
 @loop
-def curve_loop(p, overlap):
+def curve_loop(shape, p, overlap):
     """All that `first_loading` says of one contact, a row each: force, stiffness, Hertz-equivalent overlap, a²/R."""
     values = np.empty((4, overlap.size))
     for i in range(overlap.size):
-        values[0, i], values[1, i], values[2, i], values[3, i] = first_loading(p, overlap[i])
+        values[0, i], values[1, i], values[2, i], values[3, i] = first_loading(shape, p, overlap[i])
     return values
 
 
 @loop
-def back_loop(p, overlap):
+def back_loop(shape, p, overlap):
     """Overlap of the force at each overlap, and the work up to it."""
     back, work = np.empty(overlap.size), np.empty(overlap.size)
     for i in range(overlap.size):
-        force = first_loading(p, overlap[i])[0]
-        back[i] = inverse(p, force) if force > 0.0 else 0.0
-        work[i] = energy(p, overlap[i])
+        force = first_loading(shape, p, overlap[i])[0]
+        back[i] = inverse(shape, p, force) if force > 0.0 else 0.0
+        work[i] = energy(shape, p, overlap[i])
     return back, work
 
 
@@ -163,37 +158,37 @@ def _panel_errors(rise, integral):
     return np.min([off[:-2], off[1:-1], off[2:]], axis=0)
 
 
-def curve_checks(params: Any, radius: float, solved: bool = False) -> Iterator[Check]:
+def curve_checks(shape: Any, params: Any, radius: float, solved: bool = False) -> Iterator[Check]:
     """`Check`s of the curve of one contact's params, the cheapest first. solved: read from cells, whose edges are kinks."""
     overlap = radius * np.geomspace(LOWEST, HIGHEST, _POINTS)
     dense = radius * np.geomspace(LOWEST, HIGHEST, _DENSE)
-    force, stiffness, equivalent, area = curve_loop(params, overlap)
+    force, stiffness, equivalent, area = curve_loop(shape, params, overlap)
     yield _refusal("force not finite, negative or falling", fault_of_values(overlap, force, stiffness))
-    yield _refusal("the same at 200,000 overlaps", fault_of_values(dense, *curve_loop(params, dense)[:2]))
+    yield _refusal("the same at 200,000 overlaps", fault_of_values(dense, *curve_loop(shape, params, dense)[:2]))
     fault = None
     if not solved and force[0] > 0.0 and stiffness[0] * overlap[0] < _SEATED * force[0]:
         fault = f"at overlap {overlap[0]:.6g} m the force is {force[0]:.6g} N: it must go to 0 with the overlap"
     yield _refusal("force at overlap 0 is not 0", fault)
-    fault = fault_of_slope(lambda at: curve_loop(params, at)[:2], overlap)
+    fault = fault_of_slope(lambda at: curve_loop(shape, params, at)[:2], overlap)
     yield _refusal("force jumps, or stiffness is not its derivative", fault)
-    errors = _panel_errors(np.diff(force), integrals(lambda at: curve_loop(params, at)[1], overlap))
+    errors = _panel_errors(np.diff(force), integrals(lambda at: curve_loop(shape, params, at)[1], overlap))
     yield largest_of("stiffness against derivative, relative", errors, overlap, 1e-5 if solved else 1e-11)
     hertz = np.cbrt(force / params.hertz_coefficient) ** 2
     contact_area = np.where(area < math.inf, np.minimum(area, hertz), math.nan)
     for name, values in (("Hertz-equivalent overlap", equivalent), ("a²/R", contact_area)):
         yield largest_of(f"{name} against the force, relative", _relative(values, hertz), overlap, 1e-7, 1e-7)
-    yield from _return_checks(params, overlap, solved)
+    yield from _return_checks(shape, params, overlap, solved)
 
 
-def _return_checks(params, overlap, solved):
+def _return_checks(shape, params, overlap, solved):
     """`Check`s of the inverse and of the energy, of which a user's law may have to search and integrate for."""
-    expected = integrals(lambda at: curve_loop(params, at)[0], overlap).reshape(-1, _THINNED).sum(axis=1)
+    expected = integrals(lambda at: curve_loop(shape, params, at)[0], overlap).reshape(-1, _THINNED).sum(axis=1)
     overlap = overlap[::_THINNED]
-    force, stiffness = curve_loop(params, overlap)[:2]
-    back, work = back_loop(params, overlap)
+    force, stiffness = curve_loop(shape, params, overlap)[:2]
+    back, work = back_loop(shape, params, overlap)
     carries = force > 0.0
     at, load, back = overlap[carries], force[carries], back[carries]
-    again = curve_loop(params, np.where(back > 0.0, back, math.nan))[0]
+    again = curve_loop(shape, params, np.where(back > 0.0, back, math.nan))[0]
     slope = stiffness[carries] * at / load  # what an error of the overlap is multiplied by in the force
     errors = _relative(again, load) / (EPS * (64.0 + 16.0 * slope))
     yield largest_of("force of the overlap of a force (1: rounding)", errors, at, 3.0, 1e6)
@@ -211,34 +206,27 @@ def refuse_unsound(definition, shape, contact, options) -> None:
     name = f"law {definition.name!r}"
     try:
         params = bind_params(shape, contact)
-        content = definition.prepare, type(shape), type(params)
         for index in contact.representatives():
             radius = float(np.broadcast_to(contact.radius, contact.size or 1)[index])
-            one, fully = params_at(params, index), _passed[content] < _FULLY
-            checks = curve_checks(one, radius)
-            text = next((check.fault for check in (checks if fully else [next(checks)]) if check.fault), None)
+            checks = curve_checks(shape, params_at(params, index), radius)
+            text = next((check.fault for check in checks if check.fault), None)
             if text is not None:
                 arguments = "".join(f", {n} = {v!r:.40}" for n, v in options.items())
                 raise DemlawsError(f"{name} cannot be used (R = {radius:g} m{arguments}): {text}")
-        _passed[content] += 1
     except (numba.errors.NumbaError, AttributeError) as error:  # a kernel, or a field of its Params, that is missing, too
         raise DemlawsError(f"{name}: its functions do not compile: {_first_line(error)}") from error
 
 
-def refuse_unsound_rule(name, rule, params, radius) -> None:
+def refuse_unsound_rule(name, rule, shape, params, radius) -> None:
     """Raise DemlawsError where a law's own rule (its `Rule`) is none on one contact."""
-    content = type(params), type(rule.tag)
-    if _passed[content] >= _FULLY:
-        return
     for share in (1e-7, 1e-5, 1e-3, 2e-2):
-        text = _fault_of_rule(rule, params, share * radius)
+        text = _fault_of_rule(rule, shape, params, share * radius)
         if text is not None:
             raise DemlawsError(f"law {name!r} cannot be used with its rule {rule.name!r} (R = {radius:g} m): {text}")
-    _passed[content] += 1
 
 
-def _fault_of_rule(rule, params, top):
-    """Fault on a path from a virgin contact to the overlap `top`, half unloading, reloading, separation and loading again.
+def _fault_of_rule(rule, shape, params, top):
+    """Fault on a path from a new contact to the overlap `top`, half unloading, reloading, separation and loading again.
 
     First loading is the law's, work is stored or dissipated, the energy dissipated never falls, and no state outlives contact.
     """
@@ -250,9 +238,9 @@ def _fault_of_rule(rule, params, top):
     state = tuple(np.zeros(1) for _ in rule.state)
     history = np.zeros((len(rule.state), path.size))
     force, stiffness, stored, loss = np.empty((4, path.size))
-    follow_loop(rule.tag, params, path, state, tuple(history), force, stiffness, stored, loss)
+    follow_loop(rule.tag, shape, params, path, state, tuple(history), force, stiffness, stored, loss)
     work = np.cumsum(0.5 * np.diff(path, prepend=0.0) * (force + np.append(0.0, force[:-1])))
-    peak, first = work[steps - 1], curve_loop(params, path[:steps])[0]
+    peak, first = work[steps - 1], curve_loop(shape, params, path[:steps])[0]
     expected = np.concatenate([first, force[steps : apart + 1], first])
     tolerance = 5e-3 * peak  # trapezoids
     for what, good in (
@@ -296,8 +284,9 @@ def refuse_unless_collapses(law, contact) -> None:
 
     def curve(other):
         scale = other.roughness if rough else other.radius
-        params = bind_params(definition.shape(other, **law.options), other)
-        return curve_loop(params, u * scale)[0] / (params.hertz_coefficient * scale**1.5)
+        shape = definition.shape(other, **law.options)
+        params = bind_params(shape, other)
+        return curve_loop(shape, params, u * scale)[0] / (params.hertz_coefficient * scale**1.5)
 
     base = curve(contact)
     factors = {"radius": 2.0, "modulus": 3.0, "roughness": 1.7}

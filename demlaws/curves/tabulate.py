@@ -15,7 +15,6 @@ from demlaws.core.loops import (
     clamped_roughnesses,
     force_loop,
     inverse_loop,
-    loading_part,
     params_at,
 )
 from demlaws.core.table_types import NO_YIELD
@@ -78,7 +77,7 @@ class CurveSampler(NamedTuple):
         fractions = np.unique([0.2113, 0.5, 0.7887, *np.linspace(0.0, 1.0, 32 if self.solved else 12)[1:-1]])
         width = np.diff(u)
         points = (u[:-1, None] + width[:, None] * fractions).ravel() * self.length
-        force, stiffness = force_loop(table, points)
+        force, stiffness = force_loop(shape, table, points)
         exact_force, exact_stiffness = self.exact(points)
         with np.errstate(divide="ignore", invalid="ignore"):
             errors = np.abs(force / exact_force - 1.0), np.abs(stiffness / exact_stiffness - 1.0)
@@ -131,10 +130,10 @@ def tabulate(contact: Contact, curve: Any, rtol: float, largest_overlap: float |
         largest = 0.1 * np.max(radius / every) * (RADII_SERVED if curve.collapses else 1.0)
     else:
         largest = float(np.max(largest_overlap) / length) * (1.0 + 1e-9)
-    params = loading_part(bind_params(curve.shape, one))
+    params = bind_params(curve.shape, one)
     kinks = [k / length for k in curve.kinks(params_at(bind_params(curve.shape, contact), index))]
     coefficient = 4.0 * float(one.modulus) * math.sqrt(one.radius) / 3.0  # a law's own may be that of a blunter bulk
-    source = CurveSampler(functools.partial(force_loop, params), length, coefficient, kinks, definition.solved)
+    source = CurveSampler(functools.partial(force_loop, curve.shape, params), length, coefficient, kinks, definition.solved)
     shape, nodes, certificate = _smallest_table(
         source,
         one,
@@ -158,12 +157,18 @@ def rescaled(table: TableCurve, contact: Contact, unloading: Unloading) -> Table
     length, coefficient = params.loading.length, params.hertz_coefficient
     curve_params = params_at(bind_params(curve.shape, unloading.contact), index)
     kinks = [k / length for k in curve.kinks(curve_params)]
-    source = CurveSampler(functools.partial(force_loop, params.unloading), length, coefficient, kinks, curve.definition.solved)
+    source = CurveSampler(
+        functools.partial(force_loop, pair_shape.unloading, params.unloading),
+        length,
+        coefficient,
+        kinks,
+        curve.definition.solved,
+    )
     end = 0.75 * coefficient * length**1.5 * table.nodes.force[-1]
 
     def span(bits):
         # some cells beyond the end of the loading, so that the reverse, which ends with a whole cell, reaches it, too
-        (top,) = inverse_loop(params.unloading, np.array([end * (1.0 + 4.0 * 0.5**bits)]))
+        (top,) = inverse_loop(pair_shape.unloading, params.unloading, np.array([end * (1.0 + 4.0 * 0.5**bits)]))
         if not np.isfinite(top):
             raise DemlawsError(
                 f"the unloading curve, a table of {curve.definition.name!r}, must reach beyond this table's {end:.4g} N: "

@@ -44,7 +44,9 @@ class Bound:
         if unloading.rule.curve == "law" and unloading.rule_parameters is None and is_user_defined(self.definition):
             from demlaws.curves.soundness import refuse_unsound_rule
 
-            refuse_unsound_rule(self.name, unloading.rule, params_at(self.params, 0), float(np.ravel(contact.radius)[0]))
+            refuse_unsound_rule(
+                self.name, unloading.rule, self.shape, params_at(self.params, 0), float(np.ravel(contact.radius)[0])
+            )
 
     @property
     def unloading(self) -> str:
@@ -129,11 +131,11 @@ def largest_stiffness_ratio(law: Any) -> tuple[float, float]:
         # where K may jump up, between two points; the law of a table was checked in closed form
         steps = [] if isinstance(part, TableParams) else law.curve.kinks(part)
         overlap = np.sort(np.append(overlap, [step * (1.0 + 1e-12) for step in steps if step < 0.1 * radius]))
-        force, stiffness = force_loop(p, overlap)
+        force, stiffness = force_loop(law.shape, p, overlap)
         usable = np.isfinite(force) & (force > 0)
         if isinstance(p, JoinedParams):
-            elastic = inverse_loop(p.unloading, force)
-            _, other = force_loop(p.unloading, elastic)
+            elastic = inverse_loop(law.shape.unloading, p.unloading, force)
+            _, other = force_loop(law.shape.unloading, p.unloading, elastic)
             usable &= elastic > 0.0  # at a seating load the curve is a step; beyond its end there is none
             if not np.any(usable):
                 raise DemlawsError("the unloading curve has no load in common with the law: is it for another contact?")

@@ -109,7 +109,7 @@ def _solve(p, u):
 
 
 @kernel
-def _first_loading(p, overlap):
+def _first_loading(shape, p, overlap):
     s, slope = _solve(p, overlap / p.roughness)
     equivalent = s * p.roughness
     root = p.hertz_coefficient * math.sqrt(equivalent)
@@ -117,7 +117,7 @@ def _first_loading(p, overlap):
 
 
 @kernel
-def _inverse(p, force):
+def _inverse(shape, p, force):
     s = hertz_overlap(p, force) / p.roughness
     u, _ = _low(p.softness, p.constant, s) if s <= p.joint else _high(p.softness, p.constant, s)
     return u * p.roughness
@@ -142,7 +142,7 @@ def _moment(p, low, high):
 
 
 @kernel
-def _energy(p, overlap):
+def _energy(shape, p, overlap):
     u = overlap / p.roughness
     s, _ = _solve(p, u)
     scaled = 4.0 / 3.0 * s * math.sqrt(s) * u

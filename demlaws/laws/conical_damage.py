@@ -61,7 +61,7 @@ def _scale(shape, radius, modulus, roughness):
 
 
 @kernel
-def _first_loading(p, overlap):
+def _first_loading(shape, p, overlap):
     excess = overlap - p.yield_overlap
     ratio = 1.0 + p.growth * (0.0 if excess <= 0.0 else excess)  # R/R0
     root = p.hertz_coefficient * sqrt(overlap)
@@ -76,14 +76,14 @@ def _first_loading(p, overlap):
 
 
 @kernel
-def _inverse(p, force):
+def _inverse(shape, p, force):
     if force <= p.yield_force:
         return hertz_overlap(p, force)
     return p.yield_overlap + (sqrt(force / p.yield_force) - 1.0) / p.growth
 
 
 @kernel
-def _energy(p, overlap):
+def _energy(shape, p, overlap):
     low = overlap if overlap <= p.yield_overlap else p.yield_overlap
     work = 0.4 * p.hertz_coefficient * low * low * sqrt(low)
     if overlap <= p.yield_overlap:

@@ -5,7 +5,7 @@ With n = 1 the model is Walton & Braun's of constant k2.
 
 from typing import NamedTuple
 
-from demlaws.core.dispatch import bind, curves_of, energy, first_loading
+from demlaws.core.dispatch import bind, energy, first_loading, unloading_curve
 from demlaws.core.fastmath import cbrt, hertz_coefficient, hertz_overlap, kernel, sqrt
 from demlaws.core.shear import of_first_loading
 from demlaws.core.unloading import Rule, own_rule
@@ -47,7 +47,7 @@ def _scale(shape, radius, modulus, roughness):
 
 
 @kernel
-def _first_loading(p, overlap):
+def _first_loading(shape, p, overlap):
     root = p.loading * sqrt(overlap)
     force = root * overlap
     equivalent = hertz_overlap(p, force)
@@ -55,13 +55,13 @@ def _first_loading(p, overlap):
 
 
 @kernel
-def _inverse(p, force):
+def _inverse(shape, p, force):
     root = cbrt(force / p.loading)
     return root * root
 
 
 @kernel
-def _energy(p, overlap):
+def _energy(shape, p, overlap):
     return 0.4 * p.loading * overlap * overlap * sqrt(overlap)
 
 
@@ -74,13 +74,13 @@ class Eepa(NamedTuple):
 
 
 @kernel
-def _step(rule, p, overlap, state):
-    params = curves_of(p)[1]
+def _step(rule, shape, p, overlap, state):
+    params = unloading_curve(shape, p)[1]
     k2 = params.unloading
     positive = 0.0 if overlap <= 0.0 else overlap
     root = sqrt(positive)
     if overlap >= state[0]:
-        force, stiffness, _, _ = first_loading(p, positive)
+        force, stiffness, _, _ = first_loading(shape, p, positive)
         maximum, plastic = overlap, params.plastic_ratio * overlap
     else:
         maximum, plastic = state
@@ -103,23 +103,23 @@ def _recoverable_energy(k2, overlap, plastic):
 
 
 @kernel
-def _stored_and_dissipated(rule, p, overlap, state):
+def _stored_and_dissipated(rule, shape, p, overlap, state):
     if state[0] <= 0.0:
         return 0.0, 0.0
-    k2 = curves_of(p)[1].unloading
+    k2 = unloading_curve(shape, p)[1].unloading
     stored = _recoverable_energy(k2, overlap, state[1]) if overlap > 0.0 else 0.0
-    return stored, energy(p, state[0]) - _recoverable_energy(k2, state[0], state[1])
+    return stored, energy(shape, p, state[0]) - _recoverable_energy(k2, state[0], state[1])
 
 
 @kernel
-def _unloaded(rule, p, force, state):
-    root = cbrt(sqrt(state[1]) * state[1] + force / curves_of(p)[1].unloading)
+def _unloaded(rule, shape, p, force, state):
+    root = cbrt(sqrt(state[1]) * state[1] + force / unloading_curve(shape, p)[1].unloading)
     return root * root
 
 
 @kernel
-def _unloading_stiffness(rule, p, overlap, force, stiffness, state):
-    return 1.5 * curves_of(p)[1].unloading * sqrt(overlap) if overlap >= state[0] and overlap > 0.0 else stiffness
+def _unloading_stiffness(rule, shape, p, overlap, force, stiffness, state):
+    return 1.5 * unloading_curve(shape, p)[1].unloading * sqrt(overlap) if overlap >= state[0] and overlap > 0.0 else stiffness
 
 
 bind(

@@ -7,7 +7,7 @@
 import math
 from typing import NamedTuple
 
-from demlaws.core.dispatch import bind, curves_of, first_loading
+from demlaws.core.dispatch import bind, first_loading, unloading_curve
 from demlaws.core.fastmath import exp2, hertz_coefficient, kernel, log2
 from demlaws.core.shear import of_first_loading, of_thornton
 from demlaws.core.unloading import Rule, own_rule, thornton_step, thornton_stored_and_dissipated, thornton_unloaded
@@ -21,8 +21,9 @@ class Etsion(NamedTuple):
 
 
 @kernel
-def _contact_area(rule, p, overlap, area):
-    return first_loading(curves_of(p)[1], overlap)[3]  # of a table, too, the law's; LLVM leaves out what is not used
+def _contact_area(rule, shape, p, overlap, area):
+    curve_shape, curve, _ = unloading_curve(shape, p)
+    return first_loading(curve_shape, curve, overlap)[3]  # of a table, too, the law's; LLVM leaves out what is not used
 
 
 class Jackson(NamedTuple):
@@ -38,12 +39,12 @@ LARGEST_FITTED = 145.0
 
 
 @kernel
-def _fitted_area(rule, p, overlap, area):
+def _fitted_area(rule, shape, p, overlap, area):
     """a²/R [m] with which `thornton_step` leaves the fitted residual: δ_H³/(δmax - δp)²."""
-    w = overlap / curves_of(p)[1].critical_overlap
+    w = overlap / unloading_curve(shape, p)[1].critical_overlap
     w = min(max(w, 1.0), LARGEST_FITTED)
     elastic = overlap * (1.0 - 1.02 * (1.0 - exp2(-0.54 * log2((w + 5.9) / 6.9))))
-    hertz_overlap = first_loading(p, overlap)[2]
+    hertz_overlap = first_loading(shape, p, overlap)[2]
     growth = hertz_overlap / elastic
     return hertz_overlap * growth * growth
 
@@ -84,7 +85,7 @@ def _table_scale(shape, radius, modulus, roughness):
 
 
 @kernel
-def _table_area(p, overlap):
+def _table_area(shape, p, overlap):
     """As `first_loading`, of which nothing but the contact radius is known here."""
     ratio = overlap * p.inverse_overlap
     area = overlap * exp2(p.power * log2(ratio if ratio > 1.0 else 1.0))

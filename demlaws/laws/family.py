@@ -12,11 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.core.curve import read_curve, scale_table
+from demlaws.core.curve import grid_with_pointers, read_curve, scale_table
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, root_finder, sqrt
 from demlaws.core.grid import Nodes, grid, shape_from_nodes
-from demlaws.core.table_types import Grid, TableShape
+from demlaws.core.table_types import BulkYield, Grid
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Limit
 from demlaws.laws.hertz import HertzShape
@@ -43,7 +43,10 @@ class CurveNumber(NamedTuple):
 class ImplicitShape(NamedTuple):
     """One master curve, for contacts that share A."""
 
-    table: TableShape
+    grid: Grid  # these four as in `TableShape`
+    bulk: BulkYield
+    length_over_roughness: float
+    length_over_radius: float
     number: CurveNumber
     value: float  # A of the curve
 
@@ -56,7 +59,7 @@ class FamilyShape(NamedTuple):
     lowest_value: float  # A of the first curve but one
     log_ratio: float  # ln of the ratio of neighbours
     curves: int  # without the first and the last
-    cubic: float  # as in FamilyParams
+    cubic: float  # 1: a cubic in ln A between the inner two of four curves, 0: a straight line
     flattens: float  # A from which the curves bend at large overlaps (`cubic_share`)
 
 
@@ -69,9 +72,7 @@ class FamilyParams(NamedTuple):
     offset: float
     row: float  # where the cells of the first of the four begin (a whole number)
     place: float  # between the inner two, from 0 to 1
-    cubic: float  # 1: a cubic in ln A, 0: a straight line
     turn: float  # of `cubic_share`
-    grid: Grid
 
 
 def shared_grid(shapes):
@@ -91,7 +92,7 @@ def _scale(shape, radius, modulus, roughness):
     value = curve_number(shape.number, radius, modulus, roughness)
     # A contact with another number has another curve: not a number rather than a wrong one.
     same = abs(value - shape.value) <= 1e-6 * shape.value
-    return scale_table(shape.table, radius, modulus, roughness, 0.0 if same else math.nan)
+    return scale_table(shape, radius, modulus, roughness, 0.0 if same else math.nan)
 
 
 @kernel
@@ -103,25 +104,26 @@ def _family_scale(shape, radius, modulus, roughness):
     offset = 0.0 if inside else math.nan
     turn = 1.0 / (value * value) if value > shape.flattens else 0.0
     start, coefficient = row * shape.grid.count, hertz_coefficient(radius, modulus)
-    return FamilyParams(coefficient, roughness, 1.0 / roughness, offset, start, place - row, shape.cubic, turn, shape.grid)
+    return FamilyParams(coefficient, roughness, 1.0 / roughness, offset, start, place - row, turn)
 
 
 @kernel
-def _family_read(p, u):
-    row = int(p.row)
+def _family_read(contact, u):
+    shape, p = contact
+    row, g = int(p.row), shape.grid
     share, rate = cubic_share(u, p.turn)
-    s0, slope0 = read_curve(p.grid, u, row)
-    s1, slope1 = read_curve(p.grid, u, row + p.grid.count)
-    s2, slope2 = read_curve(p.grid, u, row + 2 * p.grid.count)
-    s3, slope3 = read_curve(p.grid, u, row + 3 * p.grid.count)
-    s, bent = mean_of_four(p.place, p.cubic * share, s0, s1, s2, s3)
-    slope, _ = mean_of_four(p.place, p.cubic * share, slope0, slope1, slope2, slope3)
-    return s, slope + p.cubic * rate * bent
+    s0, slope0 = read_curve(g, u, row)
+    s1, slope1 = read_curve(g, u, row + g.count)
+    s2, slope2 = read_curve(g, u, row + 2 * g.count)
+    s3, slope3 = read_curve(g, u, row + 3 * g.count)
+    s, bent = mean_of_four(p.place, shape.cubic * share, s0, s1, s2, s3)
+    slope, _ = mean_of_four(p.place, shape.cubic * share, slope0, slope1, slope2, slope3)
+    return s, slope + shape.cubic * rate * bent
 
 
 @kernel
-def _family_first_loading(p, overlap):
-    s, slope = _family_read(p, overlap * p.inverse_length + p.offset)
+def _family_first_loading(shape, p, overlap):
+    s, slope = _family_read((shape, p), overlap * p.inverse_length + p.offset)
     equivalent = s * p.length
     root = p.hertz_coefficient * sqrt(equivalent)
     return root * equivalent, 1.5 * root * slope, equivalent, equivalent
@@ -131,33 +133,45 @@ _find = root_finder(_family_read)
 
 
 @kernel
-def _family_inverse(p, force):
+def _family_inverse(shape, p, force):
     """Where the blended curve reaches the force; NaN above the table."""
     s = hertz_overlap(p, force) * p.inverse_length
-    high = p.grid.highest
-    if not (s <= _family_read(p, high)[0]):
+    high = shape.grid.highest
+    if not (s <= _family_read((shape, p), high)[0]):
         return math.nan
-    return max((_find(p, s, 0.0, high, 0.5 * high, 1e-14) - p.offset) * p.length, 0.0)
+    return max((_find((shape, p), s, 0.0, high, 0.5 * high, 1e-14) - p.offset) * p.length, 0.0)
 
 
 @kernel
-def _family_energy(p, overlap):
+def _family_energy(shape, p, overlap):
     """Gauss's rule on panels a thirty-second of an octave wide or narrower, cut where the cells are."""
     top = overlap * p.inverse_length + p.offset
     u = p.offset
     total = 0.0
     while u < top:
-        end = min(u + max(u, p.grid.lowest) / 64.0, top)
+        end = min(u + max(u, shape.grid.lowest) / 64.0, top)
         half = 0.5 * (end - u)
         for k in range(_NODES.size):
-            s, _ = _family_read(p, u + half * (1.0 + _NODES[k]))
+            s, _ = _family_read((shape, p), u + half * (1.0 + _NODES[k]))
             total += half * _WEIGHTS[k] * s * sqrt(s)
         u = end
     return p.hertz_coefficient * p.length * p.length * sqrt(p.length) * total
 
 
-bind(ImplicitShape, scale=_scale)
-bind(FamilyShape, scale=_family_scale)
+@kernel
+def _with_pointers(shape):
+    lengths = shape.length_over_roughness, shape.length_over_radius
+    return ImplicitShape(grid_with_pointers(shape.grid), shape.bulk, *lengths, shape.number, shape.value)
+
+
+@kernel
+def _family_with_pointers(shape):
+    rest = shape.number, shape.lowest_value, shape.log_ratio, shape.curves, shape.cubic, shape.flattens
+    return FamilyShape(grid_with_pointers(shape.grid), *rest)
+
+
+bind(ImplicitShape, scale=_scale, with_pointers=_with_pointers)
+bind(FamilyShape, scale=_family_scale, with_pointers=_family_with_pointers)
 bind(FamilyParams, first_loading=_family_first_loading, inverse=_family_inverse, energy=_family_energy)
 
 
@@ -219,4 +233,4 @@ def prepare(model, law, contact, seating_share):
     low, high = float(np.min(numbers)), float(np.max(master_curves.load(model).checked(numbers)))
     if high > low * (1.0 + 1e-9):
         return _family(model, law, seating_share)
-    return ImplicitShape(law_curve(model, low, seating_share, float(np.max(0.1 * radius / roughness))), law, low)
+    return ImplicitShape(*law_curve(model, low, seating_share, float(np.max(0.1 * radius / roughness))), law, low)

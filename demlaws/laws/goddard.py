@@ -32,7 +32,7 @@ def _scale(shape, radius, modulus, roughness):
 
 
 @kernel
-def _first_loading(p, overlap):
+def _first_loading(shape, p, overlap):
     relative = overlap * p.inverse_threshold
     slope = cbrt(relative)
     if relative < 1.0:
@@ -45,7 +45,7 @@ def _first_loading(p, overlap):
 
 
 @kernel
-def _inverse(p, force):
+def _inverse(shape, p, force):
     equivalent = hertz_overlap(p, force)
     relative = equivalent * p.inverse_threshold * _RATIO
     if relative < 1.0:
@@ -54,8 +54,8 @@ def _inverse(p, force):
 
 
 @kernel
-def _energy(p, overlap):
-    force, _, equivalent, _ = _first_loading(p, overlap)
+def _energy(shape, p, overlap):
+    force, _, equivalent, _ = _first_loading(shape, p, overlap)
     return transition_energy(p, _RATIO, overlap, force, equivalent)
 
 

@@ -26,23 +26,28 @@ def _scale(shape, radius, modulus, roughness):
 
 
 @kernel
-def _first_loading(p, overlap):
+def _first_loading(shape, p, overlap):
     stiffness = p.hertz_coefficient * sqrt(overlap)
     return stiffness * overlap, 1.5 * stiffness, overlap, overlap
 
 
 @kernel
-def _inverse_near(p, force, equivalent):
+def _inverse(shape, p, force):
+    return hertz_overlap(p, force)
+
+
+@kernel
+def _inverse_near(shape, p, force, equivalent):
     return equivalent
 
 
 @kernel
-def _energy(p, overlap):
+def _energy(shape, p, overlap):
     return 0.4 * p.hertz_coefficient * overlap * overlap * sqrt(overlap)
 
 
 bind(HertzShape, scale=_scale)
-bind(HertzParams, first_loading=_first_loading, inverse=hertz_overlap, inverse_near=_inverse_near, energy=_energy)
+bind(HertzParams, first_loading=_first_loading, inverse=_inverse, inverse_near=_inverse_near, energy=_energy)
 
 
 def _prepare(contact):

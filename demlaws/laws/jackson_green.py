@@ -89,7 +89,7 @@ def _scale(shape, radius, modulus, roughness):
 
 
 @kernel
-def _first_loading(p, overlap):
+def _first_loading(shape, p, overlap):
     w = overlap / p.critical_overlap
     f, slope = _plastic(p, w if w > p.joint else p.joint)
     force = p.critical_force * f
@@ -103,7 +103,7 @@ def _first_loading(p, overlap):
 
 
 @kernel
-def _inverse(p, force):
+def _inverse(shape, p, force):
     if force <= p.joint_force:
         return hertz_overlap(p, force)
     target = force / p.critical_force
@@ -120,7 +120,7 @@ def _inverse(p, force):
 
 
 @kernel
-def _energy(p, overlap):
+def _energy(shape, p, overlap):
     w = overlap / p.critical_overlap
     if w <= p.joint:
         return 0.4 * p.hertz_coefficient * overlap * overlap * sqrt(overlap)

@@ -71,7 +71,7 @@ def _scale(shape, radius, modulus, roughness):
 
 
 @kernel
-def _first_loading(p, overlap):
+def _first_loading(shape, p, overlap):
     w = overlap * p.inverse_critical
     logarithm = log2(w if w > 1.0 else 1.0)
     factor = _FACTOR1 if w <= _SECOND else _FACTOR2
@@ -88,7 +88,7 @@ def _first_loading(p, overlap):
 
 
 @kernel
-def _inverse(p, force):
+def _inverse(shape, p, force):
     f = force / p.critical_force
     if f <= _FORCE1:
         return hertz_overlap(p, force)
@@ -98,7 +98,7 @@ def _inverse(p, force):
 
 
 @kernel
-def _energy(p, overlap):
+def _energy(shape, p, overlap):
     w = overlap * p.inverse_critical
     if w <= _FIRST:
         return 0.4 * p.hertz_coefficient * overlap * overlap * sqrt(overlap)

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.core.dispatch import bind, curves_of, energy, first_loading
+from demlaws.core.dispatch import bind, energy, first_loading, unloading_curve
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, sqrt
 from demlaws.core.shear import of_first_loading
 from demlaws.core.unloading import Rule, own_rule
@@ -23,7 +23,7 @@ class LinearParams(NamedTuple):
 
 
 @kernel
-def _first_loading(p, overlap):
+def _first_loading(shape, p, overlap):
     straight = overlap if overlap <= p.limit else p.limit
     force = p.loading_stiffness * straight + p.largest_stiffness * (overlap - straight)
     equivalent = hertz_overlap(p, force)
@@ -31,7 +31,7 @@ def _first_loading(p, overlap):
 
 
 @kernel
-def _inverse(p, force):
+def _inverse(shape, p, force):
     at_limit = p.loading_stiffness * p.limit
     if force <= at_limit:
         return force / p.loading_stiffness
@@ -39,7 +39,7 @@ def _inverse(p, force):
 
 
 @kernel
-def _energy(p, overlap):
+def _energy(shape, p, overlap):
     straight = overlap if overlap <= p.limit else p.limit
     more = overlap - straight
     return p.loading_stiffness * straight * (0.5 * straight + more) + 0.5 * p.largest_stiffness * more * more
@@ -59,11 +59,11 @@ def _stiffness(params, maximum):
 
 
 @kernel
-def _step(rule, p, overlap, state):
-    params = curves_of(p)[1]
+def _step(rule, shape, p, overlap, state):
+    params = unloading_curve(shape, p)[1]
     positive = 0.0 if overlap <= 0.0 else overlap
     if overlap >= state[0]:
-        force, stiffness, _, _ = first_loading(p, positive)
+        force, stiffness, _, _ = first_loading(shape, p, positive)
         maximum, plastic = overlap, overlap - force / _stiffness(params, overlap)
     else:
         maximum, plastic = state
@@ -77,23 +77,23 @@ def _step(rule, p, overlap, state):
 
 
 @kernel
-def _stored_and_dissipated(rule, p, overlap, state):
+def _stored_and_dissipated(rule, shape, p, overlap, state):
     if state[0] <= 0.0:
         return 0.0, 0.0
-    k2 = _stiffness(curves_of(p)[1], state[0])
+    k2 = _stiffness(unloading_curve(shape, p)[1], state[0])
     elastic = max(overlap - state[1], 0.0) if overlap > 0.0 else 0.0
     whole = state[0] - state[1]
-    return 0.5 * k2 * elastic * elastic, energy(p, state[0]) - 0.5 * k2 * whole * whole
+    return 0.5 * k2 * elastic * elastic, energy(shape, p, state[0]) - 0.5 * k2 * whole * whole
 
 
 @kernel
-def _unloaded(rule, p, force, state):
-    return state[1] + force / _stiffness(curves_of(p)[1], state[0])
+def _unloaded(rule, shape, p, force, state):
+    return state[1] + force / _stiffness(unloading_curve(shape, p)[1], state[0])
 
 
 @kernel
-def _unloading_stiffness(rule, p, overlap, force, stiffness, state):
-    return _stiffness(curves_of(p)[1], overlap) if overlap >= state[0] and overlap > 0.0 else stiffness
+def _unloading_stiffness(rule, shape, p, overlap, force, stiffness, state):
+    return _stiffness(unloading_curve(shape, p)[1], overlap) if overlap >= state[0] and overlap > 0.0 else stiffness
 
 
 bind(

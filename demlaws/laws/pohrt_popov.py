@@ -32,54 +32,49 @@ class PohrtPopovShape(NamedTuple):
     """Depends on the fractal dimension only."""
 
     ratio: float  # r = δ(F)/δ_H(F) = (2/3)/(1 - m): overlap over Hertz overlap at the threshold force F
+    inverse_ratio: float
     kappa: float  # δ_H(F)/σ = A0/(π R σ)
 
 
 class PohrtPopovParams(NamedTuple):
-    """One contact. With r = shape.ratio, h = δ_H(F): δ(F) = r h."""
+    """One contact. With h = δ_H(F): δ(F) = r h."""
 
     hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
     inverse_threshold: float  # 1/δ(F) [1/m]
     offset: float  # δ(F) - δ_H(F) = (r - 1) h [m]: excess over the Hertz overlap above F
-    ratio: float  # r
-    inverse_ratio: float
 
 
 @kernel
 def _scale(shape, radius, modulus, roughness):
     threshold = shape.kappa * roughness
     return PohrtPopovParams(
-        hertz_coefficient(radius, modulus),
-        1.0 / (threshold * shape.ratio),
-        threshold * (shape.ratio - 1.0),
-        shape.ratio,
-        1.0 / shape.ratio,
+        hertz_coefficient(radius, modulus), 1.0 / (threshold * shape.ratio), threshold * (shape.ratio - 1.0)
     )
 
 
 @kernel
-def _equivalent(p, overlap):
+def _equivalent(shape, p, overlap):
     """Hertz-equivalent overlap and its slope: h t^r and t^(r-1) with t = δ/δ(F) = δ/(r h), then parallel to Hertz."""
     relative = overlap * p.inverse_threshold
-    slope = power(relative, p.ratio - 1.0)
+    slope = power(relative, shape.ratio - 1.0)
     if relative < 1.0:
-        return overlap * slope * p.inverse_ratio, slope
+        return overlap * slope * shape.inverse_ratio, slope
     return overlap - p.offset, 1.0
 
 
 @kernel
-def _first_loading(p, overlap):
-    equivalent, slope = _equivalent(p, overlap)
+def _first_loading(shape, p, overlap):
+    equivalent, slope = _equivalent(shape, p, overlap)
     root = p.hertz_coefficient * sqrt(equivalent)
     return root * equivalent, 1.5 * root * slope, equivalent, equivalent
 
 
 @kernel
-def _inverse(p, force):
+def _inverse(shape, p, force):
     equivalent = hertz_overlap(p, force)
-    relative = equivalent * (p.inverse_threshold * p.ratio)
+    relative = equivalent * (p.inverse_threshold * shape.ratio)
     if relative < 1.0:
-        return power(relative, p.inverse_ratio) / p.inverse_threshold
+        return power(relative, shape.inverse_ratio) / p.inverse_threshold
     return equivalent + p.offset
 
 
@@ -94,9 +89,9 @@ def transition_energy(p, ratio, overlap, force, equivalent):
 
 
 @kernel
-def _energy(p, overlap):
-    force, _, equivalent, _ = _first_loading(p, overlap)
-    return transition_energy(p, p.ratio, overlap, force, equivalent)
+def _energy(shape, p, overlap):
+    force, _, equivalent, _ = _first_loading(shape, p, overlap)
+    return transition_energy(p, shape.ratio, overlap, force, equivalent)
 
 
 bind(PohrtPopovShape, scale=_scale)
@@ -109,7 +104,8 @@ def _prepare(contact):
     m = np.longdouble("0.2567") * dimension
     root_pi = np.sqrt(np.longdouble("3.14159265358979323846264338327950288"))
     kappa = np.longdouble(3) / 4 * root_pi * (20 / (root_pi**3 * dimension)) ** (1 / m)
-    return PohrtPopovShape(float(2 / (3 * (1 - m))), float(kappa))
+    ratio = float(2 / (3 * (1 - m)))
+    return PohrtPopovShape(ratio, 1.0 / ratio, float(kappa))
 
 
 def _limits(contact):

@@ -53,7 +53,7 @@ def _equivalent(u):
 
 
 @kernel
-def _first_loading(p, overlap):
+def _first_loading(shape, p, overlap):
     s, slope = _equivalent(overlap / p.roughness)
     equivalent = s * p.roughness
     root = p.hertz_coefficient * sqrt(equivalent)
@@ -61,7 +61,7 @@ def _first_loading(p, overlap):
 
 
 @kernel
-def _inverse(p, force):
+def _inverse(shape, p, force):
     equivalent = hertz_overlap(p, force)
     s = equivalent / p.roughness
     ratio = (2.4 + 2.0 * s) / (1.0 + 2.0 * s)
@@ -69,7 +69,7 @@ def _inverse(p, force):
 
 
 @kernel
-def _energy(p, overlap):
+def _energy(shape, p, overlap):
     """Closed form [our derivation]: with x = √(2s), ∫f du = f u - (4/5) s^2.5 - (x-integrals of 2.8 and 1.96 terms)."""
     s, _ = _equivalent(overlap / p.roughness)
     x = sqrt(2.0 * s)

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.contact import GRANITE_YIELD_PRESSURE, pressure_of
-from demlaws.core.dispatch import bind, energy, first_loading, inverse, scale
+from demlaws.core.dispatch import bind, energy, first_loading, inverse, scale, with_pointers
 from demlaws.core.fastmath import bits, cbrt, from_bits, hertz_coefficient, hertz_overlap, kernel
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import (
@@ -69,24 +69,24 @@ def _scale(shape, radius, modulus, roughness):
     high = bits(1e3 * radius)
     while high - low > 1:
         middle = low + ((high - low) >> 1)  # the sum of two bit patterns may overflow
-        if first_loading(loading, from_bits(middle))[1] < stiffness:
+        if first_loading(shape.loading, loading, from_bits(middle))[1] < stiffness:
             low = middle
         else:
             high = middle
     overlap = from_bits(low)
     if shape.load_pressure > 0.0:
         pressure = shape.load_pressure  # p0 of a smooth contact at the load π³R²p³/(6E*²)
-        overlap = inverse(loading, math.pi**3 / 6.0 * pressure * (bulk * pressure / modulus) ** 2)
-    force, _, equivalent, _ = first_loading(loading, overlap)
+        overlap = inverse(shape.loading, loading, math.pi**3 / 6.0 * pressure * (bulk * pressure / modulus) ** 2)
+    force, _, equivalent, _ = first_loading(shape.loading, loading, overlap)
     ratio = cbrt(radius / bulk)
     coefficient = hertz_coefficient(bulk, modulus)
     return RoughPlasticParams(coefficient, loading, ratio, overlap, force, stiffness, ratio * equivalent, 1.0 / stiffness)
 
 
 @kernel
-def _first_loading(p, overlap):
+def _first_loading(shape, p, overlap):
     rough = overlap if overlap <= p.yield_overlap else p.yield_overlap
-    force, stiffness, equivalent, area = first_loading(p.loading, rough)
+    force, stiffness, equivalent, area = first_loading(shape.loading, p.loading, rough)
     plastic_force = p.yield_force + p.yield_stiffness * (overlap - p.yield_overlap)
     plastic_equivalent = hertz_overlap(p, plastic_force)
     if overlap <= p.yield_overlap:
@@ -96,21 +96,26 @@ def _first_loading(p, overlap):
 
 
 @kernel
-def _inverse(p, force):
+def _inverse(shape, p, force):
     if force <= p.yield_force:
-        return inverse(p.loading, force)
+        return inverse(shape.loading, p.loading, force)
     return p.yield_overlap + (force - p.yield_force) / p.yield_stiffness
 
 
 @kernel
-def _energy(p, overlap):
+def _energy(shape, p, overlap):
     if overlap <= p.yield_overlap:
-        return energy(p.loading, overlap)
+        return energy(shape.loading, p.loading, overlap)
     more = overlap - p.yield_overlap
-    return energy(p.loading, p.yield_overlap) + more * (p.yield_force + 0.5 * p.yield_stiffness * more)
+    return energy(shape.loading, p.loading, p.yield_overlap) + more * (p.yield_force + 0.5 * p.yield_stiffness * more)
 
 
-bind(RoughPlasticShape, scale=_scale)
+@kernel
+def _with_pointers(shape):
+    return RoughPlasticShape(with_pointers(shape.loading), shape.yield_pressure, shape.load_pressure, shape.bulk_radius)
+
+
+bind(RoughPlasticShape, scale=_scale, with_pointers=_with_pointers)
 bind(RoughPlasticParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 

@@ -20,13 +20,14 @@ from demlaws.laws.definition import (
     pressure_option,
     yielding_bulk,
 )
-from demlaws.laws.hertz import HertzParams
+from demlaws.laws.hertz import HertzParams, HertzShape
 from demlaws.laws.rough_plastic import RoughPlasticParams
 
 
 class ThorntonNingShape(NamedTuple):
-    """The limit pressure."""
+    """The limit pressure, and Hertz's law before yield."""
 
+    loading: HertzShape
     yield_pressure: float  # p_y [Pa]
 
 
@@ -45,7 +46,7 @@ bind(ThorntonNingShape, scale=_scale)
 
 
 def _prepare(contact, yield_pressure):
-    return ThorntonNingShape(pressure_of(contact, yield_pressure, "yield_pressure"))
+    return ThorntonNingShape(HertzShape(), pressure_of(contact, yield_pressure, "yield_pressure"))
 
 
 LAW = Definition(

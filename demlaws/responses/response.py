@@ -110,7 +110,7 @@ class Response(Bound):
     def _force_and_stiffness(self, overlap):
         values, shape = self._shaped(overlap, "overlap", "m")
         self._check_range(values)
-        force, stiffness = force_loop(self.params, values.ravel())
+        force, stiffness = force_loop(self.shape, self.params, values.ravel())
         if not np.all(np.isfinite(force)):
             raise DemlawsError(self._out_of_range(float(values.max())))
         self._warn_of_limits(force)
@@ -166,7 +166,7 @@ class Response(Bound):
             Overlap [m], 0 at P ≤ 0.
         """
         values, shape = self._shaped(force, "force", "N")
-        result = inverse_loop(loading_part(self.params), values.ravel())
+        result = inverse_loop(self.shape, self.params, values.ravel())
         if not np.all(np.isfinite(result)):
             raise DemlawsError(self._force_out_of_range(float(values.max())))
         self._check_range(result.reshape(shape))
@@ -191,7 +191,7 @@ class Response(Bound):
         """
         values, shape = self._shaped(overlap, "overlap", "m")
         self._check_range(values)
-        result = energy_loop(loading_part(self.params), values.ravel())
+        result = energy_loop(self.shape, self.params, values.ravel())
         return as_given(result.reshape(shape))
 
     # --- history
@@ -260,7 +260,8 @@ class Response(Bound):
 
         def part(piece):
             states, params = tuple(array[piece] for array in arrays), self._params_of(piece)
-            return batch_loop(self.rule_tag, params, overlap[piece], states, lowest, most, force[piece], stiffness[piece])
+            at = overlap[piece], states, lowest, most, force[piece], stiffness[piece]
+            return batch_loop(self.rule_tag, self.shape, params, *at)
 
         good = all(in_threads(part, n)) if parallel and n >= 16 * PIECE else part(slice(None))
         if not good and arrays and self.contact.size is not None:
@@ -279,22 +280,23 @@ class Response(Bound):
         again = np.flatnonzero(np.isnan(force) & (overlap <= ends))
         states = tuple(array[again] for array in arrays)
         results = np.empty(again.size, force.dtype), np.empty(again.size, stiffness.dtype)
-        batch_loop(self.rule_tag, self._params_of(again), overlap[again], states, UNBOUNDED, FINITE, *results)
+        pair = self.shape, self._params_of(again)
+        batch_loop(self.rule_tag, *pair, overlap[again], states, UNBOUNDED, FINITE, *results)
         for array, values in zip((force, stiffness, *arrays), (*results, *states), strict=True):
             array[again] = values
 
     def _params_of(self, piece):
         """Params of some of the contacts."""
-        return map_leaves(lambda v: v[piece] if isinstance(v, np.ndarray) and v.ndim == 1 else v, self.params)
+        return map_leaves(lambda v: v[piece] if isinstance(v, np.ndarray) else v, self.params)
 
     @functools.cached_property
     def _largest_overlaps(self):
-        """Largest overlap [m] that is answered, one number or one a contact; then the lowest of all contacts' for `batch_loop`,
-        its `end` and `most`: with one for each contact a batch of tables took a tenth longer."""
+        """Largest valid overlap [m], one number or one per contact; then the lowest of all contacts' and the largest expected
+        value, for `batch_loop`: with one end per contact a batch of tables took a tenth longer."""
         radius = np.asarray(self._radius)
         end = np.minimum(LARGEST_OVERLAP * radius, self._curve_end())
         small = np.minimum(SMALL_OVERLAP * radius, end).ravel()
-        most = force_loop(self.params, small)[0] if self.state_size else small
+        most = force_loop(self.shape, self.params, small)[0] if self.state_size else small
         return end, (float(np.min(end)), float(min(np.min(most), FINITE)))
 
     def _largest_unloading_force(self):
@@ -304,11 +306,11 @@ class Response(Bound):
 
     def _curve_end(self):
         """Overlap [m] at which the curve ends, or its unloading curve in force; one number or one per contact."""
-        params, force = loading_part(self.params), self._largest_unloading_force()
-        end = self.curve.end(params)
+        force = self._largest_unloading_force()
+        end = self.curve.end(loading_part(self.params))
         if force == math.inf:
             return end
-        result = inverse_loop(params, np.full(self.contact.size or 1, force))
+        result = inverse_loop(self.shape, self.params, np.full(self.contact.size or 1, force))
         result[np.isnan(result)] = math.inf
         return np.minimum(end, result if self.contact.size is not None else float(result[0]))
 
@@ -380,7 +382,7 @@ class Response(Bound):
         values, _, arrays = self._path_of(overlap, state)
         columns = [np.empty(values.size) for _ in range(4)]
         history = tuple(np.zeros(values.size) for _ in self.state_names)
-        follow_loop(self.rule_tag, self.params, values, arrays, history, *columns)
+        follow_loop(self.rule_tag, self.shape, self.params, values, arrays, history, *columns)
         force, stiffness, stored, dissipated = columns
         if not np.all(np.isfinite(force)):
             raise DemlawsError(self._out_of_range(float(values.max())))
@@ -407,7 +409,7 @@ class Response(Bound):
             )
         ratio = number(ratio, "ratio")
         values, shape, arrays = self._path_of(overlap, state)
-        result = shear_loop(CHOICES[shear].tag, self.rule_tag, self.params, values, arrays)
+        result = shear_loop(CHOICES[shear].tag, self.rule_tag, self.shape, self.params, values, arrays)
         if not np.all(np.isfinite(result)):
             raise DemlawsError(self._out_of_range(float(values.max())))
         return as_given(ratio * result.reshape(shape))
@@ -416,7 +418,7 @@ class Response(Bound):
         """Overlap [m] at which a contact with this history, below its maximum overlap, carries `force` ≥ 0 [N]."""
         values, shape = self._shaped(force, "force", "N")
         states = tuple(np.full(values.size, float(array[0])) for array in self._arrays_of(state, 1))
-        result = unloaded_loop(self.rule_tag, self.single_params(), values.ravel(), states)
+        result = unloaded_loop(self.rule_tag, self.shape, self.single_params(), values.ravel(), states)
         return as_given(result.reshape(shape))
 
     # --- range

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from demlaws.contact import GRANITE, Contact
+from demlaws.contact import GRANITE, Contact, contact_at
 from demlaws.curves.soundness import Check, curve_checks, refuse_unless_collapses
 from demlaws.errors import DemlawsError, NotPassive, quiet
 from demlaws.laws.registry import find
@@ -45,7 +45,13 @@ class LawCheck(NamedTuple):
 
 
 def check_law(
-    name: str, contact: Contact | None = None, rules: tuple | None = None, *, paths: int = 500, **options: Any
+    name: str,
+    contact: Contact | None = None,
+    rules: tuple | None = None,
+    *,
+    paths: int = 500,
+    yade: bool = True,
+    **options: Any,
 ) -> LawCheck:
     """Run the project's tests of laws on one law.
 
@@ -59,6 +65,8 @@ def check_law(
         Unloading rules; default: all that the law accepts.
     paths : int
         Random paths per rule.
+    yade : bool
+        Compare with the forces that YADE applies, if YADE is installed (some seconds).
     **options
         Options of the law, in addition to those of its example.
 
@@ -74,12 +82,13 @@ def check_law(
 
     Notes
     -----
-    Round trip, stiffness against the derivative, energy = ∫P dδ, finite and increasing, no work returned on random paths, and
-    the certificate of its table.
+    Round trip, stiffness against the derivative, energy = ∫P dδ, finite and increasing, no work returned on random paths, the
+    certificate of its table; contacts of other sizes, as an array in any order and one by one; in YADE three contacts along a
+    path of loading, unloading, reloading and separation.
 
     Examples
     --------
-    >>> dl.check_law("hertz", rules=("elastic",), paths=100).passed
+    >>> dl.check_law("hertz", rules=("elastic",), paths=100, yade=False).passed
     True
     """
     name = find(name).name
@@ -88,7 +97,7 @@ def check_law(
         raise DemlawsError("check_law takes one contact, not an array of contacts")
     with quiet(), np.errstate(all="ignore"):
         law = example(name, contact, "elastic", **options)
-        checks = list(curve_checks(law.params, float(contact.radius), law.definition.solved))
+        checks = list(curve_checks(law.shape, law.params, float(contact.radius), law.definition.solved))
         if law.collapses and not law.definition.solved:  # a solved law's curve comes with a number of its own
             checks.append(_trial("one curve serves all contacts", refuse_unless_collapses, law, contact)[0])
         for rule in rules or law.definition.offered():
@@ -98,7 +107,70 @@ def check_law(
             serves = "one table serves all contacts" if table.collapses else "a table serves its own contact only"
             what = f"table of {table.nodes.u.size} rows: largest error, relative"
             made = Check(what, max(table.force_error, table.stiffness_error), _RTOL, note=serves)
-        return LawCheck(name, (*checks, made))
+        checks += [made, _array_check(law, contact, options)]
+        return LawCheck(name, (*checks, *([_yade_check(law, contact, options)] if yade else [])))
+
+
+_SIZES = np.array([1.0, 0.05, 3.0])
+"""Radii of three contacts over that of the one that is checked; the moduli go the other way."""
+_PATH = 4e-3 * np.concatenate([np.linspace(a, b, 8)[1:] for a, b in ((0, 0.5), (0.5, 0.2), (0.2, 1), (1, -0.1), (-0.1, 0.3))])
+
+
+def _three(contact):
+    """Three contacts of different sizes and moduli, the first one as it is."""
+    with_sigma = {} if contact.roughness is None else {"roughness": contact.roughness * _SIZES**0.5}
+    return contact.with_values(radius=contact.radius * _SIZES, modulus=contact.modulus * _SIZES**-0.2, **with_sigma)
+
+
+def _array_check(law, contact, options):
+    """Largest relative difference of an array of contacts, in two orders, from each contact by itself."""
+    what = "array of contacts against each by itself, relative"
+    three, order = _three(contact), np.array([2, 0, 1])
+    overlap, errors = 1e-3 * np.asarray(three.radius), []
+    try:
+        for places in (np.arange(3), order):
+            many = example(law.name, contact_at(three, places), "elastic", **options)
+            for n, place in enumerate(places):
+                one = example(law.name, contact_at(three, place), "elastic", **options)
+                for of_many, of_one in ((many.force, one.force), (many.stiffness, one.stiffness)):
+                    errors.append(abs(of_many(overlap[places])[n] / of_one(overlap[place]) - 1.0))
+    except DemlawsError as error:
+        return Check(what, int(not law.definition.needs_map), 0, note=f"refused: {error}")
+    return Check(what, float(np.max(errors)), 2e-5 if law.definition.solved else 1e-13)
+
+
+def _yade_check(law, contact, options):
+    """Largest difference, over the largest force, of YADE's forces on three contacts from those of the law in Python."""
+    from demlaws.laws import registry
+    from demlaws.yade.forces import ask
+    from demlaws.yade.run import executable
+
+    what, three = "YADE against Python, of the largest force", _three(contact)
+    home, definition = registry.home_of(law.name), law.definition
+    loaded = home in registry._loaded
+    try:
+        executable()
+    except DemlawsError as error:
+        return Check(what, 0, 0, note=f"not compared: {error}")
+    if definition.needs_map or (registry.is_user_defined(definition) and not loaded):
+        why = "the law is that of one map" if definition.needs_map else "only laws of a file can be: dl.load_laws(FILE)"
+        return Check(what, 0, 0, note=f"not compared: {why}")
+    options = {**definition.example, **options}
+    rule = definition.default_rule(**options)
+    paths, asked, expected = [], [], []
+    try:
+        for n in range(3):
+            one = contact_at(three, n)
+            paths.append((_PATH * one.radius).tolist())
+            surface = {"roughness": float(one.sigma) / math.sqrt(2.0), "hardness": one.hardness}
+            asked.append((one.radius, one.modulus, surface | {"fractal_dimension": one.fractal_dimension}))
+            expected.append(example(law.name, one, rule, **options).follow(paths[n]).force)
+        found = ask(law.name, rule, options, [home] if loaded else [], asked, paths)
+    except DemlawsError as error:
+        return Check(what, 1, 0, note=str(error))
+    errors = [np.max(np.abs(np.subtract(f, e))) / np.max(e) for f, e in zip(found, expected, strict=True)]
+    # YADE's overlap is 2r less a distance, both rounded
+    return Check(what, float(np.max(errors)), 2e-11)
 
 
 def _trial(what, function, *arguments):

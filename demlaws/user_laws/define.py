@@ -150,7 +150,7 @@ def _types(name, functions, extra):
     scale = function_of_text("shape, R, E, s", [f"return Params(hertz_coefficient(R, E), R, E, s, {values})"], names)
 
     @kernel
-    def first_loading(p, overlap):
+    def first_loading(shape, p, overlap):
         load = force(p, overlap)
         equivalent = hertz_overlap(p, load)
         return load, stiffness(p, overlap), equivalent, equivalent
@@ -159,8 +159,8 @@ def _types(name, functions, extra):
     bind(
         params_type,
         first_loading=first_loading,
-        inverse=overlap or _searched(force, stiffness),
-        energy=energy or _integrated(force),
+        inverse=_searched(force, stiffness) if overlap is None else _of_contact(overlap),
+        energy=_integrated(force) if energy is None else _of_contact(energy),
     )
     return shape_type
 
@@ -186,6 +186,16 @@ def _of_numbers(function):
     return outer
 
 
+def _of_contact(function):
+    """A user's function of a contact and a number as a kernel."""
+
+    @kernel
+    def of_contact(shape, p, value):
+        return function(p, value)
+
+    return of_contact
+
+
 def _searched(force, stiffness):
     """The inverse of a rising curve, bracketed by doubling."""
 
@@ -196,7 +206,7 @@ def _searched(force, stiffness):
     find = root_finder(curve)
 
     @kernel
-    def inverse(p, load):
+    def inverse(shape, p, load):
         high = hertz_overlap(p, load)
         low = 0.0
         for _ in range(1100):
@@ -212,7 +222,7 @@ def _integrated(force):
     """∫P dδ by Gauss's rule, panels a 32nd of an octave wide."""
 
     @kernel
-    def energy(p, overlap):
+    def energy(shape, p, overlap):
         total = 0.0
         top = overlap
         for _ in range(_OCTAVES):

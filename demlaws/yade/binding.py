@@ -64,7 +64,7 @@ class Binding:
         self.context.forget()
 
     def rows(self, contacts):
-        """The contacts as an array of `layout.CONTACT`; tag 0 where the law has not seen the contact."""
+        """The contacts as an array of `layout.contact_dtype`; tag 0 where the law has not seen the contact."""
         rows = self.attachment.rows_of(contacts)
         for row, contact in zip(rows, contacts, strict=True):
             overlap = contact.geom.penetrationDepth  # a loaded scene does not know it before its first step

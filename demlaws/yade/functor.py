@@ -81,7 +81,7 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         except native.BridgeUnavailable as error:
             from demlaws.yade.reports import unavailable_text
 
-            raise DemlawsError(unavailable_text(error)) from None
+            raise DemlawsError(unavailable_text(error, pairs)) from None
         self.binding.attachment.patch(self)
 
     @classmethod

@@ -1,6 +1,6 @@
 """The contact step: compiled code that runs inside YADE at each contact, no Python, no YADE.
 
-`evaluate` is the law: one contact, its pair of surfaces, its overlap and history in; force, tangent and new history out.
+`evaluate` is the law: a contact, its pair of surfaces, overlap and history in; force, tangent and new history out.
 `go` is that law at work inside a native functor (see `native`): Mindlin's law with our force and stiffness (`mindlin`).
 """
 
@@ -31,11 +31,13 @@ from demlaws.yade.records import (
     foreign,
     note,
     pointee,
+    read_floats,
     vector,
     view,
+    write_floats,
 )
 from demlaws.yade.shear import Slip, apply_mindlin, compress, synchronise
-from demlaws.yade.tuples import keep_params, keep_state, params_of_row, shape_of, state_of
+from demlaws.yade.tuples import keep_state, shape_of, state_of
 
 LOWEST_MODULUS = RANGES["modulus"].low
 call_gap_radius = foreign(types.float64, *[types.int64] * 8, *[types.float64] * 2)
@@ -48,36 +50,48 @@ call_map_memory = foreign(types.int64, types.int64, types.int64, *[types.int32] 
 
 
 @kernel
-def params_of(kind, pair, radius, modulus):
-    """The law's Params for a contact whose surfaces are `pair`."""
-    return scale(shape_of(kind, pair), radius, modulus, clamped_roughness(pair.roughness, radius))
+def fill_params(kind, row, pair):
+    """Make the Params of a contact, once, from its R and E* and its pair's Shape; returns whether it is smooth, or a marker."""
+    if pair.smooth != 0 or row.modulus == 0.0:
+        row.hertz = hertz_coefficient(row.radius, row.modulus)
+        return True
+    params = scale(shape_of(kind, pair), row.radius, row.modulus, clamped_roughness(pair.roughness, row.radius))
+    write_floats(row.params.ctypes.data, params)
+    return False
 
 
 @kernel
-def response(shear, rule, p, overlap, state):
+def params_of(params_kind, contact):
+    """The law's Params, which `fill_params` has made, of a contact that is not smooth."""
+    return read_floats(contact.params.ctypes.data, params_kind)
+
+
+@kernel
+def response(shear, rule, shape, p, overlap, state):
     """Force [N], tangent stiffness, the stiffness used to compute K_t [N/m], and new state."""
-    force, stiffness, new = step(rule, p, overlap, state)
-    return force, stiffness, shear_stiffness(shear, rule, p, overlap, force, stiffness, new), new
+    force, stiffness, new = step(rule, shape, p, overlap, state)
+    return force, stiffness, shear_stiffness(shear, rule, shape, p, overlap, force, stiffness, new), new
 
 
 @kernel
-def evaluate(kind, shear, rule, pair, radius, modulus, overlap, state):
+def evaluate(kind, params_kind, shear, rule, pair, contact, overlap, state):
     """`response` of a contact whose surfaces are `pair`."""
-    if modulus == 0.0:  # a marker: YADE's own law gives it no force
+    if contact.modulus == 0.0:  # a marker: YADE's own law gives it no force
         return 0.0, 0.0, 0.0, state
     if pair.smooth != 0:
-        return response(shear, rule_of_smooth_contact(rule), scale(HertzShape(), radius, modulus, 0.0), overlap, state)
-    return response(shear, rule, params_of(kind, pair, radius, modulus), overlap, state)
+        return response(shear, rule_of_smooth_contact(rule), HertzShape(), HertzParams(contact.hertz), overlap, state)
+    return response(shear, rule, shape_of(kind, pair), params_of(params_kind, contact), overlap, state)
 
 
 @kernel
-def energies(kind, rule, pair, radius, modulus, overlap, state):
+def energies(kind, params_kind, rule, pair, contact, overlap, state):
     """Stored and dissipated energy [J] of a contact since it was made."""
-    if modulus == 0.0:
+    if contact.modulus == 0.0:
         return 0.0, 0.0
     if pair.smooth != 0:
-        return stored_and_dissipated(rule_of_smooth_contact(rule), scale(HertzShape(), radius, modulus, 0.0), overlap, state)
-    return stored_and_dissipated(rule, params_of(kind, pair, radius, modulus), overlap, state)
+        smooth = rule_of_smooth_contact(rule)
+        return stored_and_dissipated(smooth, HertzShape(), HertzParams(contact.hertz), overlap, state)
+    return stored_and_dissipated(rule, shape_of(kind, pair), params_of(params_kind, contact), overlap, state)
 
 
 @kernel
@@ -212,17 +226,6 @@ def edged_radius(radius, radius1, radius2, edge1, edge2, flat):
 
 
 @cold
-def renew_radius(kind, context, geom, interaction, row, pair):
-    """Renew R and the row of a contact whose bodies' curvature changes as it moves."""
-    body1, body2 = body_of(context, interaction.id1, 0), body_of(context, interaction.id2, 0)
-    if row.modulus == 0.0 or not (has_no_radius(context, body1) or has_no_radius(context, body2)):
-        return
-    radius = curvature_radius(context, geom, interaction, body1, body2, row.radius)
-    if abs(radius - row.radius) > 1e-12 * row.radius:
-        take_radius(kind, context, interaction, row, pair, radius)
-
-
-@cold
 def follow_radii(kind, context, geom, interaction, row, pair):
     """Renew R and the row of a contact whose bodies have grown or shrunk; E* remains."""
     row.reach = geom.refR1 + geom.refR2
@@ -255,20 +258,11 @@ def contact_radius(context, geom, body1, body2):
 # --- rows
 
 
-@kernel
-def fill_params(kind, row, pair):
-    """Write the contact's own Params to its row; returns whether it is smooth, or a marker."""
-    if pair.smooth != 0 or row.modulus == 0.0:
-        row.hertz = hertz_coefficient(row.radius, row.modulus)
-        return True
-    keep_params(kind, params_of(kind, pair, row.radius, row.modulus), row)
-    return False
-
-
 @loop
-def fill_row(kind, row, pair):
-    """`fill_params` for Python."""
-    return fill_params(kind, row, pair)
+def fill_loop(kind, pairs, contacts):
+    """`fill_params` of an array of contacts, whose `tag` is the number of their pair + 1."""
+    for i in range(contacts.size):
+        fill_params(kind, contacts[i], pairs[np.int64(contacts[i].tag) - 1])
 
 
 @cold
@@ -385,9 +379,9 @@ def gather_rows(addresses, words):
 
 
 @cold
-def end_contact(kind, rule, context, pair, row, state):
+def end_contact(kind, params_kind, rule, context, pair, row, state):
     """Bank the dissipation of a contact that ends, with the energy of shear that it stored."""
-    dissipated = energies(kind, rule, pair, row.radius, row.modulus, 0.0, state)[1]
+    dissipated = energies(kind, params_kind, rule, pair, row, 0.0, state)[1]
     add_float(context.banked.ctypes.data, dissipated)
     add_float(context.banked_shear.ctypes.data, row.lost)
     add_float(context.banked_viscous.ctypes.data, row.viscous)
@@ -423,14 +417,14 @@ def unknown_class(context, contact, interaction):
 def law_of_contact(kind, params_kind, shear, mode, rule, mark, pair, row, overlap, old):
     """`response` of a contact by what its row has; mark: negative for a smooth pair."""
     if mark > 0:
-        p = params_of_row(params_kind, kind, row, pair)
-        force, stiffness, sideways, new = response(shear, rule, p, overlap, old)
-        compress(mode, rule, p, row, overlap, force, sideways, new)
+        shape, p = shape_of(kind, pair), params_of(params_kind, row)
+        force, stiffness, sideways, new = response(shear, rule, shape, p, overlap, old)
+        compress(mode, rule, shape, p, row, overlap, force, sideways, new)
         return force, stiffness, sideways, new
     if row.hertz != 0.0:
-        p, smooth = HertzParams(row.hertz), rule_of_smooth_contact(rule)
-        force, stiffness, sideways, new = response(shear, smooth, p, overlap, old)
-        compress(mode, smooth, p, row, overlap, force, sideways, new)
+        shape, p, smooth = HertzShape(), HertzParams(row.hertz), rule_of_smooth_contact(rule)
+        force, stiffness, sideways, new = response(shear, smooth, shape, p, overlap, old)
+        compress(mode, smooth, shape, p, row, overlap, force, sideways, new)
         return force, stiffness, sideways, new
     return 0.0, 0.0, 0.0, old
 
@@ -479,8 +473,6 @@ def go(kind, params_kind, shear, mode, rule, pair_dtype, row_dtype, context, con
         note(context, layout.SHARED, interaction, 0.0)
     if geom.refR1 + geom.refR2 != row.reach:
         follow_radii(kind, context, geom, interaction, row, pair)
-    if overlap > 0.0 and context.radius_mode == layout.CURVATURE_RADIUS:
-        renew_radius(kind, context, geom, interaction, row, pair)
     old = state_of(rule, row)
     force, stiffness, sideways, new = law_of_contact(kind, params_kind, shear, mode, rule, mark, pair, row, overlap, old)
     if is_faulty(context, interaction, row, overlap, force):
@@ -505,7 +497,7 @@ def go(kind, params_kind, shear, mode, rule, pair_dtype, row_dtype, context, con
     if overlap > 0.0:
         phys.kn = stiffness  # Mindlin left 1.5 P/δ here; the time stepper needs the tangent
     else:
-        end_contact(kind, rule, context, pair, row, old)
+        end_contact(kind, params_kind, rule, context, pair, row, old)
     if keep == 0:
         add_integer(context.open.ctypes.data, -1)
         row.tag = 0.0
@@ -515,19 +507,19 @@ def go(kind, params_kind, shear, mode, rule, pair_dtype, row_dtype, context, con
 
 
 # what `entry` gives to a copy of the function below
-KIND = PARAMS_KIND = SHEAR = MODE = RULE = PAIR = ROW = BEHIND = None
+KIND = PARAMS_KIND = SHEAR = MODE = RULE = PAIR = ROW = CONTEXT_OFFSET = None
 
 
 def _go(functor, geom_pointer, phys_pointer, interaction):
-    context = view(pointee(pointee(functor) + BEHIND), CONTEXT)
+    context = view(pointee(pointee(functor) + CONTEXT_OFFSET), CONTEXT)
     contact = Pointers(functor, geom_pointer, phys_pointer, interaction, pointee(geom_pointer), 0, 0)
     return go(KIND, PARAMS_KIND, SHEAR, MODE, RULE, PAIR, ROW, context, contact)
 
 
-def entry(pairs, behind):
+def entry(pairs, context_offset):
     """`go` for the kind of laws of `pairs` as native code (`.address`).
 
-    The address of the context is `behind` bytes after the functor's table of virtual
+    The address of the context is `context_offset` bytes after the functor's table of virtual
     functions. The dtypes, with offsets in YADE's objects, are constants of the code.
     """
     if isinstance(pairs.mode, Slip):
@@ -541,7 +533,7 @@ def entry(pairs, behind):
         "RULE": pairs.rule,
         "PAIR": pairs.records.dtype,
         "ROW": pairs.row,
-        "BEHIND": behind,
+        "CONTEXT_OFFSET": context_offset,
     }
     return callback(types.uint8(*[types.int64] * 4), _go, constants)
 
@@ -550,8 +542,8 @@ def entry(pairs, behind):
 
 
 @loop
-def evaluate_loop(kind, shear, rule, pairs, contacts, out):
-    """`evaluate` for an array of `CONTACT`, whose state is updated in place; out: an array of `EVALUATED`.
+def evaluate_loop(kind, params_kind, shear, rule, pairs, contacts, out):
+    """`evaluate` for an array of contacts, whose state is updated in place; out: an array of `EVALUATED`.
 
     Returns the first contact whose force is not finite, or -1.
     """
@@ -560,7 +552,7 @@ def evaluate_loop(kind, shear, rule, pairs, contacts, out):
         c = contacts[i]
         old = state_of(rule, c)
         pair = pairs[np.int64(c.tag) - 1]
-        force, stiffness, sideways, new = evaluate(kind, shear, rule, pair, c.radius, c.modulus, c.overlap, old)
+        force, stiffness, sideways, new = evaluate(kind, params_kind, shear, rule, pair, c, c.overlap, old)
         if force - force != 0.0 or c.overlap - c.overlap != 0.0:
             bad = i if bad < 0 else bad
             force, stiffness, sideways, new = 0.0, 0.0, 0.0, old
@@ -574,22 +566,22 @@ def evaluate_loop(kind, shear, rule, pairs, contacts, out):
 
 
 @loop
-def energies_loop(kind, rule, pairs, contacts, out):
-    """`energies` for an array of `CONTACT`; out: an array of `ENERGY`."""
+def energies_loop(kind, params_kind, rule, pairs, contacts, out):
+    """`energies` for an array of contacts; out: an array of `ENERGY`."""
     for i in range(contacts.size):
         c = contacts[i]
         pair = pairs[np.int64(c.tag) - 1]
-        stored, dissipated = energies(kind, rule, pair, c.radius, c.modulus, c.overlap, state_of(rule, c))
+        stored, dissipated = energies(kind, params_kind, rule, pair, c, c.overlap, state_of(rule, c))
         out[i].stored = stored
         out[i].dissipated = dissipated
 
 
 @loop
-def yielded_loop(kind, pairs, contacts, highest, out):
+def yielded_loop(kind, params_kind, pairs, contacts, highest, out):
     """Whether the bulk of contacts has yielded at their highest overlaps [m]: a²/R is then not δ_H(P) (`core.dispatch`)."""
     for i in range(contacts.size):
         c = contacts[i]
         pair = pairs[np.int64(c.tag) - 1]
         if pair.smooth == 0 and c.modulus > 0.0:
-            _, _, equivalent, area = first_loading(params_of(kind, pair, c.radius, c.modulus), highest[i])
+            _, _, equivalent, area = first_loading(shape_of(kind, pair), params_of(params_kind, c), highest[i])
             out[i] = area > equivalent * (1.0 + 1e-9)

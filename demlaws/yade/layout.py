@@ -85,7 +85,6 @@ CONTEXT = _context()
 _HISTORY: list = [(name, "f8") for name in ("overlap", "ratio", "tag", "radius", "modulus")]
 _HISTORY += [("state", "f8", (3,)), *[(name, "f8") for name in ("shear", "held", "lost", "viscous", "written")]]
 _HISTORY += [("left", "f8", (3,)), ("reach", "f8")]
-CONTACT = np.dtype(_HISTORY)
 EVALUATED = np.dtype([(name, "f8") for name in ("kno", "kso", "tangent", "force")])
 ENERGY = np.dtype([(name, "f8") for name in ("stored", "dissipated")])
 
@@ -104,16 +103,21 @@ def pair_dtype(shape_fields):
     return np.dtype([*shape_fields, ("smooth", "i8"), *[(name, "f8") for name in ("roughness", "radius", "modulus")]])
 
 
-def row_dtype(levels, own_fields, springs):
+def contact_dtype(floats):
+    """dtype of a contact outside YADE's objects: its history and its Params, a number of floats (`hertz`: of a smooth one)."""
+    return np.dtype([*_HISTORY, ("params", "f8", (floats,)), ("hertz", "f8")])
+
+
+def row_dtype(levels, floats, springs):
     """dtype of a contact's row in the memory of a law.
 
     phys, interaction: addresses of the contact's objects; pair: of its pair; lever: how its surfaces turn. The history; the
-    levels of shear: upper bounds of their stiffness K_t [N/m] and stretches [m]; `hertz`, or the numbers of the contact's
-    Params that are its own (derived numbers, which cost too much to derive at each step: a law that yields finds its yield
-    point by bisection); with partial slip its springs. MindlinPhys.prevU, which Mindlin's law does not use, has the address of
-    the row, negative for a smooth pair, and the generation of the rows.
+    levels of shear: upper bounds of their stiffness K_t [N/m] and stretches [m]; the floats of the contact's Params, made once
+    (a law that yields finds its yield point by bisection), or `hertz` of a smooth contact; with partial slip its springs.
+    MindlinPhys.prevU, which Mindlin's law does not use, has the address of the row, negative for a smooth pair, and the
+    generation of the rows.
     """
-    fields = [*own_fields, ("phys", "i8"), ("interaction", "i8"), ("pair", "i8"), ("lever", "i8"), *_HISTORY]
+    fields = [("params", "f8", (floats,)), ("phys", "i8"), ("interaction", "i8"), ("pair", "i8"), ("lever", "i8"), *_HISTORY]
     if levels:
         fields += [("bound", "f8", (levels,)), ("stretch", "f8", (levels, 3))]
     if springs:
@@ -136,7 +140,7 @@ def label_hash(label):
 
 
 class Context:
-    """The record that `kernel.act` reads and writes: `context["open"]`."""
+    """The record that `kernel.go` reads and writes: `context["open"]`."""
 
     def __init__(self):
         self.record = np.zeros(1, CONTEXT)

@@ -73,7 +73,7 @@ FEW_ROWS = 1024
 """Rows that are made before rows are looked for that may be used again."""
 COPIED = 64  # words of a virtual table that are copied; Mindlin's has 8
 
-_forever = []  # never freed, since native code may still point there
+_keep_alive = []  # never freed, since native code may still point there
 _libc = ctypes.CDLL(None)
 _libc.mmap.restype = ctypes.c_void_p
 _libc.mmap.argtypes = [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_int, ctypes.c_int, ctypes.c_int, ctypes.c_long]
@@ -305,10 +305,14 @@ class Rows:
 
 
 def _retire(context, blocks, size):
-    """Return the memory of a law that is gone. Native code that called it all the same would find no row and give no force."""
-    context["generation"], context["rows_used"], context["free_count"] = -1, layout.ROWS * layout.BLOCKS, 0
+    """Return the memory of a law that is gone. If native code calls it again, it finds all rows in use, and gives no force."""
+    context["generation"], context["rows_used"], context["free_count"], context["blocks"] = (
+        -1,
+        layout.ROWS * layout.BLOCKS,
+        0,
+        0,
+    )
     _unmap(blocks, size)
-    _forever.append(blocks)
 
 
 def _unmap(blocks, size):
@@ -335,7 +339,7 @@ class Attachment:
         )  # from two before its address point
         self.table[2 + index] = _entry(pairs)
         self.table[COPIED + 2] = self.context.address
-        _forever.append((self.table, self.context))
+        _keep_alive.append((self.table, self.context))
 
     def _fill_context(self, pairs):
         context, found = self.context, self.layout
@@ -359,9 +363,10 @@ class Attachment:
         self.context["alarm"] = 0 if runner is None else address(runner) + self.layout.number_done
 
     def rows_of(self, contacts):
-        """The contacts' histories as an array of `layout.CONTACT`; tag 0 where the law has not seen the contact."""
+        """The contacts as an array of `layout.contact_dtype`, with the Params by which YADE has their forces; tag 0 where the
+        law has not seen the contact."""
         rows = self.rows.at(self.rows.addresses(contacts))
-        return repack_fields(rows[[*layout.CONTACT.names]])
+        return repack_fields(rows[[*self._pairs.contact.names]])
 
     def saved(self, contacts):
         """Bodies and rows, without addresses, of contacts that the law has seen: what `restore` takes."""
@@ -380,13 +385,15 @@ class Attachment:
             mark = kernel.new_row(self.context.record, self.rows.dtype)
             if mark == 0:
                 raise DemlawsError(f"no memory for the history of contact {contact.id1}+{contact.id2}: {MORE_MEMORY}")
-            row = read_memory(mark, self.rows.dtype.itemsize, ctypes.c_uint8).view(self.rows.dtype)[0]
+            rows = read_memory(mark, self.rows.dtype.itemsize, ctypes.c_uint8).view(self.rows.dtype)
+            row = rows[0]
             for name in saved.dtype.names:
                 row[name] = saved[name][place]
             number = int(row["tag"]) - 1
             row["phys"], row["interaction"] = address(contact.phys), address(contact)
             row["pair"] = self.context["pairs"] + number * self._pairs.records.itemsize
-            smooth = kernel.fill_row(self._pairs.kind, row, self._pairs.records[number])
+            kernel.fill_loop(self._pairs.kind, self._pairs.records, rows)
+            smooth = row["hertz"] != 0.0 or row["modulus"] == 0.0
             contact.phys.prevU = yade.Vector3(0.0, -mark if smooth else mark, self.context["generation"])
 
     def collect(self, contacts):

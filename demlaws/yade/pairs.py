@@ -8,6 +8,7 @@ import numpy as np
 from numpy.lib.recfunctions import repack_fields
 
 from demlaws.contact import Contact, Material, Surface, surface_of
+from demlaws.core.dispatch import leaves, refuse_other_values
 from demlaws.core.loops import clamped_roughness, loading_part, scale_contact
 from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, LARGEST_SHEAR_RATIO, MOST_LEVELS, SLIP
 from demlaws.core.unloading import GIVEN, RULES
@@ -22,7 +23,7 @@ from demlaws.yade import kernel, layout, tuples
 from demlaws.yade.radii import Radii
 from demlaws.yade.shear import MODES, SPRINGS, Levels
 
-EVERY = "*"
+ALL_LABELS = "*"
 """In place of a label: every material whose label is not listed."""
 FLATS = ("yade", "plane")
 TYPICAL_RADIUS, TYPICAL_MODULUS = 5e-3, 30e9
@@ -227,7 +228,7 @@ class Pairs:
         radius=None,
     ):
         if isinstance(surfaces, Surface | Material):
-            surfaces = {EVERY: surfaces}
+            surfaces = {ALL_LABELS: surfaces}
         if not isinstance(surfaces, dict | None):
             raise DemlawsError(
                 "surfaces must be one demlaws.Surface for all materials, or a dict from labels of YADE's materials to theirs "
@@ -238,7 +239,7 @@ class Pairs:
         self.smooth, self.flats = bool(smooth), flats
         self._choose_shear(shear, levels, shear_ratio)
         self.surfaces = {label: _surface(label, value) for label, value in (surfaces or {}).items()}
-        self.everywhere = self.surfaces.pop(EVERY, None)
+        self.everywhere = self.surfaces.pop(ALL_LABELS, None)
         self.labels = ["", *self.surfaces]
         entries = [self.everywhere or Surface(0.0), *self.surfaces.values()]
         self.radii = Radii(radius, [surface.edge_radius for surface in entries])
@@ -339,9 +340,10 @@ class Pairs:
         self.kind = numba.typeof(example)
         radius, modulus = self.typical_contact(number)
         params = scale_contact(example, radius, modulus, clamped_roughness(self.roughnesses[number], radius))
-        self.params_kind = numba.typeof(params)
-        own = tuples.own_fields(self.params_kind, self.kind)
-        self.row = layout.row_dtype(self.levels, own, self.springs)
+        refuse_other_values(params)
+        self.params_kind, floats = numba.typeof(params), len(list(leaves(params)))
+        self.row = layout.row_dtype(self.levels, floats, self.springs)
+        self.contact = layout.contact_dtype(floats)
         self.saved = repack_fields(self.row[[name for name in self.row.names if name in layout.SAVED]])
         self._keep = []
         self.records = np.zeros(len(self.shapes), layout.pair_dtype(tuples.fields(self.kind, "shape")))
@@ -397,16 +399,24 @@ class Pairs:
 
     # --- contacts outside YADE's objects
 
+    def contacts_of(self, numbers, radius, modulus):
+        """New contacts of pairs of these numbers, of R [m] and E* [Pa]: an array of `layout.contact_dtype`, K_t/K = 1."""
+        contacts = np.zeros(len(numbers), self.contact)
+        contacts["ratio"], contacts["tag"], contacts["radius"], contacts["modulus"] = 1.0, np.add(numbers, 1.0), radius, modulus
+        kernel.fill_loop(self.kind, self.records, contacts)
+        return contacts
+
     def evaluate(self, contacts):
-        """What the law answers to an array of `layout.CONTACT`, whose state is updated in place: an array of
+        """Response to the overlaps of an array of `layout.contact_dtype`, whose state is updated in place: an array of
         `layout.EVALUATED`, and the first contact whose force is not finite, or -1."""
         out = np.zeros(len(contacts), layout.EVALUATED)
-        return out, kernel.evaluate_loop(self.kind, self.shear, self.rule, self.records, contacts, out)
+        kinds = self.kind, self.params_kind, self.shear, self.rule
+        return out, kernel.evaluate_loop(*kinds, self.records, contacts, out)
 
     def energies(self, contacts):
-        """Stored and dissipated energy of an array of `layout.CONTACT`: an array of `layout.ENERGY`."""
+        """Stored and dissipated energy of an array of `layout.contact_dtype`: an array of `layout.ENERGY`."""
         out = np.zeros(len(contacts), layout.ENERGY)
-        kernel.energies_loop(self.kind, self.rule, self.records, contacts, out)
+        kernel.energies_loop(self.kind, self.params_kind, self.rule, self.records, contacts, out)
         return out
 
     def bulk_yielded(self, contacts, highest):
@@ -417,7 +427,7 @@ class Pairs:
         if not own.any():
             return None
         bulk = np.zeros(len(contacts), bool)
-        kernel.yielded_loop(self.kind, self.records, contacts, highest, bulk)
+        kernel.yielded_loop(self.kind, self.params_kind, self.records, contacts, highest, bulk)
         return bulk & own[contacts["tag"].astype(int) - 1] if len(contacts) else bulk
 
     def limits(self, number, radius, modulus):
@@ -431,8 +441,8 @@ class Pairs:
             return source.definition.limits(contact, **source.options)
 
     def all_surfaces(self):
-        """Label → surface, with `EVERY` for the materials that are not listed, if they have one."""
-        return self.surfaces if self.everywhere is None else {**self.surfaces, EVERY: self.everywhere}
+        """Label → surface, with `ALL_LABELS` for the materials that are not listed, if they have one."""
+        return self.surfaces if self.everywhere is None else {**self.surfaces, ALL_LABELS: self.everywhere}
 
     @property
     def needs_no_judgement(self):

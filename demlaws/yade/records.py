@@ -70,6 +70,29 @@ def pointee(address):
     return view(address, POINTER).target
 
 
+@intrinsic
+def read_floats(typing_context, address, kind):
+    """The (nested) tuple of floats of a numba type whose numbers are one after the other at an address."""
+    result = kind.instance_type
+
+    def generate(context, builder, signature, arguments):
+        place = builder.inttoptr(arguments[0], context.get_value_type(result).as_pointer())
+        return builder.load(place, align=8)
+
+    return result(types.int64, kind), generate
+
+
+@intrinsic
+def write_floats(typing_context, address, values):
+    """Write the numbers of a (nested) tuple of floats one after the other at an address."""
+
+    def generate(context, builder, signature, arguments):
+        builder.store(arguments[1], builder.inttoptr(arguments[0], arguments[1].type.as_pointer()), align=8)
+        return context.get_dummy_value()
+
+    return types.void(types.int64, values), generate
+
+
 def _adder(numba_type, operation):
     @intrinsic
     def add(typing_context, address, value):

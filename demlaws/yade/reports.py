@@ -121,8 +121,17 @@ def remedy_of_motion(bodies):
     return "take a smaller time step, or check what the script did to it"
 
 
-def unavailable_text(failure):
-    """Message about a YADE with which the bridge does not work; failure: of a proof."""
+def unavailable_text(failure, pairs=None):
+    """Message about a YADE with which the bridge does not work; failure: of a proof, or of the self-test of laws of a user."""
+    from demlaws.yade.saving import user_laws
+    from demlaws.yade.selftest import SelfTestFailed
+
+    if pairs is not None and isinstance(failure, SelfTestFailed) and user_laws(pairs):
+        name = user_laws(pairs)[0]
+        return (
+            f"law {name!r} acts differently in YADE: {failure}. No law is applied, and YADE is unchanged. Compare the law in YADE "
+            f"and in Python: demlaws laws {name} --law-file FILE --check"
+        )
     tested = ", ".join(native.TESTED)
     return (
         f"demlaws does not work with this YADE: {failure}. No law is applied, and YADE is unchanged. This is {versions()}. Use "
@@ -182,7 +191,7 @@ def body_radius_text(bodies, radius):
 
 
 def deep_text(rows):
-    """Message about the contacts beyond SMALL_OVERLAP of their R, given as rows of `layout.CONTACT`."""
+    """Message about the contacts beyond SMALL_OVERLAP of their R, given as rows of `layout.contact_dtype`."""
     deepest = rows[np.argmax(rows["overlap"] / rows["radius"])]
     return large_overlap(float(deepest["overlap"]), float(deepest["radius"]), len(rows), O.interactions.countReal())
 

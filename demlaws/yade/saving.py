@@ -13,7 +13,6 @@ from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError
 from demlaws.law import Table
 from demlaws.laws.registry import home_of, laws
-from demlaws.yade import layout
 from demlaws.yade.omega import real_contacts
 from demlaws.yade.pairs import TYPICAL_MODULUS, LawSource, Pairs
 from demlaws.yade.radii import Curvature
@@ -69,7 +68,7 @@ def pairs_text(pairs, identity=False):
         "shear_ratio": pairs.shear_ratio,
         "radius": pairs.radii.choice,
     }
-    if _user_laws(pairs):
+    if user_laws(pairs):
         content["answers"] = _answers(pairs)
     if identity:
         del content["modulus"], content["smooth"]
@@ -94,13 +93,13 @@ def pairs_from(text):
     answers = content.get("answers")
     if answers is not None and not np.allclose(answers, _answers(pairs), rtol=1e-8, atol=0.0, equal_nan=True):
         raise DemlawsError(
-            f"law {', '.join(map(repr, _user_laws(pairs)))} is registered, but gives other forces than when the scene was "
+            f"law {', '.join(map(repr, user_laws(pairs)))} is registered, but gives other forces than when the scene was "
             "saved: the history of the contacts belongs to the former law. Register the law unchanged"
         )
     return pairs
 
 
-def _user_laws(pairs):
+def user_laws(pairs):
     """Names of the laws that take part which are not the package's: a name says nothing of their functions."""
     names = {definition.name for source in pairs.sources for definition in source.definitions()}
     return sorted(name for name in names if home_of(name) != home_of("hertz"))
@@ -111,10 +110,8 @@ def _answers(pairs):
 
     At one R and E* whatever the bodies are, since more of them may have come when the same law is made again.
     """
-    rows = np.zeros(len(pairs.shapes), layout.CONTACT)
-    rows["ratio"], rows["tag"] = 1.0, 1.0 + np.arange(len(rows))
-    rows["radius"] = [pairs.typical_contact(number)[0] for number in range(len(rows))]
-    rows["modulus"] = TYPICAL_MODULUS
+    numbers = range(len(pairs.shapes))
+    rows = pairs.contacts_of(numbers, [pairs.typical_contact(number)[0] for number in numbers], TYPICAL_MODULUS)
     forces = []
     for depth in (1e-5, 1e-4, 1e-3, 9e-4, 4e-3):
         rows["overlap"] = depth * rows["radius"]

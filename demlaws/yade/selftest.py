@@ -135,8 +135,7 @@ def _compare(binding):
     effective_radius, modulus = pairs.typical_contact(number)
     radius, young = 2.0 * effective_radius, 2.0 * modulus * (1.0 - POISSON**2)
     _two_spheres(functor, labels, radius, young)
-    row = np.zeros(1, layout.CONTACT)
-    row["ratio"], row["tag"], row["radius"], row["modulus"] = 1.0, number + 1.0, effective_radius, modulus
+    row = pairs.contacts_of([number], effective_radius, modulus)
     wrong, largest, forces, steps = 0.0, 0.0, [], 0
     deepest = _deepest(pairs, row, 4e-3 * effective_radius)
     for overlap in _overlaps(deepest):

@@ -259,8 +259,8 @@ def apply_with_account(mode, context, contact, row, stiffness):
     return keep
 
 
-@generic(lambda *_: lambda mode, rule, p, row, overlap, force, stiffness, state: None)
-def compress(mode, rule, p, row, overlap, force, stiffness, state):
+@generic(lambda *_: lambda mode, rule, shape, p, row, overlap, force, stiffness, state: None)
+def compress(mode, rule, shape, p, row, overlap, force, stiffness, state):
     """Write the mean compressions [m] of the springs; stiffness: with which the contact would unload now [N/m]."""
 
 

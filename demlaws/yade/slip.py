@@ -3,7 +3,7 @@ components in a tangent frame. Compiled code, loaded for shear="slip" only."""
 
 from numba.extending import overload
 
-from demlaws.core.dispatch import bind, curves_of, first_loading
+from demlaws.core.dispatch import bind, first_loading, unloading_curve
 from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import INLINED, kernel
 from demlaws.core.slip import stretched
@@ -18,18 +18,18 @@ SLACK = 1e-11
 
 
 @kernel
-def legendre_of_curve(curve, reach, stiffness):
+def legendre_of_curve(shape, curve, reach, stiffness):
     """G = k u - f [J/m · ...] where a curve of first loading has the stiffness k [N/m]; reach: an overlap beyond it [m]."""
     low, high = 0.0, reach
     for _ in range(100):
         middle = 0.5 * (low + high)
-        if first_loading(curve, middle)[1] < stiffness:
+        if first_loading(shape, curve, middle)[1] < stiffness:
             low = middle
         else:
             high = middle
         if high - low <= 1e-15 * high:
             break
-    return high * stiffness - first_loading(curve, high)[0]
+    return high * stiffness - first_loading(shape, curve, high)[0]
 
 
 @kernel
@@ -38,31 +38,33 @@ def legendre_of_hertz(coefficient, stiffness):
     return stiffness * stiffness * stiffness / (6.75 * coefficient * coefficient)
 
 
-def spring_end(rule, p, ends, spring, reach, state, stiffness):
+def spring_end(rule, shape, p, ends, spring, reach, state, stiffness):
     """G of the unloading curve where its stiffness is `stiffness`: the integral of overlap over stiffness."""
 
 
 @overload(spring_end, jit_options=INLINED)
-def _spring_end(rule, p, ends, spring, reach, state, stiffness):
+def _spring_end(rule, shape, p, ends, spring, reach, state, stiffness):
     springs = rule_of(rule.instance_class).springs
     if springs == "hertz":
-        return lambda rule, p, ends, spring, reach, state, stiffness: legendre_of_hertz(p.hertz_coefficient, stiffness)
+        return lambda rule, shape, p, ends, spring, reach, state, stiffness: legendre_of_hertz(p.hertz_coefficient, stiffness)
     if springs == "thornton":
-        return lambda rule, p, ends, spring, reach, state, stiffness: legendre_of_hertz(
+        return lambda rule, shape, p, ends, spring, reach, state, stiffness: legendre_of_hertz(
             p.hertz_coefficient * sqrt(state[2]), stiffness
         )
 
-    def cached(p, ends, spring, reach, stiffness):
+    def cached(shape, p, ends, spring, reach, stiffness):
         value = ends[spring]
         if value < 0.0:
-            value = max(legendre_of_curve(p, reach, stiffness), 0.0)
+            value = max(legendre_of_curve(shape, p, reach, stiffness), 0.0)
             ends[spring] = value
         return value
 
     cached = kernel(cached)
     if springs == "given":
-        return lambda rule, p, ends, spring, reach, state, stiffness: cached(curves_of(p)[1], ends, spring, reach, stiffness)
-    return lambda rule, p, ends, spring, reach, state, stiffness: cached(p, ends, spring, reach, stiffness)
+        return lambda rule, shape, p, ends, spring, reach, state, stiffness: cached(
+            *unloading_curve(shape, p)[:2], ends, spring, reach, stiffness
+        )
+    return lambda rule, shape, p, ends, spring, reach, state, stiffness: cached(shape, p, ends, spring, reach, stiffness)
 
 
 def recoverable(rule, overlap, state):
@@ -100,7 +102,7 @@ def join(row, previous, share):
 
 
 @kernel
-def write_compressions(mode, rule, p, row, overlap, force, stiffness, state):
+def write_compressions(mode, rule, shape, p, row, overlap, force, stiffness, state):
     """`shear.compress` with springs: their mean compressions [m]."""
     if not (stiffness > 0.0 and overlap > 0.0):
         return
@@ -123,7 +125,7 @@ def write_compressions(mode, rule, p, row, overlap, force, stiffness, state):
         if low >= stiffness:
             break
         if high < stiffness:
-            end = spring_end(rule, p, row.end, k, depth, state, high)
+            end = spring_end(rule, shape, p, row.end, k, depth, state, high)
         else:
             high, end = stiffness, stiffness * depth - force
         mean = max(depth - (end - before) / (high - low), 0.0) if high > low else 0.0

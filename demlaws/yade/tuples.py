@@ -1,5 +1,4 @@
-"""(Nested, named) tuples of numbers and arrays as fields of a record: a law's Shape in the record of a pair of surfaces, and
-the numbers of its Params that are a contact's own in the contact's row.
+"""A law's Shape as fields of the record of a pair of surfaces, and the state of its rule in the history of a contact.
 
 A float, an integer and a boolean are one field each, None is no field, an array is its address and its lengths.
 """
@@ -8,7 +7,7 @@ import numpy as np
 from numba import types
 from numba.extending import overload
 
-from demlaws.core.dispatch import function_of_text
+from demlaws.core.dispatch import function_of_text, tuple_text
 from demlaws.core.numba_compat import INLINED
 from demlaws.core.unloading import rule_of
 from demlaws.yade.records import array
@@ -44,100 +43,26 @@ def pack(value, record, name, keep):
         record[name] = value
 
 
-class _Source:
-    """Source text that reads a value from fields and writes it, with the names that it uses."""
-
-    def __init__(self):
-        self.names = {"array": array}
-
-    def read(self, kind, place):
-        if isinstance(kind, types.BaseTuple):
-            items = "".join(f"{self.read(item, f'{place}_{n}')}, " for n, item in enumerate(kind))
-            return self.tuple(kind, items)
-        if isinstance(kind, types.NoneType):
-            return "None"
-        if isinstance(kind, types.Array):
-            dtype = f"dtype{len(self.names)}"
-            self.names[dtype] = np.dtype(kind.dtype.name)
-            lengths = "".join(f"{place}_length{axis}, " for axis in range(kind.ndim))
-            return f"array({place}, ({lengths}), {dtype})"
-        return f"({place} != 0)" if isinstance(kind, types.Boolean) else place
-
-    def tuple(self, kind, items):
-        if not isinstance(kind, types.BaseNamedTuple):
-            return f"({items})"
-        cls = f"Class{len(self.names)}"
-        self.names[cls] = kind.instance_class
-        return f"{cls}({items})"
-
-    def write(self, kind, place, value):
-        if isinstance(kind, types.BaseTuple):
-            return [line for n, item in enumerate(kind) for line in self.write(item, f"{place}_{n}", f"{value}[{n}]")]
-        if isinstance(kind, types.NoneType):
-            return []
-        if isinstance(kind, types.Array):
-            lengths = [f"{place}_length{axis} = {value}.shape[{axis}]" for axis in range(kind.ndim)]
-            return [f"{place} = {value}.ctypes.data", *lengths]
-        return [f"{place} = {value}"]
-
-
 def shape_of(kind, pair):
     """The Shape of numba type `kind` whose fields are those of a pair of surfaces."""
 
 
 @overload(shape_of, jit_options=INLINED)
 def _shape_of(kind, pair):
-    source = _Source()
-    text = source.read(kind.instance_type, "pair.shape")
-    return function_of_text("kind, pair", [f"return {text}"], source.names)
+    names = {"array": array}
 
+    def text(item, path):
+        place = "_".join(("pair.shape", *map(str, path)))
+        if isinstance(item, types.NoneType):
+            return "None"
+        if isinstance(item, types.Array):
+            dtype = f"dtype{len(names)}"
+            names[dtype] = np.dtype(item.dtype.name)
+            lengths = "".join(f"{place}_length{axis}, " for axis in range(item.ndim))
+            return f"array({place}, ({lengths}), {dtype})"
+        return f"({place} != 0)" if isinstance(item, types.Boolean) else place
 
-def _places(params_kind, kind):
-    """(number, type, name of the Shape's field or None) of each field of Params: a field of the Shape's of the same name and
-    type, at any depth, has the same value (the tests check this)."""
-    places, level = {}, [(kind, "shape")]
-    while level:
-        deeper = []
-        for owner, place in level:
-            for n, (name, field) in enumerate(zip(owner.fields, owner.types, strict=True)):
-                places.setdefault((name, field), f"{place}_{n}")
-                if isinstance(field, types.BaseNamedTuple):
-                    deeper.append((field, f"{place}_{n}"))
-        level = deeper
-    pairs = zip(params_kind.fields, params_kind.types, strict=True)
-    return [(n, field, places.get((name, field))) for n, (name, field) in enumerate(pairs)]
-
-
-def own_fields(params_kind, kind):
-    """Fields of a law's Params that belong to one contact; the others are its Shape's."""
-    own = [(n, field) for n, field, shared in _places(params_kind, kind) if shared is None]
-    return [place for n, field in own for place in fields(field, f"own_{n}")]
-
-
-def params_of_row(params_kind, kind, row, pair):
-    """A law's Params from the fields that `keep_params` wrote to a row and those of the Shape in the pair."""
-
-
-@overload(params_of_row, jit_options=INLINED)
-def _params_of_row(params_kind, kind, row, pair):
-    source, params = _Source(), params_kind.instance_type
-    items = "".join(
-        f"{source.read(field, f'row.own_{n}' if shared is None else f'pair.{shared}')}, "
-        for n, field, shared in _places(params, kind.instance_type)
-    )
-    return function_of_text("params_kind, kind, row, pair", [f"return {source.tuple(params, items)}"], source.names)
-
-
-def keep_params(kind, params, row):
-    """Write what a contact's Params have beside its Shape, of numba type `kind`, to its row."""
-
-
-@overload(keep_params, jit_options=INLINED)
-def _keep_params(kind, params, row):
-    source, lines = _Source(), ["pass"]
-    for n, field, shared in _places(params, kind.instance_type):
-        lines += source.write(field, f"row.own_{n}", f"params[{n}]") if shared is None else []
-    return function_of_text("kind, params, row", lines, source.names)
+    return function_of_text("kind, pair", [f"return {tuple_text(kind.instance_type, text, names)}"], names)
 
 
 def state_of(rule, contact):

@@ -77,7 +77,7 @@ def _push(i, j, push, levers, force, torque):
 
 
 @loop
-def march(choice, rule, p, state, steps, given, goal, size, bodies, owner, arms, turned, pairs, contacts, results):
+def march(choice, rule, shape, p, state, steps, given, goal, size, bodies, owner, arms, turned, pairs, contacts, results):
     """Move by `steps` at most; returns how many were done: fewer if a neighbour list may be incomplete.
 
     given: radius of the spheres, mass, inertia of a body, friction, K_t/K, drag [1/s], dt, feedback [1/s], largest strain rate
@@ -106,13 +106,13 @@ def march(choice, rule, p, state, steps, given, goal, size, bodies, owner, arms,
             if square >= 4.0 * radius * radius:
                 if contacts[k, 5] != 0.0:
                     contacts[k, :] = 0.0
-                    scatter(state, k, step(rule, p, -radius, gather(state, k))[2])
+                    scatter(state, k, step(rule, shape, p, -radius, gather(state, k))[2])
                 continue
             distance = np.sqrt(square)
             overlap = 2.0 * radius - distance
-            normal, tangent, new = step(rule, p, overlap, gather(state, k))
+            normal, tangent, new = step(rule, shape, p, overlap, gather(state, k))
             scatter(state, k, new)
-            side = shear_stiffness(choice, rule, p, overlap, normal, tangent, new)
+            side = shear_stiffness(choice, rule, shape, p, overlap, normal, tangent, new)
             nx, ny, nz = dx / distance, dy / distance, dz / distance
             levers = np.empty((2, 3))
             for a in range(3):

@@ -168,6 +168,7 @@ class Packing:
             done = march(
                 choice,
                 rule,
+                law.shape,
                 law.params,
                 self.state,
                 steps,

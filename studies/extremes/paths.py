@@ -5,7 +5,7 @@ import math
 from numba.extending import overload
 
 from demlaws.core import dispatch
-from demlaws.core.dispatch import curves_of, energy, first_loading, gather
+from demlaws.core.dispatch import energy, first_loading, gather, unloading_curve
 from demlaws.core.numba_compat import kernel, loop
 from demlaws.core.unloading import Given, rule_of
 
@@ -20,19 +20,21 @@ def _plastic_of(rule, state):
     return (lambda rule, state: state[1]) if foot else (lambda rule, state: 0.0)
 
 
-def _held(rule, p, force, elastic, overlap, state):
+def _held(rule, shape, p, force, elastic, overlap, state):
     """Energy of the unloading curve at the overlap `elastic` past its foot, where it carries `force`."""
 
 
 @overload(_held)
-def _held_by(rule, p, force, elastic, overlap, state):
+def _held_by(rule, shape, p, force, elastic, overlap, state):
     if rule.instance_class is Given:
-        return lambda rule, p, force, elastic, overlap, state: energy(curves_of(p)[1], elastic) if elastic > 0.0 else 0.0
-    if rule_of(rule.instance_class).curve == "law":
-        return lambda rule, p, force, elastic, overlap, state: (
-            dispatch.stored_and_dissipated(rule, p, overlap, state)[0] if elastic > 0.0 else 0.0
+        return lambda rule, shape, p, force, elastic, overlap, state: (
+            energy(*unloading_curve(shape, p)[:2], elastic) if elastic > 0.0 else 0.0
         )
-    return lambda rule, p, force, elastic, overlap, state: 0.4 * force * elastic
+    if rule_of(rule.instance_class).curve == "law":
+        return lambda rule, shape, p, force, elastic, overlap, state: (
+            dispatch.stored_and_dissipated(rule, shape, p, overlap, state)[0] if elastic > 0.0 else 0.0
+        )
+    return lambda rule, shape, p, force, elastic, overlap, state: 0.4 * force * elastic
 
 
 def _blur(rule, force, stiffness):
@@ -47,7 +49,7 @@ def _blur_by(rule, force, stiffness):
 
 
 @loop
-def finite_loop(params, contacts, largest, count, random):
+def finite_loop(shape, params, contacts, largest, count, random):
     """Random first loading from denormal overlaps to `largest`: not finite, negative, decreasing."""
     bad = 0
     falling = 0
@@ -56,12 +58,12 @@ def finite_loop(params, contacts, largest, count, random):
         p = gather(params, i)
         top = math.log10(largest[i])
         overlap = 10.0 ** (top + (-323.3 - top) * random.random()) if n % 2 else 10.0 ** (top - 16.0 * random.random())
-        force, stiffness, equivalent, _ = first_loading(p, overlap)
+        force, stiffness, equivalent, _ = first_loading(shape, p, overlap)
         finite = force - force == 0.0 and stiffness - stiffness == 0.0 and equivalent - equivalent == 0.0
         if not (finite and force >= 0.0 and stiffness >= 0.0):
             bad += 1
         else:
-            further = first_loading(p, overlap * (1.0 + 1e-12))[0]
+            further = first_loading(shape, p, overlap * (1.0 + 1e-12))[0]
             if further < force * (1.0 - 4.5e-16):
                 falling += 1
     return bad, falling
@@ -78,15 +80,15 @@ def _drawn(random, smallest, largest, maximum):
 
 
 @kernel
-def _held_at(rule, p, overlap, force, plastic, state):
+def _held_at(rule, shape, p, overlap, force, plastic, state):
     """`_held` where `step` returned `force`: with a seating load force ends in a step at zero overlap."""
     closing = max(overlap, 1e-300)
-    last = force if overlap > 0.0 else dispatch.step(rule, p, closing, state)[0]
-    return _held(rule, p, last, max(closing - plastic, 0.0), closing, state)
+    last = force if overlap > 0.0 else dispatch.step(rule, shape, p, closing, state)[0]
+    return _held(rule, shape, p, last, max(closing - plastic, 0.0), closing, state)
 
 
 @loop
-def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, random):
+def path_loop(rule, shape, params, state, contacts, smallest, largest, paths, turns, random):
     """Random load paths with excursions that come back: how many return work, by how much, and values not finite.
 
     Work of first loading is the law's energy, on a Hertz-like unloading curve 0.4 (P x) from the forces that `step` returned,
@@ -110,27 +112,29 @@ def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, ra
                 overlap = mark  # back from the excursion
             else:
                 overlap = _drawn(random, smallest[i], largest[i], maximum)
-            force, stiffness, new = dispatch.step(rule, p, overlap, s)
+            force, stiffness, new = dispatch.step(rule, shape, p, overlap, s)
             if not (force - force == 0.0 and stiffness - stiffness == 0.0) or force < 0.0 or stiffness < 0.0:
                 bad += 1
             gained = 0.0
             if len(s) == 0:
-                now = energy(p, overlap) if overlap > 0.0 else 0.0
-                gained = now - (energy(p, before) if before > 0.0 else 0.0)
+                now = energy(shape, p, overlap) if overlap > 0.0 else 0.0
+                gained = now - (energy(shape, p, before) if before > 0.0 else 0.0)
                 held = max(held, now)
             else:
                 plastic = _plastic(rule, s) if before > 0.0 else 0.0
                 rest = max(before - plastic, 0.0)
                 if overlap >= maximum:
                     if maximum > 0.0:
-                        gained = _held(rule, p, peak_force, max(maximum - plastic, 0.0), maximum, s)
-                        gained -= _held(rule, p, force_before, rest, before, s)
-                    now = energy(p, overlap) if overlap > 0.0 else 0.0
+                        gained = _held(rule, shape, p, peak_force, max(maximum - plastic, 0.0), maximum, s)
+                        gained -= _held(rule, shape, p, force_before, rest, before, s)
+                    now = energy(shape, p, overlap) if overlap > 0.0 else 0.0
                     gained += now - held
                     held, maximum, peak_force = now, overlap, force
                     blur = max(blur, _blur(rule, force, stiffness))
                 else:
-                    gained = _held_at(rule, p, overlap, force, plastic, s) - _held(rule, p, force_before, rest, before, s)
+                    gained = _held_at(rule, shape, p, overlap, force, plastic, s) - _held(
+                        rule, shape, p, force_before, rest, before, s
+                    )
             work += gained
             # a seated contact's unloading curve begins below zero overlap: rounding is that of its whole energy
             scale = max(held, 0.4 * peak_force * (maximum - _plastic(rule, new)) if maximum > 0.0 else 0.0)

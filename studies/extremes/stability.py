@@ -131,47 +131,47 @@ def contacts_for(case, count, random):
 
 
 @loop
-def cycle_loop(rule, p, state, top, bottom, cycles):
+def cycle_loop(rule, shape, p, state, top, bottom, cycles):
     """Tiny cycles from `top` to `bottom` and back: largest relative change of force, at both ends, and the last state."""
     s = gather(state, 0)
-    first, _, s = dispatch.step(rule, p, top, s)
-    low, _, s = dispatch.step(rule, p, bottom, s)
+    first, _, s = dispatch.step(rule, shape, p, top, s)
+    low, _, s = dispatch.step(rule, shape, p, bottom, s)
     worst = 0.0
     for _ in range(cycles):
-        force, _, s = dispatch.step(rule, p, top, s)
+        force, _, s = dispatch.step(rule, shape, p, top, s)
         worst = max(worst, abs(force - first))
-        force, _, s = dispatch.step(rule, p, bottom, s)
+        force, _, s = dispatch.step(rule, shape, p, bottom, s)
         worst = max(worst, abs(force - low))
     scatter(state, 0, s)
     return worst / first
 
 
 @loop
-def broken_loop(rule, p, state, overlap, count):
+def broken_loop(rule, shape, p, state, overlap, count):
     """Contact made and broken every step: how often force or stiffness differ from a virgin contact's."""
-    first, stiff, _ = dispatch.step(rule, p, overlap, gather(state, 0))
+    first, stiff, _ = dispatch.step(rule, shape, p, overlap, gather(state, 0))
     s = gather(state, 0)
     differ = 0
     for _ in range(count):
-        force, stiffness, s = dispatch.step(rule, p, overlap, s)
+        force, stiffness, s = dispatch.step(rule, shape, p, overlap, s)
         differ += force != first or stiffness != stiff
-        force, stiffness, s = dispatch.step(rule, p, -overlap, s)
+        force, stiffness, s = dispatch.step(rule, shape, p, -overlap, s)
         differ += force != 0.0 or stiffness != 0.0
     return differ
 
 
 @loop
-def hold_loop(rule, p, state, mass, load, overlap, kick, dt, steps, limit):
+def hold_loop(rule, shape, p, state, mass, load, overlap, kick, dt, steps, limit):
     """Oscillation about equilibrium under a constant load: largest departure over the first one; ends beyond `limit`."""
     s = gather(state, 0)
     x = overlap + kick
-    force, _, s = dispatch.step(rule, p, x, s)
+    force, _, s = dispatch.step(rule, shape, p, x, s)
     velocity = 0.0
     largest = 0.0
     for _ in range(steps):
         velocity += 0.5 * dt * (load - force) / mass
         x += dt * velocity
-        force, _, s = dispatch.step(rule, p, x, s)
+        force, _, s = dispatch.step(rule, shape, p, x, s)
         velocity += 0.5 * dt * (load - force) / mass
         largest = max(largest, abs(x - overlap))
         if largest > limit * abs(kick):
@@ -240,10 +240,10 @@ def measure(case, paths=100_000, cycles=1_000_000, seed=1, quick=False):
             radius = np.broadcast_to(np.asarray(law.contact.radius, float), count).copy()
             largest = radius * (0.098 if registry()[case.law].solved else 0.5 if case.evaluation == "table" else 1.0)
             share = paths // len(laws)
-            b, f = finite_loop(law.params, count, largest, max(share, 20_000), random)
+            b, f = finite_loop(law.shape, law.params, count, largest, max(share, 20_000), random)
             state = law.new_state(1).arrays
             deepest = np.minimum(0.5 * largest, _first_kinks(law, case, radius))
-            r, w, b2 = path_loop(law.rule_tag, law.params, state, count, 1e-25 * radius, deepest, share, 12, random)
+            r, w, b2 = path_loop(law.rule_tag, law.shape, law.params, state, count, 1e-25 * radius, deepest, share, 12, random)
             bad, falling, returned, done = bad + b + b2, falling + f, returned + r, done + share
             worst = min(worst, w)
         singles = _single_contacts(case)[: 1 if quick else 3]
@@ -251,7 +251,7 @@ def measure(case, paths=100_000, cycles=1_000_000, seed=1, quick=False):
         kink = max(_kink(law) for law in singles)
         again = max(_reload(law) for law in singles)
         broken = sum(
-            broken_loop(law.rule_tag, law.params, law.new_state(1).arrays, float(share * law.contact.radius), 1000)
+            broken_loop(law.rule_tag, law.shape, law.params, law.new_state(1).arrays, float(share * law.contact.radius), 1000)
             for law in singles
             for share in (1e-12, 1e-7, 1e-3)
         )
@@ -299,7 +299,9 @@ def _ratcheting(law, cycles):
         for size in (1e-15, 1e-12, 1e-6, 1e-2):
             overlap = top * float(law.contact.radius)
             state = law.new_state(1).arrays
-            worst = max(worst, cycle_loop(law.rule_tag, law.params, state, overlap, overlap * (1.0 - size), cycles // 12))
+            worst = max(
+                worst, cycle_loop(law.rule_tag, law.shape, law.params, state, overlap, overlap * (1.0 - size), cycles // 12)
+            )
     return float(worst)
 
 
@@ -339,7 +341,9 @@ _UNRECORDED = np.empty((0, 3))
 def impact(law, mass, speed, *, dt, phase, limit):
     """Impact that begins a fraction `phase` of a step before touch: relative energy gained, peak overlap, velocity after it."""
     state = law.new_state(1).arrays
-    _, _, velocity, dissipated, peak = impact_loop(law.rule_tag, law.params, state, mass, speed, dt, phase, limit, _UNRECORDED)
+    _, _, velocity, dissipated, peak = impact_loop(
+        law.rule_tag, law.shape, law.params, state, mass, speed, dt, phase, limit, _UNRECORDED
+    )
     kinetic = 0.5 * mass * speed * speed
     return (0.5 * mass * velocity * velocity + dissipated - kinetic) / kinetic, peak, velocity
 
@@ -421,7 +425,7 @@ def _stable_step(law, mass, largest, *, share, promised, steps=20_000):
 def _growth(law, state, held, *, dt, steps, limit=math.inf):
     """`hold_loop` of a law whose contact is in `state`, which stays as it is; held: mass, load, overlap and kick."""
     arrays = tuple(a.copy() for a in state.arrays)
-    return hold_loop(law.rule_tag, law.params, arrays, *held, dt, steps, limit)
+    return hold_loop(law.rule_tag, law.shape, law.params, arrays, *held, dt, steps, limit)
 
 
 # --- output

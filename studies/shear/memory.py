@@ -55,13 +55,13 @@ def retained(case, vibration, levels):
 
 
 @loop
-def creep_loop(choice, rule, p, overlap, ratio, load, state, bound, stretch):
+def creep_loop(choice, rule, shape, p, overlap, ratio, load, state, bound, stretch):
     """Displacements [m] of a contact under a constant shear force [N], from point 99 of a path of overlaps on."""
     places = np.zeros(overlap.size)
     for n in range(overlap.size):
-        force, tangent, new = step(rule, p, overlap[n], gather(state, 0))
+        force, tangent, new = step(rule, shape, p, overlap[n], gather(state, 0))
         scatter(state, 0, new)
-        set_stiffness(bound, stretch, ratio * shear_stiffness(choice, rule, p, overlap[n], force, tangent, new))
+        set_stiffness(bound, stretch, ratio * shear_stiffness(choice, rule, shape, p, overlap[n], force, tangent, new))
         if n >= 99:
             moved = (load - levels_force(bound, stretch)[0]) / bound[-1]
             places[n] = places[n - 1] + moved
@@ -75,7 +75,7 @@ def creep(case, vibration, levels):
     law, overlap, stiffness = specimen(*case)
     load, tag, rows = 0.5 * FRICTION * LOAD, CHOICES[DEFAULT].tag, (np.zeros(levels), np.zeros((2, levels)))
     path, state = overlap * vibration.path(), law.new_state(1)
-    places = creep_loop(tag, law.rule_tag, law.params, path, RATIO, load, state.arrays, *rows)
+    places = creep_loop(tag, law.rule_tag, law.shape, law.params, path, RATIO, load, state.arrays, *rows)
     return places[99 :: 2 * PARTS] * stiffness / load
 
 

@@ -40,7 +40,7 @@ class Impact(NamedTuple):
 
 
 @loop
-def oblique_loop(rule, p, mass, normal, sideways, ratio, friction, dt, model, levels, springs, largest):
+def oblique_loop(rule, shape, p, mass, normal, sideways, ratio, friction, dt, model, levels, springs, largest):
     """Velocity Verlet from touch to separation: tangential velocity of the centre and ω R afterwards [m/s].
 
     model: 0 displacement kept, 1 force kept, 2 levels, 3 springs.
@@ -57,9 +57,9 @@ def oblique_loop(rule, p, mass, normal, sideways, ratio, friction, dt, model, le
         moved = dt * (velocity - spin)
         if overlap <= 0.0:
             break
-        force, stiffness, _ = step(rule, p, overlap, ())
+        force, stiffness, _ = step(rule, shape, p, overlap, ())
         if model == 3:
-            read_unloading_curve(rule, p, overlap, (), stiffness, curve)
+            read_unloading_curve(rule, shape, p, overlap, (), stiffness, curve)
             carried = compress(curve, largest / springs, stiffness, compression)
             shear = slip_step(
                 stiffness, held, largest / springs, force, ratio, friction, moved, 0.0, compression, carried, row
@@ -90,7 +90,18 @@ def rebound(law, mass, friction, *, ratio, velocity, model, steps=2000, springs=
     number = 2 if isinstance(levels, int) else {"displacement kept": 0, "force kept": 1, "slip": 3}[model]
     levels, largest = levels if number == 2 else 1, 1.01 * float(law.stiffness(peak))
     return oblique_loop(
-        law.rule_tag, law.params, mass, *velocity, ratio, friction, duration / steps, number, levels, springs, largest
+        law.rule_tag,
+        law.shape,
+        law.params,
+        mass,
+        *velocity,
+        ratio,
+        friction,
+        duration / steps,
+        number,
+        levels,
+        springs,
+        largest,
     )
 
 

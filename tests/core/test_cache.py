@@ -144,7 +144,7 @@ def test_each_set_of_types_has_a_folder():
     folders = set()
     for law, kind in batches:
         overlap = np.full(4, 1e-6, kind)
-        arguments = (law.rule_tag, law.params, overlap, (), UNBOUNDED, FINITE, overlap, overlap)
+        arguments = (law.rule_tag, law.shape, law.params, overlap, (), UNBOUNDED, FINITE, overlap, overlap)
         folders.add(cache.folder_of(batch_loop.py_func, tuple(map(numba.typeof, arguments)), {}))
     assert len(folders) == len(batches) and None not in folders
 

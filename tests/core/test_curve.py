@@ -20,9 +20,9 @@ def test_energy_of_a_curve_that_starts_from_a_force():
     overlap = length * np.array([1e-3, 0.1, 0.24, 0.26, 1.0])
     power = (seat + slope * overlap / length) ** 2.5 - seat**2.5
     expected = stiffness * length**2.5 * power / (2.5 * slope)
-    np.testing.assert_allclose(energy_loop(params, overlap), expected, rtol=1e-6)
+    np.testing.assert_allclose(energy_loop(shape, params, overlap), expected, rtol=1e-6)
     force = stiffness * (length * (seat + slope * overlap / length)) ** 1.5
-    np.testing.assert_allclose(force_loop(params, overlap)[0], force, rtol=1e-10)
+    np.testing.assert_allclose(force_loop(shape, params, overlap)[0], force, rtol=1e-10)
 
 
 def test_kinks_of_many_contacts_are_the_first_ones():

@@ -75,7 +75,7 @@ def test_a_kernel_is_a_python_function_too():
     from demlaws.core.dispatch import step
 
     overlap = 2.0 * law.contact.roughness
-    force, stiffness, state = step(law.rule_tag, law.params, overlap, (0.0, 0.0))
+    force, stiffness, state = step(law.rule_tag, law.shape, law.params, overlap, (0.0, 0.0))
     path = law.follow([overlap])
     assert (force, stiffness) == pytest.approx((path.force[0], path.stiffness[0]), rel=1e-12)
     assert state == pytest.approx((path.maximum_overlap[0], path.plastic_overlap[0]), rel=1e-9)

@@ -244,14 +244,16 @@ def test_a_second_type_of_the_name_is_refused():
     """The name goes into the symbols of the machine code."""
 
     class First(NamedTuple):
+        hertz_coefficient: float
         k: float
 
     class Second(NamedTuple):
+        hertz_coefficient: float
         k: float
 
     First.__name__ = Second.__name__ = "SpringOfThisTest"
     First.__module__ = Second.__module__ = "demlaws.laws.made_up"  # a user's would be given another name
-    kernel = numba_compat.kernel(lambda p, overlap: 0.5 * p.k * overlap**2)
+    kernel = numba_compat.kernel(lambda shape, p, overlap: 0.5 * p.k * overlap**2)
     dispatch.bind(First, energy=kernel)
     dispatch.bind(First, inverse=numba_compat.kernel(lambda p, force: force / p.k))  # binding again adds
     with pytest.raises(TypeError, match=r"SpringOfThisTest\w*: another law has a type of this name"):

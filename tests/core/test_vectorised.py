@@ -35,7 +35,8 @@ def arguments(law):
     """What the loop over a batch of 64 contacts is called with."""
     at = np.linspace(1e-5, 1e-3, 64) * np.max(law.contact.radius)
     state = law.new_state(at.size)
-    return law.rule_tag, law.params, at, state.arrays, loops.UNBOUNDED, loops.FINITE, np.zeros(at.size), np.zeros(at.size)
+    path = at, state.arrays, loops.UNBOUNDED, loops.FINITE, np.zeros(at.size), np.zeros(at.size)
+    return law.rule_tag, law.shape, law.params, *path
 
 
 def laws_of_every_kind():

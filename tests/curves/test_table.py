@@ -13,7 +13,7 @@ from examples import CONTACTS, GRANITE, SMOOTHER, SOFT, make, options_of, pairs,
 
 import demlaws as dl
 from demlaws import files
-from demlaws.core.loops import leaves
+from demlaws.core.dispatch import leaves
 from demlaws.curves import table_grammar as table_file
 from demlaws.curves.closed import ClosedForm
 from demlaws.laws.registry import registry
@@ -332,7 +332,7 @@ def test_a_kink_anywhere_in_the_grid(bits, place):
     contact = dl.Contact(radius=1.0, modulus=0.75e6)  # so that P = s^1.5 MN
     points = np.sort(np.append(np.linspace(0.5, 29.9, 4001), [place * (1 - 1e-12), place * (1 + 1e-12)]))
     force, stiffness = np.empty(points.size), np.empty(points.size)
-    assert batch_loop(Elastic(), bind_params(shape, contact), points, (), UNBOUNDED, FINITE, force, stiffness)
+    assert batch_loop(Elastic(), shape, bind_params(shape, contact), points, (), UNBOUNDED, FINITE, force, stiffness)
     exact = np.minimum(points, place + 0.5 * (points - place))
     assert force / 1e6 == pytest.approx(exact**1.5, rel=1e-11)
     away = np.abs(points - place) > 1e-11

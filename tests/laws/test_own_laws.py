@@ -16,7 +16,6 @@ from processes import PACKAGE, counted, python
 
 import demlaws as dl
 from demlaws.core.fastmath import sqrt
-from demlaws.curves import soundness
 from demlaws.laws import registry
 from demlaws.laws.definition import Advice, Fitting
 
@@ -274,16 +273,13 @@ def test_a_law_that_is_none_is_refused_with_its_overlap_and_value(fault):
     assert "bad" in str(caught.value) and "\n" not in str(caught.value)
 
 
-def test_an_edited_law_of_the_same_name_is_checked_like_a_new_one(monkeypatch):
-    """The count of sound contacts was that of the name."""
-    monkeypatch.setattr(soundness, "_FULLY", 2)
-    for definition in (law(power), law(power, lambda p, d: 5.1e9 * d**0.7)):
-        dl.register(definition)
-        for _ in range(3):
-            dl.law("bad", GRANITE)
-    dl.register(BAD["derivative"])
+def test_no_former_contact_decides_whether_a_law_is_accepted():
+    """Wrong by 10 % at radii from 5 mm on: refused there, however many contacts were bound before."""
+    dl.register(law(power, lambda p, d: (5.1e9 if p.radius < 5e-3 else 5.6e9) * d**0.7))
+    for n in range(35):
+        dl.law("bad", GRANITE.with_values(radius=(4.0 + 0.01 * n) * 1e-3))
     with pytest.raises(dl.DemlawsError, match="derivative"):
-        dl.law("bad", GRANITE)
+        dl.law("bad", GRANITE.with_values(radius=6e-3))
 
 
 def test_kinks_are_no_fault():

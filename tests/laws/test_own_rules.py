@@ -100,7 +100,7 @@ def test_rules_that_will_not_do(changes):
 
 HOSTILE = {
     "returns work": ("else stiffness * elastic\n", "else stiffness * elastic * (1.0 + 4.0 * (1.0 - positive / maximum))\n"),
-    "another first loading": ("first_loading(p, positive)", "first_loading(p, 1.01 * positive)"),
+    "another first loading": ("first_loading(shape, p, positive)", "first_loading(shape, p, 1.01 * positive)"),
     "jumps where it turns": ("stiffness = top / (maximum", "stiffness = 0.99 * top / (maximum"),
     "outlives contact": ("force, stiffness, maximum, top = 0.0, 0.0, 0.0, 0.0", "force, stiffness = 0.0, 0.0"),
     "says other energies": ("return 0.5 * state[1] * elastic", "return 0.4 * state[1] * elastic"),

@@ -125,6 +125,6 @@ def test_where_the_pressure_reaches_the_hardness_the_law_is_no_stiffer_than_hert
     law = dl.law("yip-venart", GRANITE.with_values(hardness=min(hardness, 9 * GRANITE.modulus), radius=radius), "elastic")
     flat = 0.28 * number**2 * GRANITE.roughness
     for overlap in np.geomspace(0.3, 1.3, 400) * flat:
-        force, stiffness = force_loop(law.params, np.full(3 if differ else 1, overlap))
+        force, stiffness = force_loop(law.shape, law.params, np.full(3 if differ else 1, overlap))
         hertz = (6.0 * np.asarray(radius) * GRANITE.modulus**2 * force) ** (1 / 3)
         assert np.all(stiffness <= hertz * (1.0 + 1e-9))

@@ -50,7 +50,7 @@ def test_no_table_of_straight_branches_returns_work():
     law = Case("luding", "linear", "table").bind(GRANITE, 0.9)
     ends = np.array([1e-20 * GRANITE.radius]), np.array([0.1 * GRANITE.radius])
     returned, worst, _ = path_loop(
-        law.rule_tag, law.params, law.new_state(1).arrays, 1, *ends, 2000, 12, np.random.default_rng(0)
+        law.rule_tag, law.shape, law.params, law.new_state(1).arrays, 1, *ends, 2000, 12, np.random.default_rng(0)
     )
     assert (returned, worst) == (0, 0.0)
 

@@ -16,7 +16,8 @@ import numba
 import numpy as np
 
 import demlaws as dl
-from demlaws.core.loops import FINITE, UNBOUNDED, batch_loop, leaves, map_leaves
+from demlaws.core.dispatch import leaves, map_leaves
+from demlaws.core.loops import FINITE, UNBOUNDED, batch_loop
 from demlaws.laws.registry import registry
 from demlaws.make import example
 from demlaws.responses.batch import in_threads
@@ -86,19 +87,15 @@ def arrays_read(law, overlap, states):
 
     def run(spoiled):
         params = map_leaves(
-            lambda v: (
-                (np.full(overlap.size, np.nan) if v is spoiled else v[first])
-                if isinstance(v, np.ndarray) and v.ndim == 1
-                else v
-            ),
+            lambda v: (np.full(overlap.size, np.nan) if v is spoiled else v[first]) if isinstance(v, np.ndarray) else v,
             law.params,
         )
         result = [np.empty_like(overlap), np.empty_like(overlap), *(s.copy() for s in states)]
-        batch_loop(law.rule_tag, params, overlap, tuple(result[2:]), UNBOUNDED, FINITE, result[0], result[1])
+        batch_loop(law.rule_tag, law.shape, params, overlap, tuple(result[2:]), UNBOUNDED, FINITE, result[0], result[1])
         return np.concatenate(result)
 
     normal = run(None)
-    arrays = [v for v in leaves(law.params) if isinstance(v, np.ndarray) and v.ndim == 1]
+    arrays = [v for v in leaves(law.params) if isinstance(v, np.ndarray)]
     return [v for v in arrays if not np.array_equal(normal, run(v), equal_nan=True)]
 
 

@@ -81,7 +81,7 @@ CASES = (
 
 def history(law, force):
     """Overlap [m] and tangent stiffness [N/m] at each force > 0 [N] of a history that starts with first loading."""
-    return history_loop(law.unloading_parts.rule, law.params, np.array(force, float))
+    return history_loop(law.unloading_parts.rule, law.shape, law.params, np.array(force, float))
 
 
 def made(case, seed):

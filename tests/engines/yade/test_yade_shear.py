@@ -298,7 +298,8 @@ def slip_along(law, overlaps, displacements, friction, springs):
     largest = float(np.max(law.shear_stiffness(overlaps, 1.0, "elastic")))
     still = np.zeros(len(overlaps))
     state = law.new_state(1).arrays
-    slip_loop(law.rule_tag, law.params, overlaps, displacements, still, GRANITE_RATIO, friction, largest, state, *rows, results)
+    path = overlaps, displacements, still, GRANITE_RATIO, friction, largest
+    slip_loop(law.rule_tag, law.shape, law.params, *path, state, *rows, results)
     return results[2]
 
 
