@@ -129,8 +129,8 @@ def unavailable_text(failure, pairs=None):
     if pairs is not None and isinstance(failure, SelfTestFailed) and user_laws(pairs):
         name = user_laws(pairs)[0]
         return (
-            f"law {name!r} acts differently in YADE: {failure}. No law is applied, and YADE is unchanged. Compare the law in YADE "
-            f"and in Python: demlaws laws {name} --law-file FILE --check"
+            f"law {name!r} acts differently in YADE: {failure}. No law is applied, and YADE is unchanged. Compare the law in "
+            f"YADE and in Python: demlaws laws {name} --law-file FILE --check"
         )
     tested = ", ".join(native.TESTED)
     return (

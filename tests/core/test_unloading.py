@@ -255,6 +255,6 @@ def test_a_second_type_of_the_name_is_refused():
     First.__module__ = Second.__module__ = "demlaws.laws.made_up"  # a user's would be given another name
     kernel = numba_compat.kernel(lambda shape, p, overlap: 0.5 * p.k * overlap**2)
     dispatch.bind(First, energy=kernel)
-    dispatch.bind(First, inverse=numba_compat.kernel(lambda p, force: force / p.k))  # binding again adds
+    dispatch.bind(First, inverse=numba_compat.kernel(lambda shape, p, force: force / p.k))  # binding again adds
     with pytest.raises(TypeError, match=r"SpringOfThisTest\w*: another law has a type of this name"):
         dispatch.bind(Second, energy=kernel)
