@@ -6,6 +6,7 @@ Of files that git knows. Statements are those of Python's grammar without docstr
 """
 
 import ast
+import graphlib
 import json
 import re
 import subprocess
@@ -13,7 +14,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from test_boundaries import circle, import_graph, layers, unit_graph
+from test_boundaries import circle, import_graph, unit_graph
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "demlaws"
@@ -31,10 +32,8 @@ MECHANISMS = {
     "curves of Gaussian asperities": "laws/family.py solvers/master_curves.py",
     "measured points as a law": "curves/points.py curves/user_curves.py",
     "functions as a law": "user_laws/*.py laws/registry.py curves/soundness.py",
-    "user rules in engines": "curves/rule_object.py",
     "shear: levels, partial slip": "core/shear.py core/levels.py core/slip.py yade/shear.py yade/slip.py",
     "YADE: native bridge": "yade/native.py yade/search.py yade/obj*.py yade/rec*.py yade/tup*.py yade/layout.py yade/kernel.py",
-    "YADE: public way": "yade/public.py",
     "height maps": "surfaces/*.py solvers/contact.py solvers/scan.py solvers/ellipsoid.py solvers/summits.py laws/asperity.py",
     "choose, soften, fit": "advice/*.py",
     "conversion of inputs": "plugins/convert.py",
@@ -43,6 +42,16 @@ MECHANISMS = {
 
 SCRIPT = """
 import json, sys, yade
+
+def layers(graph):
+    """Layers of a graph without circles, the lowest first: each imports only from those before it."""
+    sorter, found = graphlib.TopologicalSorter(graph), []
+    sorter.prepare()
+    while sorter.is_active():
+        found.append(sorter.get_ready())
+        sorter.done(*found[-1])
+    return found
+
 
 def parts(value):
     yield value
