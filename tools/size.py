@@ -43,16 +43,6 @@ MECHANISMS = {
 SCRIPT = """
 import json, sys, yade
 
-def layers(graph):
-    """Layers of a graph without circles, the lowest first: each imports only from those before it."""
-    sorter, found = graphlib.TopologicalSorter(graph), []
-    sorter.prepare()
-    while sorter.is_active():
-        found.append(sorter.get_ready())
-        sorter.done(*found[-1])
-    return found
-
-
 def parts(value):
     yield value
     for name in ("fget", "fset", "func"):
@@ -81,6 +71,16 @@ found = {"loaded": loaded, "replaced": replaced}
 open(sys.argv[-1], "w").write(json.dumps(found))
 """
 """A YADE script with one law: what it loads of demlaws, and which entry points of YADE are replaced, also before the script."""
+
+
+def layers(graph):
+    """Layers of a graph without circles, the lowest first: each imports only from those before it."""
+    sorter, found = graphlib.TopologicalSorter(graph), []
+    sorter.prepare()
+    while sorter.is_active():
+        found.append(sorter.get_ready())
+        sorter.done(*found[-1])
+    return found
 
 
 def files(*patterns):
