@@ -95,7 +95,7 @@ def _rows_below(g):
 def invert_curve(g, s):
     """u at which the curve reaches s: bisection over cells, then Newton inside the cell; NaN above the last node."""
     starts = g.starts
-    if not (s <= row_of_four(g.cells, g.count - 1)[0] * (1.0 + 1e-12)):
+    if not (s <= g.cells[g.count - 1, 0] * (1.0 + 1e-12)):
         return math.nan
     below = _rows_below(g)
     t_low = 0.0
@@ -117,7 +117,7 @@ def invert_curve(g, s):
         high = below
         while high - low > 1:
             middle = (low + high) // 2
-            if row_of_four(g.cells, middle)[0] <= s:
+            if g.cells[middle, 0] <= s:
                 low = middle
             else:
                 high = middle
@@ -197,9 +197,9 @@ def _energy(shape, p, overlap):
 
 @kernel
 def grid_with_pointers(g):
-    """A grid whose cells are a `read_only` pointer."""
+    """A grid whose cells are a `read_only` pointer, as are the parts that `inverse` and `energy` need: for `first_loading`."""
     place = g.shift, g.first, g.kinks, g.lowest, g.highest, g.floor, g.inverse_floor, g.exponent, g.seat, g.count
-    return Grid(read_only(g.cells), g.starts, *place)
+    return Grid(read_only(g.cells), read_only(g.starts), *place)
 
 
 @kernel
@@ -260,7 +260,7 @@ def _curve_with_pointers(shape):
     return CurveShape(with_pointers(shape.curve), with_pointers(shape.reverse))
 
 
-bind(CurveShape, scale=_curve_scale, with_pointers=_curve_with_pointers)
+bind(CurveShape, scale=_curve_scale, with_pointers=_curve_with_pointers, with_pointers_to_invert=_curve_with_pointers)
 bind(
     CurveParams,
     first_loading=_curve_first_loading,

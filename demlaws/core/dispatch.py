@@ -205,6 +205,11 @@ def with_pointers(shape):
     """A Shape whose tables are `fastmath.read_only` pointers, for use in a loop during which `shape` stays alive."""
 
 
+@generic(lambda *_: lambda shape: shape)
+def with_pointers_to_invert(shape):
+    """The same of a curve that is inverted: `inverse` searches arrays, so that only a Shape with an `inverse_near` binds this."""
+
+
 # --- arrays of contacts: (nested, named) tuples whose leaves are numbers, or 1-D arrays with one entry per contact
 
 

@@ -22,6 +22,7 @@ from demlaws.core.dispatch import (
     scale,
     unloading_curve,
     with_pointers,
+    with_pointers_to_invert,
 )
 from demlaws.core.fastmath import cbrt, sqrt
 from demlaws.core.numba_compat import INLINED, kernel
@@ -190,7 +191,7 @@ def _joined_unloading_curve(shape, p):
 
 @kernel
 def _joined_with_pointers(shape):
-    parts = with_pointers(shape.loading), with_pointers(shape.unloading)
+    parts = with_pointers(shape.loading), with_pointers_to_invert(shape.unloading)
     return JoinedShape(*parts, shape.radius, shape.modulus, shape.roughness)
 
 
