@@ -95,11 +95,9 @@ class Parser(argparse.ArgumentParser):
         )
 
     def add_argument(self, *names, **options):
-        """As argparse; a parser with a file to write also has --force."""
-        if isinstance(options.get("type"), Output) and "--force" not in self._option_string_actions:
-            super().add_argument(
-                "--force", dest="overwrite", action="store_true", help="overwrite files that this command did not write"
-            )
+        """As argparse; a parser with a file to write also has --overwrite."""
+        if isinstance(options.get("type"), Output) and "--overwrite" not in self._option_string_actions:
+            super().add_argument("--overwrite", action="store_true", help="replace existing files, whatever wrote them")
         return super().add_argument(*names, **options)
 
     def parse_args(self, args=None, namespace=None):

@@ -3,7 +3,7 @@
 from demlaws.cli import example
 from demlaws.cli.arguments import force, length, whole
 from demlaws.cli.contact import add_law_arguments, describe, law_from, unloads
-from demlaws.cli.output import Output, output
+from demlaws.cli.output import csv_file, picture_file
 from demlaws.responses.results import PATH_COLUMNS
 
 
@@ -27,9 +27,9 @@ def register(add):
     )
     curve.add_argument("--steps", type=whole(), default=200, help="steps per branch (default 200)")
     curve.add_argument(
-        "--csv", type=Output(PATH_COLUMNS), help="CSV file of the curve, - for standard output (default: print 20 rows)"
+        "--csv", type=csv_file(PATH_COLUMNS), help="CSV file of the curve, - for standard output (default: print 20 rows)"
     )
-    curve.add_argument("--figure", type=output, help="picture to draw (png, pdf, svg)")
+    curve.add_argument("--figure", type=picture_file, help="picture to draw (png, pdf, svg)")
     curve.set_defaults(func=run_curve)
 
 

@@ -4,7 +4,7 @@ import os
 
 from demlaws.cli import Parser, example, option
 from demlaws.cli.arguments import density, force, length, plain, pressure, whole
-from demlaws.cli.output import output
+from demlaws.cli.output import other_file
 from demlaws.errors import DemlawsError
 from demlaws.laws import USUAL
 
@@ -110,7 +110,9 @@ def _add_convert(parts, name):
     def convert(arguments, result):
         from demlaws.plugins.convert import convert_file
 
-        out = arguments.out or output(arguments.input + ".demlaws")
+        out = arguments.out or other_file(arguments.input + ".demlaws")
+        if not arguments.overwrite:
+            other_file.check(out)
         out, conversion = convert_file(arguments.input, name, arguments.table, out=out)
         result.values = {"file": out, "notes": conversion.notes}
         last = "no line converted, no file written" if out is None else f"wrote {out}"
@@ -126,7 +128,7 @@ def _add_convert(parts, name):
     )
     converts.add_argument("input", help="input script with stock models")
     converts.add_argument("--table", required=True, help="table file of the law (`demlaws table` writes one)")
-    converts.add_argument("--out", type=output, help="file to write (default: INPUT.demlaws)")
+    converts.add_argument("--out", type=other_file, help="file to write (default: INPUT.demlaws)")
     converts.set_defaults(func=convert)
 
 

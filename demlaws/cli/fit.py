@@ -5,7 +5,7 @@ from pathlib import Path
 from demlaws.cli import example, text_of
 from demlaws.cli.arguments import compliance, force, length
 from demlaws.cli.contact import add_contact_arguments, contact_from, describe
-from demlaws.cli.output import Output, output
+from demlaws.cli.output import csv_file, picture_file
 from demlaws.files import wrapped
 
 TITLES = [
@@ -52,8 +52,8 @@ def register(add):
         metavar="M/N",
         help="compliance of the apparatus, in m/N or with a unit: 0.01um/N (to fit it: --free ... compliance)",
     )
-    parser.add_argument("--csv", type=Output(TITLES), help="CSV file of the ranking")
-    parser.add_argument("--figure", type=output, help="picture to draw (png, pdf, svg)")
+    parser.add_argument("--csv", type=csv_file(TITLES), help="CSV file of the ranking")
+    parser.add_argument("--figure", type=picture_file, help="picture to draw (png, pdf, svg)")
     parser.set_defaults(func=run)
 
 

@@ -3,7 +3,7 @@
 from demlaws.cli import example
 from demlaws.cli.arguments import force, plain, pressure
 from demlaws.cli.contact import add_contact_arguments, contact_from, draw
-from demlaws.cli.output import output
+from demlaws.cli.output import picture_file
 from demlaws.errors import DemlawsError, MissingQuantity
 
 
@@ -18,7 +18,7 @@ def register(add):
         ),
     )
     add_contact_arguments(regime)
-    regime.add_argument("--load", type=force, help="normal force in N (--force overwrites files)")
+    regime.add_argument("--load", type=force, help="normal force in N")
     regime.add_argument("--mu", type=plain, help="Greenwood & Tripp's μ of the surface; p(0) is then solved, not from the fit")
     regime.add_argument(
         "--yield-pressure", type=pressure, help="measured limit pressure p_y in Pa, in place of 0.6 of the hardness"
@@ -26,7 +26,7 @@ def register(add):
     regime.add_argument(
         "--yield-load", type=force, help="measured load in N at which the bulk of this contact yields, in place of p_y"
     )
-    regime.add_argument("--figure", type=output, help="map of p(0)/H_m over load and roughness")
+    regime.add_argument("--figure", type=picture_file, help="map of p(0)/H_m over load and roughness")
     regime.set_defaults(func=run_regime)
 
 

@@ -5,7 +5,7 @@ import math
 from demlaws.cli import example
 from demlaws.cli.arguments import force, length, plain, whole
 from demlaws.cli.contact import add_contact_arguments, contact_from, draw
-from demlaws.cli.output import output
+from demlaws.cli.output import other_file, picture_file, table_file
 from demlaws.errors import DemlawsError
 from demlaws.laws import ASPERITY
 
@@ -45,11 +45,13 @@ def register(add):
         metavar=("SHORTEST", "LONGEST"),
         help="wavelengths used to fit the fractal dimension",
     )
-    surface.add_argument("--out", type=output, help="file for the map: levelled, synthetic, or the heights after the contact")
-    surface.add_argument("--figure", type=output, help="picture to draw")
+    surface.add_argument(
+        "--out", type=other_file, help="file for the map: levelled, synthetic, or the heights after the contact"
+    )
+    surface.add_argument("--figure", type=picture_file, help="picture to draw")
     add_contact_arguments(surface, test=False, modulus=False)
     contact = surface.add_argument_group("contact of a ball (the first body) with the map (the second body)")
-    contact.add_argument("--load", type=force, help="normal force in N (--force overwrites files)")
+    contact.add_argument("--load", type=force, help="normal force in N")
     contact.add_argument("--cycles", type=whole(1, 1000), default=1, help="times that the load is applied (default 1)")
     contact.add_argument(
         "--plastic-factor", type=plain, help="c_h: fully plastic pressure over hardness (default: that of aluminium)"
@@ -57,7 +59,7 @@ def register(add):
     contact.add_argument("--plastic-ratio", type=plain, help="c_A: 2 ω2/ω1 of a sphere (default: that of aluminium)")
     contact.add_argument(
         "--table",
-        type=output,
+        type=table_file,
         help="file for the law of the map as a table with `hertz` unloading, for YADE, LIGGGHTS and LAMMPS (others: "
         "demlaws table --law asperity --option surface=FILE)",
     )

@@ -5,7 +5,7 @@ from pathlib import Path
 from demlaws.cli import example
 from demlaws.cli.arguments import force, length, plain
 from demlaws.cli.contact import add_law_arguments, contact_from, describe, law_from, unloads
-from demlaws.cli.output import output
+from demlaws.cli.output import picture_file, table_file
 from demlaws.errors import DemlawsError
 
 
@@ -42,8 +42,10 @@ def register(add):
         help="relative tolerance of force and stiffness (default 1e-5; for points 1e-3 of the smoothed curve)",
     )
     table.add_argument("--max-force", type=force, help="largest force of the table in N (default: force at an overlap of R/10)")
-    table.add_argument("--out", type=output, required=True, help="file to write")
-    table.add_argument("--figure", type=output, help="picture of the table and its errors, or of the points and the table")
+    table.add_argument("--out", type=table_file, required=True, help="file to write")
+    table.add_argument(
+        "--figure", type=picture_file, help="picture of the table and its errors, or of the points and the table"
+    )
     table.set_defaults(func=run)
 
 

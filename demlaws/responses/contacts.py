@@ -1,5 +1,7 @@
 """Contacts of a scene or of a dump as a table, and as lines between centres for ParaView."""
 
+import re
+import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -8,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from demlaws.errors import DemlawsError
-from demlaws.files import PARAVIEW
+from demlaws.files import PARAVIEW, PARAVIEW_MARK, as_path, write_atomically
 from demlaws.responses.results import Tabular
 
 COLUMNS = {
@@ -139,7 +141,7 @@ class Contacts(Tabular):
         DemlawsError
             If the places of the bodies are not known, the ending is another one, or meshio is not installed.
         """
-        path = Path(path)
+        path = as_path(path)
         if self.centre1 is None or self.centre2 is None:
             raise DemlawsError("these contacts have no places of their bodies: nothing to draw")
         data = {name: v.astype(np.uint8) if v.dtype == bool else v for name, _, v in self._known()}
@@ -151,5 +153,8 @@ class Contacts(Tabular):
             raise DemlawsError(f"a {path.suffix} file needs meshio: pip install 'demlaws[vtk]'") from None
         lines = np.stack([np.arange(len(self)), np.arange(len(self)) + len(self)], axis=1)  # numbers of their points
         points, cells = np.concatenate([self.centre1, self.centre2]), {name: [values] for name, values in data.items()}
-        meshio.Mesh(points, [("line", lines)], cell_data=cells).write(path)
-        return path
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder, f"lines{path.suffix}")
+            meshio.Mesh(points, [("line", lines)], cell_data=cells).write(file)
+            marked = re.sub(rb"(written|created) by meshio", PARAVIEW_MARK + rb", \g<0>", file.read_bytes(), count=1)
+        return write_atomically(path, marked)

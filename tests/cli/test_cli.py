@@ -182,18 +182,52 @@ def test_csv_on_standard_output(capsys):
     assert "contact: R = 4 mm" in captured.err
 
 
-def test_files_are_overwritten_only_if_this_command_wrote_them(tmp_path):
-    for flag, name in (("--csv", "a.csv"), ("--figure", "a.png")):
-        file = tmp_path / name
-        for content in (b"notes of another program", b""):
-            file.write_bytes(content)
-            assert main([*HERTZ, flag, str(file)]) == (2 if content else 0)
-        first = file.read_bytes()
-        assert main([*HERTZ, flag, str(file)]) == 0  # the same kind
-        file.write_bytes(b"notes")
-        assert main([*HERTZ, flag, str(file), "--force"]) == 0 and file.read_bytes() == first
-    table = tmp_path / "a.csv"
-    assert main(["table", "--law", "hertz", *CONTACT, "--rtol", "1e-2", "--out", str(table)]) == 2  # a curve, not a table
+TABLE = ["table", "--law", "hertz", *CONTACT, "--rtol", "1e-2", "--out"]
+SCRIPT = "# a script of demlaws for YADE, one of ours\nfrom demlaws.yade import engines\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "name"),
+    [([*HERTZ, "--csv"], "a.csv"), *[([*HERTZ, "--figure"], f"a.{e}") for e in ("png", "svg", "pdf")], (TABLE, "a")],
+)
+def test_a_file_is_replaced_only_by_the_command_that_wrote_it(words, name, tmp_path, capsys):
+    file = tmp_path / name
+    for content in (SCRIPT, f"# {SCRIPT * 100}"):
+        file.write_text(content)
+        assert main([*words, str(file)]) == 2
+        assert "--overwrite" in capsys.readouterr().err and file.read_text() == content
+    file.write_bytes(b"")
+    assert main([*words, str(file)]) == 0  # an empty file is nobody's
+    assert len(file.read_bytes()) > 100
+    assert main([*words, str(file)]) == 0  # the same kind
+    file.write_text(SCRIPT)
+    assert main([*words, str(file), "--overwrite"]) == 0 and file.read_bytes()[:30] != SCRIPT.encode()[:30]
+
+
+def test_a_curve_is_not_replaced_by_a_table_nor_a_map_by_a_map(tmp_path):
+    file, heights = tmp_path / "a.csv", tmp_path / "map.asc"
+    assert main([*HERTZ, "--csv", str(file)]) == 0 and main([*TABLE, str(file)]) == 2
+    generate = ["surface", "synthetic", "--size", "16", "--out", str(heights)]
+    assert main(generate) == 0 and main(generate) == 2  # nothing in a map says who measured it
+    assert main([*generate, "--overwrite"]) == 0
+
+
+def test_the_tables_of_a_scene_replace_only_tables(tmp_path, capsys):
+    scene, out = tmp_path / "scene.toml", tmp_path / "law.tbl"
+    scene.write_text("radii = 1e-3\nforce = [1, 2]\n[material]\nyoung = 6e10\npoisson = 0.2\n")
+    out.write_text(SCRIPT)
+    assert main(["choose", str(scene), "--out", str(out)]) == 2
+    assert "--overwrite" in capsys.readouterr().err and out.read_text() == SCRIPT
+
+
+@pytest.mark.parametrize("engine", ["liggghts", "lammps"])
+def test_an_input_of_somebody_else_is_not_replaced(engine, tmp_path, capsys):
+    script = tmp_path / "in.case"
+    words = [engine, "export", str(tmp_path), "--law", "hertz", "--radius", "4mm", "--count", "20"]
+    assert main(words) == 0 and main(words) == 0
+    script.write_text("pair_style granular")
+    assert main(words) == 2 and "in.case exists" in capsys.readouterr().err
+    assert script.read_text() == "pair_style granular"
 
 
 @pytest.mark.parametrize(
