@@ -242,6 +242,9 @@ class Contact:
             return NotImplemented
         return all(np.array_equal(getattr(self, field.name), getattr(other, field.name)) for field in fields(self))
 
+    def __hash__(self) -> int:
+        return hash(tuple(as_tuple(getattr(self, field.name)) for field in fields(self)))
+
     @classmethod
     def between(
         cls,
@@ -416,6 +419,11 @@ def _lengths_of(**lengths: Any) -> dict[str, np.ndarray]:
             raise DemlawsError(f"{name} = {value} m: {remedy}")
     _refuse_lengths(values)
     return values
+
+
+def as_tuple(value: Any) -> Any:
+    """An array as a tuple, which has a hash; anything else as it is."""
+    return tuple(value.tolist()) if isinstance(value, np.ndarray) else value
 
 
 def as_contact(value: Any) -> Contact:

@@ -15,6 +15,14 @@ from demlaws.units import UNITS, quantity
 GRANITE = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9)
 
 
+def test_equal_contacts_have_one_hash():
+    for radius in (4e-3, [1e-3, 2e-3]):
+        one, other = (dl.Contact(radius, 32e9, 0.0, 2.2) for _ in "ab")
+        assert one == other and hash(one) == hash(other)
+        assert {one: 1}[other] == 1 and hash(one) != hash(one.with_values(modulus=33e9))
+    assert hash(dl.Contact(4e-3, 32e9, 0.0)) == hash(dl.Contact(4e-3, 32e9, -0.0))
+
+
 def test_flat_and_array_of_radii():
     flat = dl.Contact.between(GRANITE, GRANITE, radius1=6.05e-3)
     assert flat.radius == 6.05e-3

@@ -7,7 +7,11 @@ from demlaws.errors import DemlawsError
 
 def add_law_arguments(parser, law_required=True):
     """Arguments that name a law and its contact."""
-    parser.add_argument("--law", required=law_required, help="name of the law (list: demlaws laws)")
+    parser.add_argument(
+        "--law",
+        required=law_required,
+        help="name of the law (list: demlaws laws), or a table file, whose contact is the default",
+    )
     parser.add_argument(
         "--unloading",
         help="unloading rule: elastic, hertz, thornton, a rule of this law only (list: demlaws laws NAME), or a table file "
@@ -47,8 +51,11 @@ def add_contact_arguments(parser, test=True, modulus=True):
     contact.add_argument("--hardness", type=pressure, help="hardness of the softer body in Pa")
 
 
-def contact_from(arguments, **measured):
-    """The contact that the arguments describe, with the measured fields in place of arguments."""
+def contact_from(arguments, base=None, **measured):
+    """The contact that the arguments describe, with the measured fields in place of arguments.
+
+    base: the contact whose fields are taken where no argument gives them.
+    """
     from demlaws import granite
     from demlaws.contact import Contact, Material, combined_roughness, effective_modulus
 
@@ -82,7 +89,9 @@ def contact_from(arguments, **measured):
     fields.update(measured)
     fields = {name: value for name, value in fields.items() if value is not None}
     if getattr(arguments, "test", None) is not None:
-        return granite.find_test(arguments.test).contact.with_values(**fields)
+        base = granite.find_test(arguments.test).contact
+    if base is not None:
+        return base.with_values(**fields)
     options = {"radius": "--radius (or --effective-radius)", "modulus": "--young and --poisson (or --modulus)"}
     missing = [text for name, text in options.items() if name not in fields]
     if missing:
@@ -92,11 +101,21 @@ def contact_from(arguments, **measured):
 
 
 def law_from(arguments):
-    """The law that the arguments name."""
+    """The law that the arguments name: with its name or as a table file."""
     from demlaws import granite
+    from demlaws.files import names_a_file
+    from demlaws.law import Table
     from demlaws.laws.registry import find
     from demlaws.make import law
 
+    if names_a_file(arguments.law):
+        if arguments.option:
+            raise DemlawsError(
+                f"--option {arguments.option[0][0]}: the table {arguments.law} has the options of its law already"
+            )
+        table = Table.load(arguments.law)
+        bound = table.bound_to(contact_from(arguments, table.contact))
+        return bound if arguments.unloading is None else bound.joined(arguments.unloading)
     definition = find(arguments.law)
     options = dict(arguments.option)
     if arguments.test is not None:

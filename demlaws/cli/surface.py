@@ -205,7 +205,7 @@ def _synthetic(arguments, result):
 
 
 def _contact(arguments, result, name):
-    from demlaws.regime import assess
+    from demlaws.regime import regime
     from demlaws.solvers.contact import RoughContact
     from demlaws.surfaces.plausibility import resolution_doubts
 
@@ -222,7 +222,7 @@ def _contact(arguments, result, name):
         return heights
     _warn(result, resolution_doubts(contact.heights, contact.pair, arguments.load))
     if contact.pair.hardness is not None:
-        result.print(assess(contact.pair, arguments.load))
+        result.print(regime(contact.pair, arguments.load))
     step, worn = _cycles(arguments, result, contact)
     result.print(step)
     result.values |= {"contact": contact.pair, "force": arguments.load, "text": str(step).splitlines()}

@@ -14,6 +14,14 @@ from demlaws.contact import Material, Surface
 from demlaws.errors import DemlawsError, did_you_mean
 from demlaws.responses.results import Tabular
 
+__all__ = ["Typical", "Value", "basalt", "glass", "granite", "limestone", "names", "quartz", "steel", "typical"]
+granite: Material
+glass: Material
+steel: Material
+quartz: Material
+basalt: Material
+limestone: Material
+
 UNITS = {"GPa": 1e9, "µm": 1e-6}
 SYMBOLS = {
     "young": "E",
@@ -105,4 +113,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *names()])
+    return sorted([*(name for name in globals() if name.startswith("__")), *__all__])

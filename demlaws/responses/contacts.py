@@ -52,7 +52,8 @@ SHORT = {"maximum_overlap": "largest (m)", "plastic_overlap": "plastic (m)", "sh
 class Contacts(Tabular):
     """Contacts: arrays with one entry per contact, SI units; `COLUMNS` describes them. Unknown values are NaN, or None.
 
-    `len` is the number of contacts; `contacts[3]`, a slice, numbers or a mask give some of them. `print`, `to_dataframe()` give
+    `len` is the number of contacts; `contacts[3]`, a slice, numbers or a mask give some of
+    them, `contacts["force"]` a column. `print`, `to_dataframe()` give
     a row for each, `save` lines for ParaView. centre1, centre2: (n, 3), of the bodies; the point of contact on a wall.
     """
 
@@ -99,7 +100,9 @@ class Contacts(Tabular):
     def __len__(self) -> int:
         return len(self.body1)
 
-    def __getitem__(self, which: Any) -> "Contacts":
+    def __getitem__(self, which: Any) -> Any:
+        if isinstance(which, str):
+            return self.named(which, tuple(COLUMNS))
         chosen = np.atleast_1d(np.arange(len(self))[which])
         columns: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(self)}
         return replace(self, **{name: values[chosen] for name, values in columns.items() if values is not None})

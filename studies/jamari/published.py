@@ -4,9 +4,9 @@ import itertools
 import math
 from typing import NamedTuple
 
-from demlaws import regime
 from demlaws.contact import Contact, Material
 from demlaws.errors import DemlawsError
+from demlaws.solvers import criterion
 
 
 class PublishedTest(NamedTuple):
@@ -72,8 +72,8 @@ def published_ratios():
     rows = []
     for test in published_tests():
         alpha = float(test.contact.roughness_parameter(test.load))
-        solved = math.nan if math.isnan(test.mu) else regime.pressure_ratio(test.contact, test.load, test.mu)
-        rows.append(PublishedRatio(test, alpha, solved, regime.pressure_ratio(test.contact, test.load)))
+        solved = math.nan if math.isnan(test.mu) else criterion.pressure_ratio(test.contact, test.load, test.mu)
+        rows.append(PublishedRatio(test, alpha, solved, criterion.pressure_ratio(test.contact, test.load)))
     return rows
 
 

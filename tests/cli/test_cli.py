@@ -69,6 +69,24 @@ def test_table_with_an_unloading_curve(tmp_path, capsys):
     assert main(["curve", "--law", "pohrt-popov", *CONTACT, "--unloading", str(curve), "--forces", "9", "0"]) == 0
 
 
+def test_a_table_is_a_law(tmp_path, capsys):
+    """As in Python; its contact is the default, and what is given replaces a part of it."""
+    file = tmp_path / "granite.tbl"
+    assert main(["table", "--law", "pohrt-popov", *CONTACT, "--out", str(file)]) == 0
+    law, more = Table.load(file), ["--forces", "9", "0", "--json"]
+    capsys.readouterr()
+    for contact, changed in (([], {}), (["--effective-radius", "5mm"], {"radius": 5e-3})):
+        assert main(["curve", "--law", str(file), *contact, *more]) == 0
+        values = json.loads(capsys.readouterr().out)
+        bound = law.bound_to(law.contact.with_values(**changed))
+        assert values["overlap"][200] == pytest.approx(bound.overlap(9.0), rel=1e-9)
+    assert main(["curve", "--law", str(file), *more, "--unloading", "hertz"]) == 0
+    assert json.loads(capsys.readouterr().out)["unloading"] == "hertz"
+    assert main(["curve", "--law", str(file), *more, "--option", "loading=rms"]) == 2
+    assert main(["curve", "--law", str(tmp_path / "none.tbl"), *more]) == 2
+    assert "none.tbl" in capsys.readouterr().err
+
+
 def test_granite(tmp_path, capsys):
     assert main(["granite", "--test", "SS(12-18)", "--law", "pohrt-popov", "--out", str(tmp_path)]) == 0
     out = capsys.readouterr().out
