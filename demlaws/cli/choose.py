@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from demlaws.cli import example
-from demlaws.cli.output import csv_file, table_file
+from demlaws.cli.output import csv_file, progress, table_file
 from demlaws.errors import DemlawsError
 
 FIELDS = ("error", "ns", "step_factor", "step", "state_bytes", "table_rows", "meets")
@@ -37,8 +37,6 @@ def register(add):
 
 def run(arguments, result):
     """Do what the command's arguments ask."""
-    from tqdm import tqdm
-
     from demlaws.advice.choose import choose
     from demlaws.advice.scene import TEMPLATE, Scene
 
@@ -53,10 +51,7 @@ def run(arguments, result):
     advice = _advice(scene, arguments.soften)
     if arguments.soften:
         scene = advice.scene
-    choices = choose(
-        scene,
-        progress=lambda plans: tqdm(plans, desc="choose", unit="law", leave=False, disable=None),
-    )
+    choices = choose(scene, progress=progress("choose"))
     name = scene.name or arguments.scene.stem
     _print_choices(result, choices, scene, name, arguments.all)
     result.values = {

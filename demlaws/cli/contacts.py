@@ -23,8 +23,8 @@ def register(add):
             "      --young 60.6GPa --poisson 0.25 --roughness 1.7um --fractal-dimension 2.22 --csv contacts.csv"
         ),
     )
-    parser.add_argument("--vtk", type=lines_file, metavar="FILE", help="write lines for ParaView: .vtu or .vtk")
-    parser.add_argument("--csv", type=csv_file(TITLES, last=False), metavar="FILE", help="write all columns as CSV")
+    parser.add_argument("--vtk", type=lines_file, help="write lines for ParaView: .vtu or .vtk")
+    parser.add_argument("--csv", type=csv_file(TITLES, last=False), help="write all columns as CSV")
     add_dump_arguments(parser)
     parser.set_defaults(func=run)
 

@@ -150,7 +150,8 @@ def _add_run(parts, name):
             arguments=[*arguments.rest, *screen],
         )
 
-    runs = parts.add_parser("run", help="run an input with the plugin", **example(RUN_EXAMPLE.format(name=name, engine=engine)))
+    text = example(RUN_EXAMPLE.format(name=name, engine=engine))
+    runs = parts.add_parser("run", help="run an input with the plugin", shows_json=False, **text)
     text = f"input script, first of all; {engine} runs in its folder; unknown options go to {engine}"
     runs.add_argument("script", metavar="INPUT", help=text)
     runs.add_argument("-np", type=int, default=1, help="number of MPI ranks (default 1)")
@@ -187,7 +188,13 @@ def _grain_arguments(export):
     )
     for name, kind, default, text in PROPERTIES:
         suffix = "" if default == [None] else f" (default {default[0]:g})"
-        export.add_argument(f"--{name}", type=kind, nargs="+", default=default, help=f"{text}: one, or one per type{suffix}")
+        export.add_argument(f"--{name}", type=kind, nargs="+", help=f"{text}: one, or one per type{suffix}")
+    export.add_argument(
+        "--material",
+        nargs="+",
+        help="material with typical values of the six quantities above (list: demlaws materials): one, or one per type; values "
+        "that are given replace its own",
+    )
     export.add_argument(
         "--max-force", type=force, default=10.0, help="largest expected contact force [N] (default %(default)g)"
     )
@@ -202,16 +209,19 @@ def _grain_arguments(export):
 def _grains_of(arguments):
     """The case's `Grain`s, the rule or law that they unload by, and the options of the law."""
     from demlaws.contact import Material, Surface
+    from demlaws.materials import typical
     from demlaws.plugins.grains import Grain
 
     count, columns = len(arguments.radius), []
-    for name, *_ in PROPERTIES:
-        values = getattr(arguments, name.replace("-", "_"))
+    materials = [typical(name) for name in arguments.material or ()]
+    for name, _, default, _ in [("material", None, [None], None), *PROPERTIES]:
+        key = name.replace("-", "_")
+        values = getattr(arguments, key) or [material[key].value for material in materials] or default
         if len(values) not in (1, count):
             raise DemlawsError(f"--{name} has {len(values)} values for {count} radii: give one, or one per radius")
         columns.append(values if len(values) == count else values * count)
     grains = [
         Grain(radius, Material(young, poisson, hardness, density), Surface(sq, dimension, hardness))
-        for radius, sq, dimension, young, poisson, hardness, density in zip(arguments.radius, *columns, strict=True)
+        for radius, sq, dimension, young, poisson, hardness, density in zip(arguments.radius, *columns[1:], strict=True)
     ]
     return grains, arguments.unloading, dict(arguments.option)

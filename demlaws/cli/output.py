@@ -2,9 +2,11 @@
 
 import argparse
 import dataclasses
+import functools
 import json
 import math
 import os
+import shutil
 import sys
 from pathlib import Path
 
@@ -18,6 +20,8 @@ class Output:
     is_ours: whether the first bytes of a file are those of a file that the command wrote; None: no file of this kind says so.
     is_csv: whether "-" is the standard output.
     """
+
+    metavar = "FILE"
 
     def __init__(self, is_ours=None, is_csv=False):
         self.is_ours, self.is_csv = is_ours, is_csv
@@ -105,6 +109,14 @@ class Result:
         """With --json: print the values, or the text of a command without values."""
         if self._as_json and (self.values or self._lines):
             print(json.dumps(plain(self.values or {"text": self._lines}), indent=1, ensure_ascii=False))
+
+
+def progress(name):
+    """Keyword `progress` of `fit` and `choose`: a bar in a terminal, also in one that states no width."""
+    from tqdm import tqdm
+
+    width, lines = shutil.get_terminal_size()
+    return functools.partial(tqdm, desc=name, unit="law", leave=False, disable=None, ncols=width - 1, nrows=lines)
 
 
 def plain(value):

@@ -4,7 +4,7 @@ import math
 
 from demlaws.cli import example
 from demlaws.cli.arguments import force, length, plain, whole
-from demlaws.cli.contact import add_contact_arguments, contact_from, draw
+from demlaws.cli.contact import add_contact_arguments, bodies_from, contact_from, draw
 from demlaws.cli.output import other_file, picture_file, table_file
 from demlaws.errors import DemlawsError
 from demlaws.laws import ASPERITY
@@ -209,12 +209,13 @@ def _contact(arguments, result, name):
     from demlaws.solvers.contact import RoughContact
     from demlaws.surfaces.plausibility import resolution_doubts
 
-    if arguments.young is None or arguments.poisson is None:
-        raise DemlawsError("--young and --poisson missing: give those of the ball and of the map's body")
+    bodies = bodies_from(arguments)
+    if bodies is None:
+        raise DemlawsError("--young and --poisson (or --material) missing: give those of the ball and of the map's body")
     if arguments.load is None and arguments.table is None:
         raise DemlawsError("--load missing: the load in N (or --table, for the law alone)")
     heights = _levelled(arguments, result, name)
-    material = arguments.poisson[-1], arguments.plastic_factor, arguments.plastic_ratio
+    material = bodies[1].poisson, arguments.plastic_factor, arguments.plastic_ratio
     contact = RoughContact(heights, contact_from(arguments, roughness=heights.sq), *material)
     if arguments.table is not None:
         _table(arguments, result, contact)

@@ -17,7 +17,7 @@ def register(add):
         **example(
             '  demlaws table --law pohrt-popov --unloading hertz --test "SS(18-18)" --out granite.tbl --figure granite.png\n'
             '  demlaws table --law pohrt-popov --test "SS(18-18)" --out both.tbl --unloading hertz.tbl\n'
-            "  demlaws table --points test.csv --unloading hertz --radius 8mm --modulus 32GPa --out measured.tbl\n\n"
+            "  demlaws table --points test.csv --unloading hertz --radius 8mm 8mm --modulus 32GPa --out measured.tbl\n\n"
             "test.csv: two columns with units in the header, for instance\n"
             "  overlap (um),force (N)"
         ),
@@ -27,15 +27,12 @@ def register(add):
     points.add_argument(
         "--points",
         type=Path,
-        metavar="FILE",
         help="text file with the points of first loading: overlap and force with units (-: standard input)",
     )
     points.add_argument(
         "--zero", type=length, default=0.0, help="displacement in m at first touch (default 0: the points are overlaps)"
     )
-    points.add_argument(
-        "--force-noise", type=force, metavar="N", help="standard uncertainty of the force in N (default: from the scatter)"
-    )
+    points.add_argument("--force-noise", type=force, help="standard uncertainty of the force in N (default: from the scatter)")
     table.add_argument(
         "--rtol",
         type=plain,

@@ -48,7 +48,7 @@ def published_tests():
     tests = []
     for label, flat, roughness, load, alpha, mu, ratio, seen in rows:
         ball, radius = (SILICON_CARBIDE_BALL, 3.175e-3) if label.startswith("2008") else (STEEL_BALL, 5e-3)
-        contact = Contact.between(ball, flat, radius1=radius, roughness1=0, roughness2=roughness)
+        contact = Contact.between(ball, flat, radius1=radius, radius2="flat", roughness1=0, roughness2=roughness)
         name = "aluminium" if flat is ALUMINIUM else "brass"
         tests.append(PublishedTest(label, name, contact, load, alpha, mu, ratio, seen))
     return tests

@@ -181,16 +181,15 @@ def test_exports_take_units(engine, tmp_path):
     assert texts[0] == texts[1] and len(texts[0]) > 2
 
 
-def test_one_radius_is_that_of_two_equal_spheres(capsys):
-    """Before: --radius was the effective radius in four commands and a sphere's in two."""
-    radii = [["--radius", "8mm"], ["--radius", "8mm", "8mm"], ["--radius", "4mm", "inf"], ["--effective-radius", "4mm"]]
+def test_radii_of_both_bodies(capsys):
+    radii = [["--radius", "8mm", "8mm"], ["--radius", "4mm", "inf"], ["--radius", "4mm", "flat"], ["--effective-radius", "4mm"]]
     for radius in radii:
         words = ["curve", "--law", "rms", *radius, "--modulus", "30GPa", "--overlaps", "1um"]
         assert main([*words, "--roughness", "3um", "4um"]) == 0
         assert "R = 4 mm, E* = 30 GPa, σ = 5 µm" in capsys.readouterr().out
 
 
-HERTZ = ["curve", "--law", "hertz", "--radius", "8mm", "--modulus", "30GPa", "--overlaps", "1um", "--steps", "2"]
+HERTZ = ["curve", "--law", "hertz", "--radius", "8mm", "8mm", "--modulus", "30GPa", "--overlaps", "1um", "--steps", "2"]
 
 
 def test_csv_on_standard_output(capsys):
@@ -267,7 +266,7 @@ def test_results_as_json(words, key, capsys, tmp_path, monkeypatch):
 
 # --- user-defined laws: --law-file FILE.py of every command, laws --check
 
-RADIUS = ["--radius", "4mm", "--modulus", "30GPa"]
+RADIUS = ["--radius", "4mm", "4mm", "--modulus", "30GPa"]
 
 
 @pytest.fixture
