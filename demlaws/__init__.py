@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from demlaws import driver as driver
     from demlaws import materials as materials
     from demlaws import plots as plots
-    from demlaws import regime as regime
     from demlaws import surface as surface
     from demlaws.advice.choose import choose as choose
     from demlaws.advice.fit import fit as fit
@@ -34,9 +33,13 @@ if TYPE_CHECKING:
     from demlaws.laws.registry import load_laws as load_laws
     from demlaws.laws.registry import register as register
     from demlaws.make import law as law
-    from demlaws.timestep import timestep as timestep
+    from demlaws.regime import RegimeFunctions as _RegimeFunctions
+    from demlaws.timestep import TimestepFunctions as _TimestepFunctions
     from demlaws.user_laws.check import check_law as check_law
     from demlaws.user_laws.define import define as define
+
+    regime: _RegimeFunctions
+    timestep: _TimestepFunctions
 
 __version__ = "0.3.0"
 

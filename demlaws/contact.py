@@ -242,6 +242,9 @@ class Contact:
             return NotImplemented
         return all(np.array_equal(getattr(self, field.name), getattr(other, field.name)) for field in fields(self))
 
+    def __hash__(self) -> int:
+        return hash(tuple(as_tuple(getattr(self, field.name)) for field in fields(self)))
+
     @classmethod
     def between(
         cls,
@@ -249,7 +252,7 @@ class Contact:
         material2: Material,
         *,
         radius1: Any,
-        radius2: Any = math.inf,
+        radius2: Any = None,
         roughness1: Any = None,
         roughness2: Any = None,
         fractal_dimension: float | None = None,
@@ -262,7 +265,7 @@ class Contact:
         material1, material2 : Material
             Materials of both bodies.
         radius1, radius2 : float, str or ndarray
-            Radii of the spheres [m]; inf is a flat.
+            Radii of both spheres [m], both required; "flat" or inf is a flat.
         roughness1, roughness2 : float, str or ndarray, optional
             Rms roughness Sq of each surface [m]; default: that of the material's `surface`. Where one of the two is not known,
             the contact has no roughness: a law that uses it raises an error.
@@ -291,6 +294,8 @@ class Contact:
         radius1, radius2 = values["radius1"], values["radius2"]
         if np.any(np.isinf(radius1) & np.isinf(radius2)):
             raise DemlawsError("radius1 and radius2 are both inf: two flats have no Hertz contact; give one a radius in m")
+        for name in ("roughness1", "roughness2"):
+            refuse_rough(name, values.get(name), effective_radius(radius1, radius2))
         if fractal_dimension is None:
             fractal_dimension = first.combined(second).fractal_dimension
         if hardness is None:
@@ -409,13 +414,42 @@ def _lengths_of(**lengths: Any) -> dict[str, np.ndarray]:
             continue
         is_radius = name.startswith("radius")
         if is_radius:
-            refuse_plain_radius(name, length)
+            length = _as_radius(name, length)
         values[name] = value = as_float(length, name, "m", array=True)
         if not np.all(value > 0 if is_radius else value >= 0):
             remedy = "a radius must be positive (inf for a flat)" if is_radius else RANGES["roughness"].remedy
             raise DemlawsError(f"{name} = {value} m: {remedy}")
     _refuse_lengths(values)
     return values
+
+
+def _as_radius(name: str, radius: Any) -> Any:
+    """A radius of one body as given, a flat as inf; DemlawsError where it is missing or a plain number above 1 m."""
+    if radius is None:
+        raise DemlawsError(
+            f'{name} is missing: give the radius of each body; for a sphere on a flat radius2="flat", for two equal spheres '
+            "the same radius twice"
+        )
+    if isinstance(radius, str) and radius.strip() == "flat":
+        return math.inf
+    refuse_plain_radius(name, radius)
+    return radius
+
+
+def refuse_rough(name: str, roughness: Any, radius: Any) -> None:
+    """Refuse the roughness Sq of one surface [m] that is too large for the effective radius [m] of its contact."""
+    if roughness is None:
+        return
+    pairs = np.broadcast_arrays(np.atleast_1d(roughness), radius)
+    worst = int(np.argmax(pairs[0] / pairs[1]))
+    for finding in judge(roughness=float(pairs[0][worst]), radius=float(pairs[1][worst])):
+        if not finding.admissible:
+            raise DemlawsError(finding.text.replace(finding.quantity, name, 1))
+
+
+def as_tuple(value: Any) -> Any:
+    """An array as a tuple, which has a hash; anything else as it is."""
+    return tuple(value.tolist()) if isinstance(value, np.ndarray) else value
 
 
 def as_contact(value: Any) -> Contact:

@@ -214,7 +214,11 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
     # a plastic contact may leave more slowly than it came: room for a hundred times the elastic duration
     limit = int(100 * count)
     room = np.empty((min(limit, int(4 * count) + 16), 3))
-    steps, overlap, velocity, dissipated, _ = impact_loop(law.rule_tag, law.shape, p, state, mass, speed, dt, 0.0, limit, room)
+    start = law.rule_tag, law.shape, p
+    steps, overlap, velocity, dissipated, _ = impact_loop(*start, state, mass, speed, dt, 0.0, limit, room)
+    if steps > len(room):  # of slow separation: again with room for every step
+        room, state = np.empty((steps, 3)), law.new_state(1).arrays
+        steps, overlap, velocity, dissipated, _ = impact_loop(*start, state, mass, speed, dt, 0.0, limit, room)
     if not math.isfinite(velocity):
         raise DemlawsError(law._out_of_range(peak))
     if overlap > 0.0:

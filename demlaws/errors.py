@@ -129,16 +129,16 @@ class ShapeWarning(UserWarning):
     """A contact of a shape that is neither sphere nor flat has the distance from the body's centre as R, without a choice."""
 
 
-def most_similar(word: object, known: Iterable[str]) -> str | None:
-    """The known word that is most similar to `word`, or None."""
+def most_similar(word: object, known: Iterable[str], likeness: float = 0.6) -> str | None:
+    """The known word that is most similar to `word`, or None; likeness: least share of letters in common."""
     import difflib
 
-    return next(iter(difflib.get_close_matches(str(word), list(known), 1)), None)
+    return next(iter(difflib.get_close_matches(str(word)[:100], list(known), 1, likeness)), None)
 
 
-def did_you_mean(word: object, known: Iterable[str]) -> str:
+def did_you_mean(word: object, known: Iterable[str], likeness: float = 0.6) -> str:
     """Text after an unknown word: ", did you mean 'X'?" of the most similar of the known words, or a full stop."""
-    similar = most_similar(word, known)
+    similar = most_similar(word, known, likeness)
     return f", did you mean {similar!r}?" if similar else "."
 
 

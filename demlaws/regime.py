@@ -1,6 +1,6 @@
 """Which part of a rough contact deforms plastically, the asperities or the bulk (Jamari & Schipper 2006, 2008).
 
-The criterion itself is in `criterion`; here are its answer for one contact (`assess`), and which laws fit
+The criterion itself is in `criterion`; here are its answer for one contact (`regime`), and which laws fit
 (`advise`). The papers' own tests are in studies/jamari.
 """
 
@@ -33,12 +33,12 @@ __all__ = [
     "LawAdvice",
     "Regime",
     "advise",
-    "assess",
     "central_pressure",
     "deforming_part",
     "hertz_pressure",
     "pressure_drop",
     "pressure_ratio",
+    "regime",
     "transition_force",
     "transition_roughness",
 ]
@@ -101,8 +101,10 @@ def _check_load(contact: Contact, force: Any) -> None:
         warn(f"load {np.max(force):g} N: {text}")
 
 
-def assess(contact: Contact, force: Any, mu: float | None = None, *, yield_pressure: float | str | None = None) -> Regime:
+def regime(contact: Contact, force: Any, mu: float | None = None, *, yield_pressure: float | str | None = None) -> Regime:
     """The criterion of Jamari & Schipper at one force: whether asperities or the bulk deform.
+
+    Attributes of this function are the other public names of its module: `dl.regime.advise`, `dl.regime.transition_force`.
 
     Parameters
     ----------
@@ -130,12 +132,12 @@ def assess(contact: Contact, force: Any, mu: float | None = None, *, yield_press
     Examples
     --------
     >>> pair = dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.4e-6, hardness=6.266e9)
-    >>> regime = dl.regime.assess(pair, "10N")
-    >>> regime.deforms, round(regime.ratio, 3)
+    >>> found = dl.regime(pair, "10N")
+    >>> found.deforms, round(found.ratio, 3)
     ('asperities', 0.036)
     """
     if as_contact(contact).size is not None:
-        raise DemlawsError("assess takes one contact; this one is an array: use pressure_ratio and transition_force")
+        raise DemlawsError("regime takes one contact; this one is an array: use pressure_ratio and transition_force")
     force = number(force, "force", "N")
     _check_load(contact, force)
     p0, alpha = float(hertz_pressure(contact, force)), float(contact.roughness_parameter(force))
@@ -179,9 +181,9 @@ def advise(contact: Contact, force: Any, yield_pressure: Any = None, *, mu: floa
     force : float or str
         Load [N].
     yield_pressure : float or str, optional
-        As in `assess`.
+        As in `regime`.
     mu : float, optional
-        As in `assess`.
+        As in `regime`.
 
     Returns
     -------
@@ -214,3 +216,23 @@ def advise(contact: Contact, force: Any, yield_pressure: Any = None, *, mu: floa
     conditions = Conditions(contact, alpha, float(pressure_drop(alpha)), yields, state)
     advice = {name: definition.advice.advise(conditions) for name, definition in registry().items()}
     return [LawAdvice(name, bool(fits), reason) for name, (fits, reason) in advice.items()]
+
+
+class RegimeFunctions:
+    """Type of `dl.regime`: the function, whose attributes are the other public names of this module."""
+
+    __call__ = staticmethod(regime)
+    assess = staticmethod(regime)
+    advise = staticmethod(advise)
+    central_pressure = staticmethod(central_pressure)
+    deforming_part = staticmethod(deforming_part)
+    hertz_pressure = staticmethod(hertz_pressure)
+    pressure_drop = staticmethod(pressure_drop)
+    pressure_ratio = staticmethod(pressure_ratio)
+    transition_force = staticmethod(transition_force)
+    transition_roughness = staticmethod(transition_roughness)
+    BAND, YIELD_RATIO = BAND, YIELD_RATIO
+    LawAdvice, Regime = LawAdvice, Regime
+
+
+regime.__dict__.update({name: getattr(RegimeFunctions, name) for name in vars(RegimeFunctions) if name[0] != "_"})

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.core.levels import levels_loop
-from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, LARGEST_SHEAR_RATIO, SLIP
+from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, LARGEST_SHEAR_RATIO, MOST_LEVELS, SLIP
 from demlaws.core.slip import SAMPLES, slip_loop
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, as_law
@@ -128,7 +128,7 @@ def sheared(
         )
     else:
         tag = CHOICES[shear].tag
-        count = DEFAULT_LEVELS if levels is None else whole(levels, "levels", high=100_000)
+        count = DEFAULT_LEVELS if levels is None else whole(levels, "levels", high=MOST_LEVELS)
         rows = np.zeros(count), np.zeros((2, count))
         levels_loop(tag, law.rule_tag, law.shape, law.params, depth, first, second, ratio, limit, state.arrays, *rows, results)
     force, stiffness, *forces, work, stored = results

@@ -81,8 +81,8 @@ _NO_PIXEL = "{} does not say its pixel size: give pixel (command line: --pixel 0
 def read_unchecked(path, pixel=None, unit="m", *, missing=None, channel=None):
     """As `read`, without the check of plausibility; the map, and metres per unit of height in the file."""
     path = as_path(path)
-    if not path.is_file():
-        raise DemlawsError(f"no such height map: {path}")
+    if not os.path.isfile(path):
+        raise DemlawsError(f"no such height map: {path!s:.300}")
     if path.stat().st_size == 0:
         raise DemlawsError(f"{path} is empty: was the measurement exported?")
     if not isinstance(unit, str) or unit not in UNITS:

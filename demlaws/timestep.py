@@ -386,3 +386,17 @@ def _largest_eigenvalue(rows, pairs, bodies):
     start = np.random.default_rng(0).random(6 * bodies)  # a regular start may be orthogonal to a lattice's mode
     # close eigenvalues converge slowly; the residual is below 1e-6 of the eigenvalue, and so is its error
     return float(eigsh(matrix.T @ matrix, k=1, which="LA", v0=start, tol=1e-6, return_eigenvectors=False)[0])
+
+
+class TimestepFunctions:
+    """Type of `dl.timestep`: the function, whose attributes are the other functions of this module."""
+
+    __call__ = staticmethod(timestep)
+    from_contacts = staticmethod(from_contacts)
+    packing_estimate = staticmethod(packing_estimate)
+    pair_limit = staticmethod(pair_limit)
+    rayleigh_step = staticmethod(rayleigh_step)
+    shear_ratio = staticmethod(shear_ratio)
+
+
+timestep.__dict__.update({name: getattr(TimestepFunctions, name) for name in vars(TimestepFunctions) if name[0] != "_"})

@@ -204,7 +204,9 @@ def test_type_checkers_see_the_public_names():
     """They read the imports that do not run."""
     body = ast.parse((PACKAGE / "__init__.py").read_text()).body
     (block,) = [node for node in body if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"]
-    assert sorted(alias.name for node in block.body for alias in node.names) == demlaws.__all__
+    names = [alias.asname for node in block.body if isinstance(node, ast.ImportFrom) for alias in node.names]
+    names += [node.target.id for node in block.body if isinstance(node, ast.AnnAssign)]
+    assert sorted(name for name in names if name[0] != "_") == demlaws.__all__
     assert (PACKAGE / "py.typed").is_file()
 
 
@@ -236,6 +238,32 @@ def test_help_loads_neither_numba_nor_numpy():
     ]
 
 
+def test_only_public_names_are_listed():
+    code = """
+        import types
+        import demlaws as dl
+        assert [name for name in dir(dl) if not name.startswith("__")] == dl.__all__, dir(dl)
+        dl.law
+        public = [name for name in dir(dl.materials) if not name.startswith("__")]
+        assert public == ["Typical", "Value", *sorted([*dl.materials.names(), "names", "typical"])], public
+        assert isinstance(dl.surface, types.ModuleType) and callable(dl.regime) and callable(dl.timestep)
+    """
+    python(code)
+
+
+def test_a_public_name_that_its_module_lacks_is_an_error():
+    """Before: the name was the module."""
+    code = """
+        import demlaws as dl
+        dl._homes["lwa"] = "demlaws.make"
+        try:
+            dl.lwa
+        except AttributeError as error:
+            print("lwa" in str(error))
+    """
+    assert python(code) == "True"
+
+
 def test_importing_a_module_does_not_hide_a_function():
     """`law`, `laws`, `choose` and `fit` are public functions and names of modules or folders."""
     code = """
@@ -247,7 +275,7 @@ def test_importing_a_module_does_not_hide_a_function():
         assert law is dl.law and law.__module__ == "demlaws.make" and set(dl.__all__) <= set(dir(dl))
         for name in dl.__all__:
             value = getattr(dl, name)
-            if name not in ("driver", "materials", "plots", "regime", "surface"):  # modules
+            if name not in ("driver", "materials", "plots", "surface"):  # modules
                 assert pickle.loads(pickle.dumps(value)) is value, name
         assert importlib.import_module("demlaws.law").Law is dl.Law
         print(law("hertz", dl.Contact(radius=1e-2, modulus=1e10)).name, *laws())

@@ -15,13 +15,41 @@ from demlaws.units import UNITS, quantity
 GRANITE = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9)
 
 
+def test_equal_contacts_have_one_hash():
+    for radius in (4e-3, [1e-3, 2e-3]):
+        one, other = (dl.Contact(radius, 32e9, 0.0, 2.2) for _ in "ab")
+        assert one == other and hash(one) == hash(other)
+        assert {one: 1}[other] == 1 and hash(one) != hash(one.with_values(modulus=33e9))
+    assert hash(dl.Contact(4e-3, 32e9, 0.0)) == hash(dl.Contact(4e-3, 32e9, -0.0))
+
+
 def test_flat_and_array_of_radii():
-    flat = dl.Contact.between(GRANITE, GRANITE, radius1=6.05e-3)
+    flat = dl.Contact.between(GRANITE, GRANITE, radius1=6.05e-3, radius2="flat")
     assert flat.radius == 6.05e-3
     assert flat.size is None
     many = dl.Contact.between(GRANITE, GRANITE, radius1=np.array([1e-3, 2e-3, 4e-3]), radius2=2e-3)
     assert many.size == 3
     np.testing.assert_allclose(many.radius, [2 / 3e3, 1e-3, 4 / 3e3])
+
+
+def test_both_radii_are_required():
+    """A sphere on a flat is 41 % stiffer than two such spheres: which of them is meant is never assumed."""
+    for radii in ({"radius1": "8mm"}, {"radius1": "8mm", "radius2": None}, {"radius1": None, "radius2": "8mm"}):
+        with pytest.raises(dl.DemlawsError, match=r'radius. is missing: .* radius2="flat"'):
+            dl.Contact.between(GRANITE, GRANITE, **radii)
+    for flat in ("flat", " flat ", math.inf, "inf"):
+        assert dl.Contact.between(GRANITE, GRANITE, radius1=flat, radius2="8mm").radius == 8e-3
+    with pytest.raises(dl.DemlawsError, match="flat"):
+        dl.Contact.between(GRANITE, GRANITE, radius1="flat", radius2="flat")
+
+
+def test_a_rough_surface_is_named_as_it_was_given():
+    """Before: 2.40416 m, of the pair, for a typed 1.7."""
+    radii = {"radius1": "8mm", "radius2": "8mm"}
+    with pytest.raises(dl.DemlawsError, match=r"^roughness2 = 1\.7 m is 425 of the radius 0\.004 m"):
+        dl.Contact.between(GRANITE, GRANITE, **radii, roughness1=1e-6, roughness2=1.7)
+    with pytest.raises(dl.DemlawsError, match=r"^roughness1 = 0\.003 m is 0\.75 of"):
+        dl.Contact.between(GRANITE, GRANITE, **radii, roughness1=[1e-6, 3e-3], roughness2=0)
 
 
 @given(st.floats(1e-5, 1), st.floats(1e-5, 1), st.floats(0, 1e-7), st.floats(0, 1e-7))
@@ -88,7 +116,7 @@ def test_unlikely_values_warn_at_the_line_of_the_caller():
     with pytest.warns(dl.ValidityWarning, match="hardness = 3.2e.13 Pa is 1e.03 times"):
         dl.Contact(radius=5e-3, modulus=[32e9, 64e9], hardness=32e12)
     with pytest.warns(dl.ValidityWarning):
-        boulder = dl.Contact.between(GRANITE, GRANITE, radius1="8.76m")
+        boulder = dl.Contact.between(GRANITE, GRANITE, radius1="8.76m", radius2="flat")
     assert boulder.radius == 8.76
 
 

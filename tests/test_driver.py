@@ -122,3 +122,12 @@ def test_timestep_of_a_body_on_a_fixed_contact(name, unloading):
     force = [law.follow([place * (1.0 + shift)], state.copy()).force[0] for shift in (-1e-6, 1e-6)]
     limit = 2.0 * np.sqrt(MASS / ((force[1] - force[0]) / (2e-6 * place)))
     assert 0.47 * limit < dl.timestep(law, MASS, load, other_mass=np.inf, shear_ratio=0.0) < 1.02 * limit
+
+
+def test_an_impact_is_recorded_to_its_end():
+    """Also one that ends after many times the elastic duration, below a restitution of 0.1."""
+    law = dl.law("thornton-ning", dl.Contact(4.35e-3, 32.32e9), yield_pressure=1e6)
+    result = driver.impact(law, mass=1e-3, speed=2.0, steps_per_contact=200)
+    assert result.restitution < 0.1 and len(result.time) > 4 * 200 + 16
+    assert result.time[-1] == pytest.approx(result.duration, rel=1e-12)
+    assert result.speed[-1] == -result.rebound_speed and result.overlap[-1] <= 0.0

@@ -34,7 +34,9 @@ def test_contact_takes_the_usual_surfaces():
     joined = glass.surface.combined(granite.surface)
     assert (pair.roughness, pair.fractal_dimension) == (joined.roughness, 2.22)
     assert pair.hardness == glass.hardness < granite.hardness
-    measured = dl.Contact.between(glass, granite, radius1="2mm", roughness1="1um", roughness2=0, fractal_dimension=2.4)
+    measured = dl.Contact.between(
+        glass, granite, radius1="2mm", radius2="flat", roughness1="1um", roughness2=0, fractal_dimension=2.4
+    )
     assert (measured.roughness, measured.fractal_dimension) == (1e-6, 2.4)
 
 
@@ -51,8 +53,8 @@ def test_grain_scene_and_softening_take_them_too():
 @pytest.mark.parametrize(
     "use",
     [
-        lambda rock: dl.Contact.between(rock, dl.materials.steel, radius1=1e-3),
-        lambda rock: dl.Contact.between(dl.materials.steel, rock, radius1=1e-3, roughness1=0),
+        lambda rock: dl.Contact.between(rock, dl.materials.steel, radius1=1e-3, radius2="flat"),
+        lambda rock: dl.Contact.between(dl.materials.steel, rock, radius1=1e-3, radius2="flat", roughness1=0),
         lambda rock: Grain(4e-3, rock).contact(Grain(4e-3, dl.materials.steel)),
         lambda rock: dl.Scene(radii=4e-3, materials=rock, force=(1, 10)).contacts(2e-3)[0],
     ],
@@ -68,7 +70,9 @@ def test_unknown_roughness_is_never_smooth(use):
 
 
 def test_unknown_roughness_may_be_given():
-    pair = dl.Contact.between(dl.materials.basalt, dl.materials.basalt, radius1=1e-3, roughness1=0, roughness2=2e-6)
+    pair = dl.Contact.between(
+        dl.materials.basalt, dl.materials.basalt, radius1=1e-3, radius2="flat", roughness1=0, roughness2=2e-6
+    )
     assert pair.roughness == 2e-6
 
 

@@ -172,3 +172,19 @@ def test_fractal_dimensions_beyond_those_of_the_theory(dimension, warned):
         threshold = float(dl.law("pohrt-popov", contact, "elastic").limits()[-1].minimum_force)
         found = [breach for breach in law.breaches(1.0, 2.0) if "fractal dimension" in breach.reason]
         assert len(found) == warned and all(breach.bound == pytest.approx(threshold) for breach in found)
+
+
+def test_the_criterion_is_a_function_with_the_others_as_attributes():
+    found = dl.regime(GRANITE, "50N")
+    assert found == dl.regime.assess(GRANITE, 50.0) and found.deforms == "asperities"
+    assert dl.regime.transition_force(GRANITE) == found.transition_force
+
+
+def test_the_command_states_the_loads_at_which_laws_are_judged(capsys):
+    """A law is judged from 0.01 of the load: α there differs from that at the load."""
+    from demlaws.cli import main
+
+    contact = ["--effective-radius", "4.35mm", "--modulus", "32.32GPa", "--combined-roughness", "2.4um", "--hardness", "6GPa"]
+    assert main(["regime", *contact, "--load", "50"]) == 0
+    alpha = dl.Contact(4.35e-3, 32.32e9, 2.4e-6).roughness_parameter(0.5)
+    assert f"laws from 0.5 N (α = {alpha:.3g}) to 50 N:" in capsys.readouterr().out

@@ -135,8 +135,14 @@ def kept(law, *arguments, **options):
     return path.shear_force[-1] / path.shear_force[100]
 
 
+@pytest.fixture
+def any_levels(monkeypatch):
+    """More levels than a contact may have, as the reference."""
+    monkeypatch.setattr("demlaws.shear.MOST_LEVELS", 10_000)
+
+
 @pytest.mark.parametrize("law", LAWS)
-def test_a_contact_that_vibrates_keeps_its_shear_force(law):
+def test_a_contact_that_vibrates_keeps_its_shear_force(law, any_levels):
     """Three levels are within 0.01 of all springs at 0.1 and 1 %, and within 0.05 at 10 %; one level forgets the force."""
     law = make(*law)
     for size, tolerance in ((1e-3, 0.01), (1e-2, 0.01), (0.1, 0.05)):
@@ -147,7 +153,7 @@ def test_a_contact_that_vibrates_keeps_its_shear_force(law):
     assert kept(law, 1, 1e-2, 200) < 0.5
 
 
-def test_many_levels_are_all_springs():
+def test_many_levels_are_all_springs(any_levels):
     law, overlap, sliding = hertz()
     turn = np.linspace(0.0, 6.0, 400)
     plane = sliding * np.stack([np.sin(turn), 0.7 * np.sin(2.3 * turn)], -1)
@@ -193,3 +199,9 @@ def test_what_each_choice_is(name, unloading):
 def test_bad_input(call):
     with pytest.raises(dl.DemlawsError):
         call(make("pohrt-popov", "hertz"))
+
+
+@pytest.mark.parametrize("levels", [0, 9, 1000, 2.5])
+def test_the_number_of_levels_is_1_to_8(levels):
+    with pytest.raises(dl.DemlawsError, match=r"levels = .* from 1 to 8"):
+        dl.driver.sheared(dl.law("hertz", dl.Contact(4e-3, 32e9)), [1e-6], [1e-7], 0.8, levels=levels)

@@ -233,3 +233,11 @@ def test_scene_of_unlike_grains():
 def test_bad_calls(call):
     with pytest.raises(dl.DemlawsError):
         call()
+
+
+def test_the_limits_are_attributes_of_the_function():
+    """As the documentation has them: `dl.timestep.from_contacts`, beside `dl.timestep(law, …)`."""
+    from demlaws.timestep import from_contacts
+
+    assert dl.timestep.from_contacts is from_contacts
+    assert dl.timestep.pair_limit(1e6, 1e-3, 1e-3, shear_ratio=0.0) == pytest.approx(4.4721e-5, rel=1e-4)

@@ -3,7 +3,7 @@
 Shows: a height map in a DEM run in three commands; roughness makes the packing softer at low pressure.
 Start: demlaws yade run -x yade_scripts/measured_surface.py grain.tbl [--quick] [--out FOLDER], with a table from
        demlaws surface scan.csv --pixel 3um --out grain.asc
-       demlaws surface contact grain.asc --radius 8mm --young 60.6e9 --poisson 0.25 \\
+       demlaws surface contact grain.asc --radius 8mm 8mm --young 60.6e9 --poisson 0.25 \\
            --hardness 6.266e9 --table grain.tbl
 The table holds for spheres of its own radius and material. Without a table a synthetic surface is used.
 Takes: about half a minute (quick: 10 s). Saves measured_surface.png.

@@ -23,7 +23,7 @@ from demlaws.contact import (
 )
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, NotPassive
-from demlaws.files import names_a_file, read_text
+from demlaws.files import as_path, names_a_file, read_text
 from demlaws.law import Law
 from demlaws.laws.registry import find
 from demlaws.make import known_unloading
@@ -178,7 +178,7 @@ class Scene:
     @classmethod
     def load(cls, path: str | os.PathLike) -> "Scene":
         """A scene from a TOML file ("-": standard input); its keys are the fields, see `demlaws choose --template`."""
-        return _from_toml(Path(path))
+        return _from_toml(as_path(path))
 
     @property
     def unloads(self) -> bool:
@@ -264,9 +264,9 @@ def _from_toml(path):
         import tomllib
     except ImportError:  # Python 3.10
         import tomli as tomllib
-    values = {}
+    values, content = {}, read_text(path, "scene ")
     try:
-        text = tomllib.loads(read_text(path, "scene "))
+        text = tomllib.loads(content)
         for key, kind in (("material", Material), ("surface", Surface)):
             section = text.pop(key, None) or text.pop(f"{key}s", None)  # [material] or [[materials]]
             if section is not None:

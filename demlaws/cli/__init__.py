@@ -8,6 +8,7 @@ import os
 import re
 import sys
 import warnings
+from pathlib import Path
 
 from demlaws.cli.output import Output, Result
 from demlaws.errors import DemlawsError, Message, ValidityWarning, most_similar, page
@@ -74,12 +75,28 @@ class _Once(argparse._StoreAction):
         super().__call__(parser, namespace, values, option_string)
 
 
-class Parser(argparse.ArgumentParser):
-    """argparse with --law-file and --json, which reads -1e-3 as a number so that the error names its value and unit."""
+class _Help(argparse.RawDescriptionHelpFormatter):
+    """Keeps the lines of an example, wraps a description, which is one line, and shows the kind of a value: FORCE, FILE."""
 
-    def __init__(self, *arguments, **options):
+    def _get_default_metavar_for_optional(self, action):
+        kind = {Path: "FILE", int: "COUNT"}.get(action.type) or getattr(action.type, "metavar", None)
+        return kind or super()._get_default_metavar_for_optional(action)
+
+    def _fill_text(self, text, width, indent):
+        if "\n" in text:
+            return super()._fill_text(text, width, indent)
+        return argparse.HelpFormatter._fill_text(self, text, width, indent)
+
+
+class Parser(argparse.ArgumentParser):
+    """argparse with --law-file and --json, which reads -1e-3 as a number so that the error names its value and unit.
+
+    shows_json: False for a command whose program prints to the standard output itself; it refuses --json.
+    """
+
+    def __init__(self, *arguments, shows_json=True, **options):
         # --law would otherwise stand for --law-file where a command has no --law
-        super().__init__(*arguments, allow_abbrev=False, **options)
+        super().__init__(*arguments, allow_abbrev=False, **{"formatter_class": _Help, **options})
         self.add_argument(
             LAW_FILE,
             action=_LawFile,
@@ -89,17 +106,16 @@ class Parser(argparse.ArgumentParser):
         )
         self.register("action", None, _Once)
         self.register("action", "store", _Once)
-        self.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print the result as JSON")
+        text = "print the result as JSON" if shows_json else argparse.SUPPRESS
+        self.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help=text)
         self._negative_number_matcher = re.compile(
             r"^-(\d+\.?\d*|\.\d+)(e[-+]?\d+)?\s*[a-zµμ°/³]*$|^-(inf|nan)$", re.IGNORECASE
         )
 
     def add_argument(self, *names, **options):
-        """As argparse; a parser with a file to write also has --force."""
-        if isinstance(options.get("type"), Output) and "--force" not in self._option_string_actions:
-            super().add_argument(
-                "--force", dest="overwrite", action="store_true", help="overwrite files that this command did not write"
-            )
+        """As argparse; a parser with a file to write also has --overwrite."""
+        if isinstance(options.get("type"), Output) and "--overwrite" not in self._option_string_actions:
+            super().add_argument("--overwrite", action="store_true", help="replace existing files, whatever wrote them")
         return super().add_argument(*names, **options)
 
     def parse_args(self, args=None, namespace=None):
@@ -159,18 +175,9 @@ def option(text):
     return name.replace("-", "_"), value
 
 
-class _Help(argparse.RawDescriptionHelpFormatter):
-    """Keeps the lines of an example, and wraps a description, which is one line."""
-
-    def _fill_text(self, text, width, indent):
-        if "\n" in text:
-            return super()._fill_text(text, width, indent)
-        return argparse.HelpFormatter._fill_text(self, text, width, indent)
-
-
 def example(text):
     """Keyword arguments of a sub-parser whose epilog keeps its lines."""
-    return {"epilog": "example:\n" + text, "formatter_class": _Help}
+    return {"epilog": "example:\n" + text}
 
 
 def _show_warnings(parsed):
@@ -192,12 +199,37 @@ def _show_warnings(parsed):
 def main(arguments=None):
     """Run the command; returns the exit status: 0, or 2 after an error, which is one line."""
     arguments = sys.argv[1:] if arguments is None else arguments
+    if "_ARGCOMPLETE" in os.environ:
+        _complete()
     if not arguments:
         build_parser(()).print_help()
         print("\nerror: no command; name one of those above", file=sys.stderr)
         return 2
     commands = [word for word in arguments if word in COMMANDS][:1] or arguments[:1]
     return execute(lambda: build_parser(commands), arguments)
+
+
+def _complete():
+    """Answer the shell that asks for words to complete a command line, and exit: `register-python-argcomplete demlaws`."""
+    import argcomplete
+
+    from demlaws.laws import MODULES
+
+    parser, names = build_parser(), [name.replace("_", "-") for name in MODULES]
+    for one in _parsers(parser):
+        for action in one._actions:
+            if action.dest == "law":
+                action.completer = lambda **_: names
+    argcomplete.autocomplete(parser)
+
+
+def _parsers(parser):
+    """A parser and all below it."""
+    yield parser
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for one in dict.fromkeys(action.choices.values()):
+                yield from _parsers(one)
 
 
 def execute(parser, arguments):

@@ -1,11 +1,12 @@
 """Kinds of argument that several commands share: quantities with units, whole numbers, names of laws."""
 
 import argparse
+import math
 
 from demlaws.errors import DemlawsError
 
 
-def _quantity(unit, kind):
+def _quantity(unit, kind, metavar):
     def convert(text):
         from demlaws.units import quantity
 
@@ -14,17 +15,25 @@ def _quantity(unit, kind):
         except DemlawsError as error:
             raise argparse.ArgumentTypeError(str(error)) from None
 
+    convert.metavar = metavar
     return convert
 
 
-length = _quantity("m", "a length")
-pressure = _quantity("Pa", "a pressure")
-radius = _quantity("m", "a radius")
-force = _quantity("N", "a force")
-speed = _quantity("m/s", "a speed")
-density = _quantity("kg/m³", "a density")
-compliance = _quantity("m/N", "a compliance")
-plain = _quantity("", "this")
+length = _quantity("m", "a length", "LENGTH")
+pressure = _quantity("Pa", "a pressure", "PRESSURE")
+force = _quantity("N", "a force", "FORCE")
+speed = _quantity("m/s", "a speed", "SPEED")
+density = _quantity("kg/m³", "a density", "DENSITY")
+compliance = _quantity("m/N", "a compliance", "COMPLIANCE")
+plain = _quantity("", "this", "NUMBER")
+
+
+def radius(text):
+    """A radius in m; "flat" is infinite."""
+    return math.inf if text == "flat" else length(text)
+
+
+radius.metavar = length.metavar
 
 
 def whole(low=1, high=10_000_000):
@@ -38,4 +47,5 @@ def whole(low=1, high=10_000_000):
         except DemlawsError as error:
             raise argparse.ArgumentTypeError(str(error).removeprefix("this = ")) from None
 
+    convert.metavar = "COUNT"
     return convert

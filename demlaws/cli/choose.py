@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from demlaws.cli import example
-from demlaws.cli.output import Output
+from demlaws.cli.output import csv_file, progress, table_file
 from demlaws.errors import DemlawsError
 
 FIELDS = ("error", "ns", "step_factor", "step", "state_bytes", "table_rows", "meets")
@@ -31,14 +31,12 @@ def register(add):
         type=Path,
         help="table file to write, one per pair of particle types; for LIGGGHTS and LAMMPS the folder of a complete case",
     )
-    parser.add_argument("--csv", type=Output(TITLES), help="CSV file of all candidates")
+    parser.add_argument("--csv", type=csv_file(TITLES), help="CSV file of all candidates")
     parser.set_defaults(func=run)
 
 
 def run(arguments, result):
     """Do what the command's arguments ask."""
-    from tqdm import tqdm
-
     from demlaws.advice.choose import choose
     from demlaws.advice.scene import TEMPLATE, Scene
 
@@ -48,13 +46,12 @@ def run(arguments, result):
     if arguments.scene is None:
         raise DemlawsError("give a scene file, or --template for one to fill in")
     scene = Scene.load(arguments.scene)
+    if arguments.out is not None and not arguments.overwrite:
+        _check_tables(scene, arguments.out)
     advice = _advice(scene, arguments.soften)
     if arguments.soften:
         scene = advice.scene
-    choices = choose(
-        scene,
-        progress=lambda plans: tqdm(plans, desc="choose", unit="law", leave=False, disable=None),
-    )
+    choices = choose(scene, progress=progress("choose"))
     name = scene.name or arguments.scene.stem
     _print_choices(result, choices, scene, name, arguments.all)
     result.values = {
@@ -120,6 +117,14 @@ def _print_best(result, best, scene):
     result.print(f"time step {best.step:.3g} s, at most {STEP_SAFETY:g} of the estimated stability limit")
     for physics, error in best.left_out:
         result.print(f"  neglected: {physics}: error of the {scene.quantity} {error:.2g}")
+
+
+def _check_tables(scene, out):
+    """Raise DemlawsError if a table of the chosen law would replace a file that is not a table."""
+    from demlaws.advice.choose import table_name
+
+    for kinds in [] if scene.engine in ("liggghts", "lammps") else scene.kinds():
+        table_file.check(table_name(out, scene, kinds))
 
 
 def _write(result, best, scene, out):

@@ -1,5 +1,7 @@
 """Arguments that describe a contact, a law and its unloading, shared by the commands."""
 
+import math
+
 from demlaws.cli import option
 from demlaws.cli.arguments import length, plain, pressure, radius
 from demlaws.errors import DemlawsError
@@ -7,7 +9,11 @@ from demlaws.errors import DemlawsError
 
 def add_law_arguments(parser, law_required=True):
     """Arguments that name a law and its contact."""
-    parser.add_argument("--law", required=law_required, help="name of the law (list: demlaws laws)")
+    parser.add_argument(
+        "--law",
+        required=law_required,
+        help="name of the law (list: demlaws laws), or a table file, whose contact is the default",
+    )
     parser.add_argument(
         "--unloading",
         help="unloading rule: elastic, hertz, thornton, a rule of this law only (list: demlaws laws NAME), or a table file "
@@ -21,14 +27,23 @@ def add_contact_arguments(parser, test=True, modulus=True):
     """Arguments that describe one contact of two bodies. test: also by the name of a granite test; modulus: also by E*."""
     contact = parser.add_argument_group(
         "contact (SI units, or with a unit: 4.35mm, 2.4um, 60GPa)",
-        "Where an option accepts one or two values, one value applies to both bodies, two to the first and the second body.",
+        "--radius needs both bodies. One value of --material, --young, --poisson or --roughness applies to both, two apply "
+        "to the first and the second body.",
     )
     if test:
         contact.add_argument("--test", help="contact of a granite test, for instance SS(18-18)")
-    pair = {"nargs": "+", "metavar": "VALUE"}
-    contact.add_argument("--radius", type=radius, **pair, help="radius of each sphere in m; inf for a flat")
+    pair = {"nargs": "+"}
+    contact.add_argument(
+        "--radius", type=radius, **pair, help="radius of the first and of the second body in m; flat for a flat"
+    )
     contact.add_argument(
         "--effective-radius", type=length, help="effective radius R in m, 1/R = 1/R1 + 1/R2, in place of --radius"
+    )
+    contact.add_argument(
+        "--material",
+        **pair,
+        help="material with typical values of all quantities below, for instance granite (list: demlaws materials); those that "
+        "are given replace its own",
     )
     contact.add_argument("--young", type=pressure, **pair, help="Young's modulus of each body in Pa")
     contact.add_argument("--poisson", type=plain, **pair, help="Poisson's ratio of each body, with --young")
@@ -47,43 +62,83 @@ def add_contact_arguments(parser, test=True, modulus=True):
     contact.add_argument("--hardness", type=pressure, help="hardness of the softer body in Pa")
 
 
-def contact_from(arguments, **measured):
-    """The contact that the arguments describe, with the measured fields in place of arguments."""
+def _pair(arguments, name, replaced_by=None):
+    """Values of an option for the first and the second body, or None."""
+    values = getattr(arguments, name)
+    if values is None:
+        return None
+    if replaced_by is not None and getattr(arguments, replaced_by, None) is not None:
+        raise DemlawsError(f"give either --{name} or --{replaced_by.replace('_', '-')}")
+    if len(values) > 2:
+        raise DemlawsError(f"--{name} has {len(values)} values: give one for both bodies, or one for each")
+    return values[0], values[-1]
+
+
+def bodies_from(arguments):
+    """The materials of both bodies, or None where neither --material nor --young and --poisson are given."""
+    from demlaws.contact import Material
+    from demlaws.materials import material
+
+    names = _pair(arguments, "material", "test")
+    young, poisson = (_pair(arguments, name, "modulus") for name in ("young", "poisson"))
+    if names is None and young is None and poisson is None:
+        return None
+    if names is None and (young is None or poisson is None):
+        raise DemlawsError("--young and --poisson belong together: give both, or --modulus")
+    bodies = []
+    for place in (0, 1):
+        typical = None if names is None else material(names[place])
+        values = [getattr(typical, name, None) for name in ("young", "poisson", "hardness", "density", "surface")]
+        values[0] = values[0] if young is None else young[place]
+        values[1] = values[1] if poisson is None else poisson[place]
+        bodies.append(Material(*values))
+    return tuple(bodies)
+
+
+def contact_from(arguments, base=None, **measured):
+    """The contact that the arguments describe, with the measured fields in place of arguments.
+
+    base: the contact whose fields are taken where no argument gives them.
+    """
     from demlaws import granite
-    from demlaws.contact import Contact, Material, combined_roughness, effective_modulus
+    from demlaws.contact import Contact, combined_roughness, effective_radius, refuse_rough
+    from demlaws.units import refuse_plain_radius
 
-    def pair(name, replaced_by):
-        values = getattr(arguments, name)
-        if values is None:
-            return None
-        if getattr(arguments, replaced_by) is not None:
-            raise DemlawsError(f"give either --{name} or --{replaced_by.replace('_', '-')}")
-        if len(values) > 2:
-            raise DemlawsError(f"--{name} has {len(values)} values: give one for both bodies, or one for each")
-        return values[0], values[-1]
-
-    flat = (Material(1e9, 0.0), Material(1e9, 0.0))
-    fields = {
+    fields = _of_bodies(bodies_from(arguments))
+    given = {
         "radius": arguments.effective_radius,
         "modulus": arguments.modulus,
         "roughness": arguments.combined_roughness,
         "fractal_dimension": arguments.fractal_dimension,
         "hardness": arguments.hardness,
     }
-    if (radii := pair("radius", "effective_radius")) is not None:
-        fields["radius"] = Contact.between(*flat, radius1=radii[0], radius2=radii[1]).radius
-    if (sq := pair("roughness", "combined_roughness")) is not None:
-        fields["roughness"] = float(combined_roughness(*sq))
-    if (arguments.young is None) != (arguments.poisson is None):
-        raise DemlawsError("--young and --poisson belong together: give both, or --modulus")
-    if (young := pair("young", "modulus")) is not None:
-        poisson = pair("poisson", "modulus")
-        fields["modulus"] = effective_modulus(*(Material(*body) for body in zip(young, poisson, strict=True)))
-    fields.update(measured)
-    fields = {name: value for name, value in fields.items() if value is not None}
+    if (radii := _pair(arguments, "radius", "effective_radius")) is not None:
+        if len(arguments.radius) < 2:
+            one = f"{arguments.radius[0]:g}"
+            raise DemlawsError(
+                f"--radius {one}: give both bodies, --radius {one} flat for a sphere on a flat, --radius {one} {one} for two "
+                "equal spheres (or --effective-radius)"
+            )
+        for value in radii:
+            refuse_plain_radius("--radius", value)
+            if not value > 0.0:
+                raise DemlawsError(f"--radius = {value:g} m: a radius must be positive (flat for a flat)")
+        if radii == (math.inf, math.inf):
+            raise DemlawsError("--radius flat flat: two flats have no Hertz contact; give one a radius in m")
+        given["radius"] = effective_radius(*radii)
+    if (sq := _pair(arguments, "roughness", "combined_roughness")) is not None:
+        for value in sq:
+            refuse_rough("--roughness", value, math.inf if given["radius"] is None else given["radius"])
+        given["roughness"] = float(combined_roughness(*sq))
+    fields |= {name: value for name, value in {**given, **measured}.items() if value is not None}
     if getattr(arguments, "test", None) is not None:
-        return granite.find_test(arguments.test).contact.with_values(**fields)
-    options = {"radius": "--radius (or --effective-radius)", "modulus": "--young and --poisson (or --modulus)"}
+        base = granite.find_test(arguments.test).contact
+    if base is not None:
+        return base.with_values(**fields)
+    options = {
+        "radius": "--radius (or --effective-radius)",
+        "modulus": "--material, or --young and --poisson (or --modulus)",
+    }
     missing = [text for name, text in options.items() if name not in fields]
     if missing:
         tests = ", or --test for that of a granite test" if hasattr(arguments, "test") else ""
@@ -91,12 +146,33 @@ def contact_from(arguments, **measured):
     return Contact(**fields)
 
 
+def _of_bodies(bodies):
+    """Fields of a contact that the materials of its bodies have."""
+    from demlaws.contact import Contact
+
+    if bodies is None:
+        return {}
+    pair = Contact.between(*bodies, radius1=1.0, radius2=1.0)
+    names = ("modulus", "roughness", "fractal_dimension", "hardness")
+    return {name: value for name in names if (value := getattr(pair, name)) is not None}
+
+
 def law_from(arguments):
-    """The law that the arguments name."""
+    """The law that the arguments name: with its name or as a table file."""
     from demlaws import granite
+    from demlaws.files import names_a_file
+    from demlaws.law import Table
     from demlaws.laws.registry import find
     from demlaws.make import law
 
+    if names_a_file(arguments.law):
+        if arguments.option:
+            raise DemlawsError(
+                f"--option {arguments.option[0][0]}: the table {arguments.law} has the options of its law already"
+            )
+        table = Table.load(arguments.law)
+        bound = table.bound_to(contact_from(arguments, table.contact))
+        return bound if arguments.unloading is None else bound.joined(arguments.unloading)
     definition = find(arguments.law)
     options = dict(arguments.option)
     if arguments.test is not None:

@@ -3,7 +3,10 @@
 from demlaws.cli import example
 from demlaws.cli.contact import law_from
 from demlaws.cli.dumps import add_dump_arguments, read_dumps, stiffness_of
-from demlaws.cli.output import Output
+from demlaws.cli.output import csv_file, lines_file
+
+TITLES = ("body1", "body2", "overlap (m)", "force (N)")
+"""First titles of the CSV file."""
 
 
 def register(add):
@@ -20,8 +23,8 @@ def register(add):
             "      --young 60.6GPa --poisson 0.25 --roughness 1.7um --fractal-dimension 2.22 --csv contacts.csv"
         ),
     )
-    parser.add_argument("--vtk", type=Output(), metavar="FILE", help="write lines for ParaView: .vtu or .vtk")
-    parser.add_argument("--csv", type=Output(), metavar="FILE", help="write all columns as CSV")
+    parser.add_argument("--vtk", type=lines_file, help="write lines for ParaView: .vtu or .vtk")
+    parser.add_argument("--csv", type=csv_file(TITLES, last=False), help="write all columns as CSV")
     add_dump_arguments(parser)
     parser.set_defaults(func=run)
 

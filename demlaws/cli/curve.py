@@ -3,7 +3,7 @@
 from demlaws.cli import example
 from demlaws.cli.arguments import force, length, whole
 from demlaws.cli.contact import add_law_arguments, describe, law_from, unloads
-from demlaws.cli.output import Output, output
+from demlaws.cli.output import csv_file, picture_file
 from demlaws.responses.results import PATH_COLUMNS
 
 
@@ -13,23 +13,19 @@ def register(add):
         description="Computes force and overlap of one contact along a path of forces or overlaps.",
         **example(
             '  demlaws curve --law pohrt-popov --unloading hertz --test "SS(18-18)" --forces 50 0 100 0 --figure c.png\n'
-            "  demlaws curve --law rough-plastic --option yield_pressure=1.66e9 --radius 2mm --modulus 32GPa \\\n"
+            "  demlaws curve --law rough-plastic --option yield_pressure=1.66e9 --radius 2mm 2mm --modulus 32GPa \\\n"
             "      --combined-roughness 5um --fractal-dimension 2.2 --unloading thornton --overlaps 2e-5 0 3e-5"
         ),
     )
     add_law_arguments(curve)
     way = curve.add_mutually_exclusive_group(required=True)
-    way.add_argument(
-        "--forces", type=force, nargs="+", metavar="N", help="turning points of the force in N; the path starts at 0"
-    )
-    way.add_argument(
-        "--overlaps", type=length, nargs="+", metavar="M", help="turning points of the overlap in m; the path starts at 0"
-    )
+    way.add_argument("--forces", type=force, nargs="+", help="turning points of the force in N; the path starts at 0")
+    way.add_argument("--overlaps", type=length, nargs="+", help="turning points of the overlap in m; the path starts at 0")
     curve.add_argument("--steps", type=whole(), default=200, help="steps per branch (default 200)")
     curve.add_argument(
-        "--csv", type=Output(PATH_COLUMNS), help="CSV file of the curve, - for standard output (default: print 20 rows)"
+        "--csv", type=csv_file(PATH_COLUMNS), help="CSV file of the curve, - for standard output (default: print 20 rows)"
     )
-    curve.add_argument("--figure", type=output, help="picture to draw (png, pdf, svg)")
+    curve.add_argument("--figure", type=picture_file, help="picture to draw (png, pdf, svg)")
     curve.set_defaults(func=run_curve)
 
 

@@ -4,7 +4,7 @@ import os
 
 from demlaws.cli import Parser, example, option
 from demlaws.cli.arguments import density, force, length, plain, pressure, whole
-from demlaws.cli.output import output
+from demlaws.cli.output import other_file
 from demlaws.errors import DemlawsError
 from demlaws.laws import USUAL
 
@@ -110,7 +110,9 @@ def _add_convert(parts, name):
     def convert(arguments, result):
         from demlaws.plugins.convert import convert_file
 
-        out = arguments.out or output(arguments.input + ".demlaws")
+        out = arguments.out or other_file(arguments.input + ".demlaws")
+        if not arguments.overwrite:
+            other_file.check(out)
         out, conversion = convert_file(arguments.input, name, arguments.table, out=out)
         result.values = {"file": out, "notes": conversion.notes}
         last = "no line converted, no file written" if out is None else f"wrote {out}"
@@ -126,7 +128,7 @@ def _add_convert(parts, name):
     )
     converts.add_argument("input", help="input script with stock models")
     converts.add_argument("--table", required=True, help="table file of the law (`demlaws table` writes one)")
-    converts.add_argument("--out", type=output, help="file to write (default: INPUT.demlaws)")
+    converts.add_argument("--out", type=other_file, help="file to write (default: INPUT.demlaws)")
     converts.set_defaults(func=convert)
 
 
@@ -148,7 +150,8 @@ def _add_run(parts, name):
             arguments=[*arguments.rest, *screen],
         )
 
-    runs = parts.add_parser("run", help="run an input with the plugin", **example(RUN_EXAMPLE.format(name=name, engine=engine)))
+    text = example(RUN_EXAMPLE.format(name=name, engine=engine))
+    runs = parts.add_parser("run", help="run an input with the plugin", shows_json=False, **text)
     text = f"input script, first of all; {engine} runs in its folder; unknown options go to {engine}"
     runs.add_argument("script", metavar="INPUT", help=text)
     runs.add_argument("-np", type=int, default=1, help="number of MPI ranks (default 1)")
@@ -185,7 +188,13 @@ def _grain_arguments(export):
     )
     for name, kind, default, text in PROPERTIES:
         suffix = "" if default == [None] else f" (default {default[0]:g})"
-        export.add_argument(f"--{name}", type=kind, nargs="+", default=default, help=f"{text}: one, or one per type{suffix}")
+        export.add_argument(f"--{name}", type=kind, nargs="+", help=f"{text}: one, or one per type{suffix}")
+    export.add_argument(
+        "--material",
+        nargs="+",
+        help="material with typical values of the six quantities above (list: demlaws materials): one, or one per type; values "
+        "that are given replace its own",
+    )
     export.add_argument(
         "--max-force", type=force, default=10.0, help="largest expected contact force [N] (default %(default)g)"
     )
@@ -200,16 +209,19 @@ def _grain_arguments(export):
 def _grains_of(arguments):
     """The case's `Grain`s, the rule or law that they unload by, and the options of the law."""
     from demlaws.contact import Material, Surface
+    from demlaws.materials import typical
     from demlaws.plugins.grains import Grain
 
     count, columns = len(arguments.radius), []
-    for name, *_ in PROPERTIES:
-        values = getattr(arguments, name.replace("-", "_"))
+    materials = [typical(name) for name in arguments.material or ()]
+    for name, _, default, _ in [("material", None, [None], None), *PROPERTIES]:
+        key = name.replace("-", "_")
+        values = getattr(arguments, key) or [material[key].value for material in materials] or default
         if len(values) not in (1, count):
             raise DemlawsError(f"--{name} has {len(values)} values for {count} radii: give one, or one per radius")
         columns.append(values if len(values) == count else values * count)
     grains = [
         Grain(radius, Material(young, poisson, hardness, density), Surface(sq, dimension, hardness))
-        for radius, sq, dimension, young, poisson, hardness, density in zip(arguments.radius, *columns, strict=True)
+        for radius, sq, dimension, young, poisson, hardness, density in zip(arguments.radius, *columns[1:], strict=True)
     ]
     return grains, arguments.unloading, dict(arguments.option)

@@ -5,7 +5,7 @@ from pathlib import Path
 from demlaws.cli import example, text_of
 from demlaws.cli.arguments import compliance, force, length
 from demlaws.cli.contact import add_contact_arguments, contact_from, describe
-from demlaws.cli.output import Output, output
+from demlaws.cli.output import csv_file, picture_file, progress
 from demlaws.files import wrapped
 
 TITLES = [
@@ -21,7 +21,7 @@ def register(add):
         "test, and prints parameters with 95 % intervals and the ranking by Akaike's criterion (AICc).",
         **example(
             '  demlaws fit points.csv --test "SS(18-18)" --figure fit.png\n'
-            "  demlaws fit points.csv --radius 8.7mm --modulus 32.3GPa --roughness 1.4um --fractal-dimension 2.2 \\\n"
+            "  demlaws fit points.csv --radius 8.7mm 8.7mm --modulus 32.3GPa --roughness 1.4um --fractal-dimension 2.2 \\\n"
             "      --law rms --law pohrt-popov --free roughness modulus\n\n"
             "points.csv: two columns with units in the header, for instance\n"
             "  displacement (um),force (N)"
@@ -43,17 +43,16 @@ def register(add):
     parser.add_argument(
         "--free", nargs="+", metavar="NAME", help="quantities to fit (default: those of each law, and force_zero)"
     )
-    parser.add_argument("--displacement-noise", type=length, metavar="M", help="standard deviation of the displacement in m")
-    parser.add_argument("--force-noise", type=force, default=0.0, metavar="N", help="standard deviation of the force in N")
+    parser.add_argument("--displacement-noise", type=length, help="standard deviation of the displacement in m")
+    parser.add_argument("--force-noise", type=force, default=0.0, help="standard deviation of the force in N")
     parser.add_argument(
         "--compliance",
         type=compliance,
         default=0.0,
-        metavar="M/N",
         help="compliance of the apparatus, in m/N or with a unit: 0.01um/N (to fit it: --free ... compliance)",
     )
-    parser.add_argument("--csv", type=Output(TITLES), help="CSV file of the ranking")
-    parser.add_argument("--figure", type=output, help="picture to draw (png, pdf, svg)")
+    parser.add_argument("--csv", type=csv_file(TITLES), help="CSV file of the ranking")
+    parser.add_argument("--figure", type=picture_file, help="picture to draw (png, pdf, svg)")
     parser.set_defaults(func=run)
 
 
@@ -95,8 +94,6 @@ def table_lines(ranking):
 
 def run(arguments, result):
     """Do what the command's arguments ask."""
-    from tqdm import tqdm
-
     from demlaws import plots
     from demlaws.advice.fit import fit
     from demlaws.curves.point_files import read_points
@@ -112,7 +109,7 @@ def run(arguments, result):
         displacement_noise=arguments.displacement_noise,
         force_noise=arguments.force_noise,
         compliance=arguments.compliance,
-        progress=lambda jobs: tqdm(jobs, desc="fit", unit="law", leave=False, disable=None),
+        progress=progress("fit"),
     )
     result.print(f"{points.source}: {ranking.points[1].size} points to {ranking.points[1].max():.4g} N; intervals hold 95 %\n")
     result.print(*table_lines(ranking))

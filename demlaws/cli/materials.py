@@ -21,13 +21,14 @@ def run(arguments, result):
     from demlaws.materials import SYMBOLS, Typical, names, typical
 
     chosen = [arguments.name] if arguments.name else names()
-    result.values = {name: {quantity: value._asdict() for quantity, value in typical(name).items()} for name in chosen}
+    result.values = {
+        name: {quantity: {**value._asdict(), "display": value.display()} for quantity, value in typical(name).items()}
+        for name in chosen
+    }
     if not arguments.name:
         result.print(Typical(chosen), "?: no value in public text. Sources and ranges: demlaws materials NAME")
         return 0
     for quantity, value in typical(arguments.name).items():
-        first, between = value.shown()
-        number = f"{first} {value.unit if value.value is not None else ''}".rstrip() + (f" ({between})" if between else "")
-        result.print(f"{SYMBOLS[quantity]:3} {quantity.replace('_', ' '):18} {number}")
+        result.print(f"{SYMBOLS[quantity]:3} {quantity.replace('_', ' '):18} {value.display()}")
         result.print(textwrap.fill(value.source, 96, initial_indent="    ", subsequent_indent="    "))
     return 0

@@ -2,45 +2,72 @@
 
 import argparse
 import dataclasses
+import functools
 import json
 import math
+import os
+import shutil
 import sys
 from pathlib import Path
 
 from demlaws.errors import DemlawsError
-from demlaws.files import PARAVIEW, csv_text, wrapped, write_atomically
+from demlaws.files import PARAVIEW_MARK, csv_text, wrapped, write_atomically
 
 
 class Output:
-    """Kind of argument: a file to write. Its parser has --force, and leaves what is written by others as it is.
+    """Kind of argument: a file to write. Its parser has --overwrite; without it only a file of this kind is replaced.
 
-    `titles` is the first line of the command's CSV file, for which "-" is standard output, and "" for other kinds of file.
+    is_ours: whether the first bytes of a file are those of a file that the command wrote; None: no file of this kind says so.
+    is_csv: whether "-" is the standard output.
     """
 
-    def __init__(self, titles=()):
-        self.titles = ",".join(titles)
+    metavar = "FILE"
+
+    def __init__(self, is_ours=None, is_csv=False):
+        self.is_ours, self.is_csv = is_ours, is_csv
 
     def __call__(self, text):
         """The path; a folder is refused."""
         path = Path(text)
-        if not path.name or path.is_dir():
+        if not path.name or os.path.isdir(path):
             raise argparse.ArgumentTypeError(f"{text!r} is a folder: name a file in it")
         return path
 
     def check(self, path):
-        """Raise DemlawsError if the file exists and was not written by the same command."""
-        if str(path) == "-" or not path.is_file():
+        """Raise DemlawsError if the file exists, is not empty and is not known to be of this kind."""
+        if (self.is_csv and str(path) == "-") or not os.path.isfile(path):
             return
         with open(path, "rb") as file:
-            # the libraries that write files of contacts contain of demlaws only the names of the columns
-            head, mark = (file.read(), b"body1") if path.suffix in PARAVIEW else (file.read(4096), b"demlaws")
-        ours = head.split(b"\n")[0].decode(errors="replace").strip() == self.titles if self.titles else mark in head
-        if head and not ours:
-            raise DemlawsError(f"{path} exists and was not written by this command: name another file, or give --force")
+            head = file.read(1 << 20)
+        if head and not (self.is_ours and self.is_ours(head)):
+            raise DemlawsError(
+                f"{path} exists and is not known to be a file of this command: name another file, or give --overwrite"
+            )
 
 
-output = Output()
-"""A picture, table or height map to write."""
+def csv_file(titles, last=True):
+    """A CSV file whose first line has these titles; last: and no others."""
+    line = ",".join(titles).encode()
+    return Output(lambda head: head.startswith((line + b"\n", line + b"\r") if last else line), is_csv=True)
+
+
+def _is_picture(head):
+    """Whether a PNG, SVG or PDF file names demlaws as the program that drew it."""
+    return (
+        (head.startswith(b"\x89PNG") and b"tEXtSoftware\0demlaws" in head[:4096])
+        or (head.startswith(b"<?xml") and b"<dc:title>demlaws</dc:title>" in head[:4096])
+        or (head.startswith(b"%PDF-") and b"/Creator (demlaws)" in head)
+    )
+
+
+table_file = Output(lambda head: head.startswith(b"# demlaws-table "))
+"""A table."""
+picture_file = Output(_is_picture)
+"""A picture."""
+lines_file = Output(lambda head: PARAVIEW_MARK in head[:400])
+"""Contacts as lines for ParaView."""
+other_file = Output()
+"""A file that nothing marks as ours, as a height map: it is replaced only with --overwrite."""
 
 
 class Result:
@@ -52,7 +79,7 @@ class Result:
             for kind, path in parsed.outputs:
                 kind.check(path)
         to_output = [kind for kind, path in parsed.outputs if str(path) == "-"]
-        if any(not kind.titles for kind in to_output) or len(to_output) > (0 if parsed.json else 1):
+        if any(not kind.is_csv for kind in to_output) or len(to_output) > (0 if parsed.json else 1):
             raise DemlawsError('"-" is standard output, for one CSV file and without --json')
         self.values = {}
         self._as_json, self._file, self._lines = parsed.json, sys.stderr if to_output else sys.stdout, []
@@ -82,6 +109,14 @@ class Result:
         """With --json: print the values, or the text of a command without values."""
         if self._as_json and (self.values or self._lines):
             print(json.dumps(plain(self.values or {"text": self._lines}), indent=1, ensure_ascii=False))
+
+
+def progress(name):
+    """Keyword `progress` of `fit` and `choose`: a bar in a terminal, also in one that states no width."""
+    from tqdm import tqdm
+
+    width, lines = shutil.get_terminal_size()
+    return functools.partial(tqdm, desc=name, unit="law", leave=False, disable=None, ncols=width - 1, nrows=lines)
 
 
 def plain(value):

@@ -4,8 +4,8 @@ import math
 
 from demlaws.cli import example
 from demlaws.cli.arguments import force, length, plain, whole
-from demlaws.cli.contact import add_contact_arguments, contact_from, draw
-from demlaws.cli.output import output
+from demlaws.cli.contact import add_contact_arguments, bodies_from, contact_from, draw
+from demlaws.cli.output import other_file, picture_file, table_file
 from demlaws.errors import DemlawsError
 from demlaws.laws import ASPERITY
 
@@ -45,11 +45,13 @@ def register(add):
         metavar=("SHORTEST", "LONGEST"),
         help="wavelengths used to fit the fractal dimension",
     )
-    surface.add_argument("--out", type=output, help="file for the map: levelled, synthetic, or the heights after the contact")
-    surface.add_argument("--figure", type=output, help="picture to draw")
+    surface.add_argument(
+        "--out", type=other_file, help="file for the map: levelled, synthetic, or the heights after the contact"
+    )
+    surface.add_argument("--figure", type=picture_file, help="picture to draw")
     add_contact_arguments(surface, test=False, modulus=False)
     contact = surface.add_argument_group("contact of a ball (the first body) with the map (the second body)")
-    contact.add_argument("--load", type=force, help="normal force in N (--force overwrites files)")
+    contact.add_argument("--load", type=force, help="normal force in N")
     contact.add_argument("--cycles", type=whole(1, 1000), default=1, help="times that the load is applied (default 1)")
     contact.add_argument(
         "--plastic-factor", type=plain, help="c_h: fully plastic pressure over hardness (default: that of aluminium)"
@@ -57,7 +59,7 @@ def register(add):
     contact.add_argument("--plastic-ratio", type=plain, help="c_A: 2 ω2/ω1 of a sphere (default: that of aluminium)")
     contact.add_argument(
         "--table",
-        type=output,
+        type=table_file,
         help="file for the law of the map as a table with `hertz` unloading, for YADE, LIGGGHTS and LAMMPS (others: "
         "demlaws table --law asperity --option surface=FILE)",
     )
@@ -203,16 +205,17 @@ def _synthetic(arguments, result):
 
 
 def _contact(arguments, result, name):
-    from demlaws.regime import assess
+    from demlaws.regime import regime
     from demlaws.solvers.contact import RoughContact
     from demlaws.surfaces.plausibility import resolution_doubts
 
-    if arguments.young is None or arguments.poisson is None:
-        raise DemlawsError("--young and --poisson missing: give those of the ball and of the map's body")
+    bodies = bodies_from(arguments)
+    if bodies is None:
+        raise DemlawsError("--young and --poisson (or --material) missing: give those of the ball and of the map's body")
     if arguments.load is None and arguments.table is None:
         raise DemlawsError("--load missing: the load in N (or --table, for the law alone)")
     heights = _levelled(arguments, result, name)
-    material = arguments.poisson[-1], arguments.plastic_factor, arguments.plastic_ratio
+    material = bodies[1].poisson, arguments.plastic_factor, arguments.plastic_ratio
     contact = RoughContact(heights, contact_from(arguments, roughness=heights.sq), *material)
     if arguments.table is not None:
         _table(arguments, result, contact)
@@ -220,7 +223,7 @@ def _contact(arguments, result, name):
         return heights
     _warn(result, resolution_doubts(contact.heights, contact.pair, arguments.load))
     if contact.pair.hardness is not None:
-        result.print(assess(contact.pair, arguments.load))
+        result.print(regime(contact.pair, arguments.load))
     step, worn = _cycles(arguments, result, contact)
     result.print(step)
     result.values |= {"contact": contact.pair, "force": arguments.load, "text": str(step).splitlines()}

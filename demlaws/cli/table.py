@@ -5,7 +5,7 @@ from pathlib import Path
 from demlaws.cli import example
 from demlaws.cli.arguments import force, length, plain
 from demlaws.cli.contact import add_law_arguments, contact_from, describe, law_from, unloads
-from demlaws.cli.output import output
+from demlaws.cli.output import picture_file, table_file
 from demlaws.errors import DemlawsError
 
 
@@ -17,7 +17,7 @@ def register(add):
         **example(
             '  demlaws table --law pohrt-popov --unloading hertz --test "SS(18-18)" --out granite.tbl --figure granite.png\n'
             '  demlaws table --law pohrt-popov --test "SS(18-18)" --out both.tbl --unloading hertz.tbl\n'
-            "  demlaws table --points test.csv --unloading hertz --radius 8mm --modulus 32GPa --out measured.tbl\n\n"
+            "  demlaws table --points test.csv --unloading hertz --radius 8mm 8mm --modulus 32GPa --out measured.tbl\n\n"
             "test.csv: two columns with units in the header, for instance\n"
             "  overlap (um),force (N)"
         ),
@@ -27,23 +27,22 @@ def register(add):
     points.add_argument(
         "--points",
         type=Path,
-        metavar="FILE",
         help="text file with the points of first loading: overlap and force with units (-: standard input)",
     )
     points.add_argument(
         "--zero", type=length, default=0.0, help="displacement in m at first touch (default 0: the points are overlaps)"
     )
-    points.add_argument(
-        "--force-noise", type=force, metavar="N", help="standard uncertainty of the force in N (default: from the scatter)"
-    )
+    points.add_argument("--force-noise", type=force, help="standard uncertainty of the force in N (default: from the scatter)")
     table.add_argument(
         "--rtol",
         type=plain,
         help="relative tolerance of force and stiffness (default 1e-5; for points 1e-3 of the smoothed curve)",
     )
     table.add_argument("--max-force", type=force, help="largest force of the table in N (default: force at an overlap of R/10)")
-    table.add_argument("--out", type=output, required=True, help="file to write")
-    table.add_argument("--figure", type=output, help="picture of the table and its errors, or of the points and the table")
+    table.add_argument("--out", type=table_file, required=True, help="file to write")
+    table.add_argument(
+        "--figure", type=picture_file, help="picture of the table and its errors, or of the points and the table"
+    )
     table.set_defaults(func=run)
 
 

@@ -2,7 +2,7 @@
 
 from demlaws.cli import example
 from demlaws.cli.arguments import density, plain
-from demlaws.cli.contact import law_from
+from demlaws.cli.contact import bodies_from, law_from
 from demlaws.cli.dumps import add_dump_arguments, read_dumps, stiffness_of
 from demlaws.errors import DemlawsError
 
@@ -22,13 +22,12 @@ def register(add):
     )
     parser.add_argument("--no-rotation", action="store_true", help="the grains do not rotate")
     parser.add_argument(
-        "--shear-ratio", type=plain, help="K_t/K, at most 4/3, 0 without friction (default: from --poisson, otherwise 1)"
+        "--shear-ratio", type=plain, help="K_t/K, at most 4/3, 0 without friction (default: from ν, otherwise 1)"
     )
     parser.add_argument(
         "--density",
         type=density,
-        default=2650.0,
-        help="density in kg/m³ if the dump contains no mass or density (default 2650)",
+        help="density in kg/m³ if the dump contains no mass or density (default: that of --material, otherwise 2650)",
     )
     add_dump_arguments(parser)
     parser.set_defaults(func=run)
@@ -38,6 +37,7 @@ def run(arguments, result):
     """Do what the command's arguments ask."""
     import numpy as np
 
+    from demlaws.contact import DENSITY
     from demlaws.timestep import STEP_SAFETY, from_contacts
 
     if arguments.law is None:
@@ -48,8 +48,10 @@ def run(arguments, result):
     if not len(pairs):
         raise DemlawsError(f"{arguments.contacts}: no contact in it carries a force")
     volume = 4.0 / 3.0 * np.pi * atoms["radius"] ** 3
-    mass = atoms["mass"] if "mass" in atoms else volume * atoms.get("density", arguments.density)
-    ratio, rayleigh = _ratio_and_rayleigh(arguments, set(zip(atoms["radius"], mass / volume, strict=True)))
+    grain = (bodies_from(arguments) or [None])[0]
+    density = arguments.density or (grain and grain.density) or DENSITY
+    mass = atoms["mass"] if "mass" in atoms else volume * atoms.get("density", density)
+    ratio, rayleigh = _ratio_and_rayleigh(arguments, grain, set(zip(atoms["radius"], mass / volume, strict=True)))
     arguments.effective_radius = dumped.radius
     stiffness = stiffness_of(arguments.contacts, dumped, law_from(arguments))
     blocked = np.zeros((len(mass), 6), bool)
@@ -88,19 +90,16 @@ def _refuse_clumps(path, atoms):
         )
 
 
-def _ratio_and_rayleigh(arguments, kinds):
-    """K_t/K, and the smallest Rayleigh step [s] of `kinds`, (radius, density), or None."""
-    from demlaws.contact import Material
+def _ratio_and_rayleigh(arguments, grain, kinds):
+    """K_t/K, and the smallest Rayleigh step [s] of `kinds`, (radius, density), or None; grain: the material, or None."""
     from demlaws.core.shear import LARGEST_SHEAR_RATIO
     from demlaws.timestep import rayleigh_step, shear_ratio
     from demlaws.units import number
 
     ratio, rayleigh = 1.0, None
-    if arguments.poisson is not None and arguments.young is not None:
-        young, poisson = arguments.young[0], arguments.poisson[0]
-        grain = Material(young, poisson)
+    if grain is not None:
         ratio = shear_ratio(grain, grain)
-        rayleigh = min(rayleigh_step(r, density, young, poisson=poisson) for r, density in kinds)
+        rayleigh = min(rayleigh_step(r, density, grain.young, poisson=grain.poisson) for r, density in kinds)
     if arguments.shear_ratio is not None:
         ratio = number(arguments.shear_ratio, "--shear-ratio", "", 0.0, LARGEST_SHEAR_RATIO, allow_low=True)
     return ratio, rayleigh

@@ -52,6 +52,7 @@ def register(add):
     run = commands.add_parser(
         "run",
         help="run a script under YADE with this package importable",
+        shows_json=False,
         description="Run a script under YADE with this package importable. As with `yade`, the interpreter stays open when the "
         "script has ended, unless -x is given. Options before the script that are not listed here go to YADE (yade-batch) as "
         "they are, for instance --cores=0,1. Without --gui the graphical interface is not started. Where demlaws is "
@@ -59,10 +60,10 @@ def register(add):
         epilog="example: demlaws yade run -x yade_scripts/impact.py --quick",
     )
     run.add_argument("-x", dest="leave", action="store_true", help="exit when the script has ended (status 1 if it failed)")
-    run.add_argument("-j", "--threads", type=int, default=1, metavar="N", help="OpenMP threads (default 1)")
+    run.add_argument("-j", "--threads", type=int, default=1, help="OpenMP threads (default 1)")
     run.add_argument("--gui", action="store_true", help="start the graphical interface")
     run.add_argument("--batch", metavar="TABLE", help="run once for each line of this parameter table (yade-batch)")
-    run.usage = "demlaws yade run [-x] [-j N] [--gui] [--batch TABLE] [options of YADE] SCRIPT [arguments of the script]"
+    run.usage = "demlaws yade run [-x] [-j COUNT] [--gui] [--batch TABLE] [options of YADE] SCRIPT [arguments of the script]"
     run.passes_on = True
     run.set_defaults(func=_run)
 

@@ -17,7 +17,7 @@ from demlaws.curves.table import TableCurve
 from demlaws.curves.table_grammar import UNLOADING
 from demlaws.curves.unloading import Unloading
 from demlaws.errors import DemlawsError
-from demlaws.files import as_path
+from demlaws.files import as_path, read_bytes
 from demlaws.laws.definition import Definition, no_limits
 from demlaws.laws.registry import find
 from demlaws.solvers.criterion import YIELD_RATIO
@@ -77,11 +77,7 @@ def compose(contact: Contact, curve: TableCurve, unloading: Unloading, collapses
 def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
     """Contact, curve and unloading of a table file; DemlawsError with the line where it is truncated, edited or foreign."""
     path = as_path(path)
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise DemlawsError(f"cannot read table {path}: {error.strerror or error}") from error
-    file = table_grammar.parse(data, path)
+    file = table_grammar.parse(read_bytes(path, "table "), path)
     values = file.values
     rule = table_grammar.rule_named(values["unloading"])
     collapses = values["collapses"] == "yes"

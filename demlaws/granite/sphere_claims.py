@@ -2,12 +2,13 @@
 
 import numpy as np
 
-from demlaws import granite, regime
+from demlaws import granite
 from demlaws.granite import MICRO, MODULI, ROUGH_SPHERES, displacement_gained, hertz_stiffness, stiffness_at
 from demlaws.granite.verdicts import AROUND, BUILT_IN, SIMILAR, Claim, around, open_claim, verdict_of
 from demlaws.laws import GODDARD, GREENWOOD_TRIPP, HERTZ, POHRT_POPOV, RMS, YIP_VENART
 from demlaws.laws.greenwood_tripp import MU
 from demlaws.make import law
+from demlaws.solvers import criterion
 
 _ROUGH = (POHRT_POPOV, RMS, YIP_VENART)
 """The laws that the paper finds to fit rough spheres."""
@@ -102,13 +103,13 @@ def _sphere_claims(get):
         "K/K_H of every rough law rises with the load",
     )
     rough = get.test("RS(18-18)")
-    ratio = regime.pressure_ratio(rough.contact, 100.0)
+    ratio = criterion.pressure_ratio(rough.contact, 100.0)
     yield Claim(
         rough.name,
         "no change of the bulk form over the testing load range",
         f"p(0)/H_m = {ratio:.2f} at 100 N by the closed fit of Jamari & Schipper, below 0.6",
-        verdict_of(ratio < regime.YIELD_RATIO - regime.BAND),
-        f"p(0)/H_m below {regime.YIELD_RATIO - regime.BAND:g}",
+        verdict_of(ratio < criterion.YIELD_RATIO - criterion.BAND),
+        f"p(0)/H_m below {criterion.YIELD_RATIO - criterion.BAND:g}",
     )
     hertz = displacement_gained(get(HERTZ, "VS(18-18)"))
     difference = {t: displacement_gained(get(POHRT_POPOV, t)) - hertz for t in ("SS(18-18)", "RS(18-18)")}

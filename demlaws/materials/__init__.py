@@ -13,8 +13,18 @@ from typing import Any, NamedTuple
 from demlaws.contact import Material, Surface
 from demlaws.errors import DemlawsError, did_you_mean
 from demlaws.responses.results import Tabular
+from demlaws.units import HANDY
 
-UNITS = {"GPa": 1e9, "µm": 1e-6}
+__all__ = ["Typical", "Value", "basalt", "glass", "granite", "limestone", "material", "names", "quartz", "steel", "typical"]
+granite: Material
+glass: Material
+steel: Material
+quartz: Material
+basalt: Material
+limestone: Material
+
+UNITS = {"GPa": ("Pa", 1e9), "µm": ("m", 1e-6)}
+"""Unit in materials.csv → SI unit, and the unit in it."""
 SYMBOLS = {
     "young": "E",
     "poisson": "ν",
@@ -27,7 +37,7 @@ SYMBOLS = {
 
 
 class Value(NamedTuple):
-    """A typical value, its smallest and largest in SI units (None: unknown), the unit it is shown in, and its source."""
+    """A typical value, its smallest and largest (None: unknown) in the SI unit `unit`, and its source."""
 
     value: float | None
     low: float | None
@@ -36,10 +46,20 @@ class Value(NamedTuple):
     source: str
 
     def shown(self) -> tuple[str, str]:
-        """Value and range in the unit; "?" where no value is known."""
-        factor = UNITS.get(self.unit, 1.0)
-        first, low, high = (None if x is None else f"{x / factor:.3g}" if x < 1000 else f"{x / factor:.4g}" for x in self[:3])
+        """Value and range in the unit in which people read them (`HANDY`); "?" where no value is known."""
+        per = HANDY.get(self.unit, ("", 1.0))[1]
+        first, low, high = (None if x is None else f"{x * per:.3g}" if x < 1000 else f"{x * per:.4g}" for x in self[:3])
         return first or "?", f"{low}–{high}" if low and low != high else ""
+
+    def display(self) -> str:
+        """Value, unit and range as text.
+
+        >>> dl.materials.typical("granite")["young"].display()
+        '60.6 GPa (50–62.1)'
+        """
+        first, between = self.shown()
+        unit = HANDY.get(self.unit, (self.unit, 1.0))[0] if self.value is not None else ""
+        return f"{first} {unit}".rstrip() + (f" ({between})" if between else "")
 
 
 class Typical(Tabular):
@@ -55,7 +75,7 @@ class Typical(Tabular):
         columns: dict[str, Sequence] = {"material": [text for name in self.names for text in (name, "")]}
         for quantity, symbol in SYMBOLS.items():
             values = [typical(name)[quantity] for name in self.names]
-            unit = next(value.unit for value in values)
+            unit = HANDY.get(values[0].unit, (values[0].unit, 1.0))[0]
             columns[f"{symbol} ({unit})" if unit else symbol] = [text for value in values for text in value.shown()]
         return columns
 
@@ -66,9 +86,9 @@ def _read() -> dict[str, dict[str, Value]]:
     found: dict[str, dict[str, Value]] = {}
     with open(Path(__file__).with_name("materials.csv"), encoding="utf-8", newline="") as file:
         for row in csv.DictReader(file):
-            factor = UNITS.get(row["unit"], 1.0)
+            unit, factor = UNITS.get(row["unit"], (row["unit"], 1.0))
             first, low, high = (float(row[key]) * factor if row[key] else None for key in ("value", "low", "high"))
-            found.setdefault(row["material"], {})[row["quantity"]] = Value(first, low, high, row["unit"], row["source"])
+            found.setdefault(row["material"], {})[row["quantity"]] = Value(first, low, high, unit, row["source"])
     return found
 
 
@@ -88,14 +108,17 @@ def typical(name: str) -> dict[str, Value]:
     (0.16, 0.16, 0.28)
     """
     if name not in _read():
-        raise DemlawsError(f"no typical values of {name!r}{did_you_mean(name, names())} Materials: {', '.join(names())}")
+        hint = did_you_mean(name, names(), likeness=0.75)  # ballast is not basalt
+        raise DemlawsError(f"no typical values of {name!r:.60}{hint} Materials: {', '.join(names())}")
     return dict(_read()[name])
 
 
-def __getattr__(name: str) -> Any:
-    """The material of this name with its usual surface."""
-    if name.startswith("_") or name not in _read():
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}; materials: {', '.join(names())}")
+def material(name: str) -> Material:
+    """The material of this name with its usual surface.
+
+    >>> dl.materials.material("granite") == dl.materials.granite
+    True
+    """
     values = {quantity: value.value for quantity, value in typical(name).items()}
     surface = None
     if values["roughness"] is not None:
@@ -104,5 +127,12 @@ def __getattr__(name: str) -> Any:
     return Material(values["young"], values["poisson"], values["hardness"], values["density"], surface)
 
 
+def __getattr__(name: str) -> Any:
+    """The material of this name with its usual surface."""
+    if name.startswith("_") or name not in _read():
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}; materials: {', '.join(names())}")
+    return material(name)
+
+
 def __dir__() -> list[str]:
-    return sorted([*globals(), *names()])
+    return sorted([*(name for name in globals() if name.startswith("__")), *__all__])

@@ -1,13 +1,13 @@
 """Figures of the package: the only modules that import matplotlib."""
 
 import io
+import os
 import warnings
-from pathlib import Path
 
 import numpy as np
 
 from demlaws.errors import DemlawsError, quiet
-from demlaws.files import write_atomically
+from demlaws.files import as_path, write_atomically
 from demlaws.laws import HERTZ
 from demlaws.laws.definition import Drawing
 from demlaws.laws.registry import registry
@@ -46,14 +46,14 @@ def available():
 
 def save(fig, path):
     """Write a figure; its format is the file's ending, PNG if there is none."""
-    path = Path(path)
-    if not path.name or path.is_dir():
+    path = as_path(path)
+    if not path.name or os.path.isdir(path):
         raise DemlawsError(f"cannot draw {path}: that is a folder; name a file in it")
     kind = path.suffix.lstrip(".").lower() or "png"
     buffer = io.BytesIO()
     try:
         author = {"png": "Software", "pdf": "Creator", "svg": "Creator"}.get(kind)
-        fig.savefig(buffer, format=kind, dpi=130, metadata={author: "demlaws"} if author else None)
+        fig.savefig(buffer, format=kind, dpi=130, **({"metadata": {author: "demlaws"}} if author else {}))
     except ValueError as error:
         raise DemlawsError(f"cannot draw {path}: {error}") from error
     return write_atomically(path if path.suffix else path.with_suffix(".png"), buffer.getvalue())

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from demlaws import regime
 from demlaws.plots import figure
+from demlaws.solvers import criterion
 from demlaws.surface import box_correction
 
 MICRO = 1e6
@@ -12,15 +12,18 @@ MICRO = 1e6
 def regime_figure(contact, force=None):
     """p(0)/H_m of `contact` over force and roughness."""
     fig, ax = figure(width=6.4, height=4.6)
-    forces = np.geomspace(1e-3, 1e3, 181) * (force or regime.transition_force(contact.with_values(roughness=1e-6)))
+    forces = np.geomspace(1e-3, 1e3, 181) * (force or criterion.transition_force(contact.with_values(roughness=1e-6)))
     roughness = np.geomspace(1e-8, 1e-4, 161)
     if contact.roughness:
         roughness = contact.roughness * np.geomspace(1e-2, 1e2, 161)
     regime_bar(fig, regime_axis(ax, contact, forces, roughness), ax)
     if force is not None and contact.roughness:
         ax.plot(force, contact.roughness * MICRO, "k*", ms=14, mec="white")
-        ratio = regime.pressure_ratio(contact, force)
-        label, light = f"{ratio:.3g}: {regime.deforming_part(ratio)}", {"fc": "white", "ec": "none", "alpha": 0.8, "pad": 1.5}
+        ratio = criterion.pressure_ratio(contact, force)
+        label, light = (
+            f"{ratio:.3g}: {criterion.deforming_part(ratio)}",
+            {"fc": "white", "ec": "none", "alpha": 0.8, "pad": 1.5},
+        )
         place = {"xytext": (10, 0), "textcoords": "offset points", "va": "center"}
         ax.annotate(label, (force, contact.roughness * MICRO), bbox=light, **place)
     ax.set_title(f"R = {contact.radius * 1e3:.3g} mm, E* = {contact.modulus / 1e9:.3g} GPa")
@@ -29,16 +32,16 @@ def regime_figure(contact, force=None):
 
 def regime_axis(ax, contact, forces, roughness):
     """The map of p(0)/H_m on axes, with its contours; returns the image."""
-    ratio = np.array([regime.pressure_ratio(contact.with_values(roughness=sigma), forces) for sigma in roughness])
+    ratio = np.array([criterion.pressure_ratio(contact.with_values(roughness=sigma), forces) for sigma in roughness])
     ax.grid(False)
     ax.set(xscale="log", yscale="log", xlabel="force (N)", ylabel="roughness σ (µm)")  # labels break contours at this scale
     image = ax.pcolormesh(
-        forces, roughness * MICRO, np.log10(ratio / regime.YIELD_RATIO), cmap="RdBu_r", vmin=-1, vmax=1, shading="gouraud"
+        forces, roughness * MICRO, np.log10(ratio / criterion.YIELD_RATIO), cmap="RdBu_r", vmin=-1, vmax=1, shading="gouraud"
     )
     lines = ax.contour(forces, roughness * MICRO, ratio, [0.1, 0.2, 0.4, 1.0, 2.0], colors="grey", linewidths=0.6)
     ax.clabel(lines, fmt="%g", fontsize=7)
-    ax.contour(forces, roughness * MICRO, ratio, [regime.YIELD_RATIO], colors="black", linewidths=1.8)
-    edges = [regime.YIELD_RATIO - regime.BAND, regime.YIELD_RATIO + regime.BAND]
+    ax.contour(forces, roughness * MICRO, ratio, [criterion.YIELD_RATIO], colors="black", linewidths=1.8)
+    edges = [criterion.YIELD_RATIO - criterion.BAND, criterion.YIELD_RATIO + criterion.BAND]
     ax.contour(forces, roughness * MICRO, ratio, edges, colors="black", linewidths=0.6, linestyles="--")
     return image
 
@@ -47,7 +50,7 @@ def regime_bar(fig, image, axes):
     """Colours are log10 of p(0)/(0.6 H_m); the bar shows p(0)/H_m itself."""
     ratios = np.array([0.06, 0.1, 0.2, 0.4, 0.6, 1.0, 2.0, 4.0, 6.0])
     bar = fig.colorbar(
-        image, ax=axes, label="p(0)/H$_m$ (map: closed fit)", shrink=0.9, ticks=np.log10(ratios / regime.YIELD_RATIO)
+        image, ax=axes, label="p(0)/H$_m$ (map: closed fit)", shrink=0.9, ticks=np.log10(ratios / criterion.YIELD_RATIO)
     )
     bar.ax.set_yticklabels([f"{r:g}" for r in ratios])
 

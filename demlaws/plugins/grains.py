@@ -11,7 +11,7 @@ from typing import NamedTuple
 from demlaws.contact import DENSITY, Contact, Material, Surface, softer_hardness, surface_of
 from demlaws.core.shear import LARGEST_SHEAR_RATIO, MOST_LEVELS
 from demlaws.errors import DemlawsError
-from demlaws.files import write_atomically
+from demlaws.files import as_path, write_atomically
 from demlaws.laws import USUAL
 from demlaws.laws.registry import find
 from demlaws.make import known_unloading, rebound
@@ -181,8 +181,11 @@ def make_case(law, grains, unloading, options, more):
 
 
 def output_folder(folder):
-    """`folder` as a Path, made with its folder post, into which a run writes."""
-    folder = Path(folder)
+    """`folder` as a Path, made with its folder post, into which a run writes; an in.case of somebody else is an error."""
+    folder = as_path(folder)
+    script = folder / "in.case"
+    if os.path.isfile(script) and b"# written by demlaws " not in script.read_bytes()[:1000]:
+        raise DemlawsError(f"{script} exists and was not written by demlaws: name another folder, or rename that file")
     try:
         (folder / "post").mkdir(parents=True, exist_ok=True)
     except OSError as error:

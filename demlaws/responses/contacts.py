@@ -1,5 +1,7 @@
 """Contacts of a scene or of a dump as a table, and as lines between centres for ParaView."""
 
+import re
+import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -8,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from demlaws.errors import DemlawsError
-from demlaws.files import PARAVIEW
+from demlaws.files import PARAVIEW, PARAVIEW_MARK, as_path, write_atomically
 from demlaws.responses.results import Tabular
 
 COLUMNS = {
@@ -50,7 +52,8 @@ SHORT = {"maximum_overlap": "largest (m)", "plastic_overlap": "plastic (m)", "sh
 class Contacts(Tabular):
     """Contacts: arrays with one entry per contact, SI units; `COLUMNS` describes them. Unknown values are NaN, or None.
 
-    `len` is the number of contacts; `contacts[3]`, a slice, numbers or a mask give some of them. `print`, `to_dataframe()` give
+    `len` is the number of contacts; `contacts[3]`, a slice, numbers or a mask give some of
+    them, `contacts["force"]` a column. `print`, `to_dataframe()` give
     a row for each, `save` lines for ParaView. centre1, centre2: (n, 3), of the bodies; the point of contact on a wall.
     """
 
@@ -97,7 +100,9 @@ class Contacts(Tabular):
     def __len__(self) -> int:
         return len(self.body1)
 
-    def __getitem__(self, which: Any) -> "Contacts":
+    def __getitem__(self, which: Any) -> Any:
+        if isinstance(which, str):
+            return self.named(which, tuple(COLUMNS))
         chosen = np.atleast_1d(np.arange(len(self))[which])
         columns: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(self)}
         return replace(self, **{name: values[chosen] for name, values in columns.items() if values is not None})
@@ -139,7 +144,7 @@ class Contacts(Tabular):
         DemlawsError
             If the places of the bodies are not known, the ending is another one, or meshio is not installed.
         """
-        path = Path(path)
+        path = as_path(path)
         if self.centre1 is None or self.centre2 is None:
             raise DemlawsError("these contacts have no places of their bodies: nothing to draw")
         data = {name: v.astype(np.uint8) if v.dtype == bool else v for name, _, v in self._known()}
@@ -151,5 +156,8 @@ class Contacts(Tabular):
             raise DemlawsError(f"a {path.suffix} file needs meshio: pip install 'demlaws[vtk]'") from None
         lines = np.stack([np.arange(len(self)), np.arange(len(self)) + len(self)], axis=1)  # numbers of their points
         points, cells = np.concatenate([self.centre1, self.centre2]), {name: [values] for name, values in data.items()}
-        meshio.Mesh(points, [("line", lines)], cell_data=cells).write(path)
-        return path
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder, f"lines{path.suffix}")
+            meshio.Mesh(points, [("line", lines)], cell_data=cells).write(file)
+            marked = re.sub(rb"(written|created) by meshio", PARAVIEW_MARK + rb", \g<0>", file.read_bytes(), count=1)
+        return write_atomically(path, marked)

@@ -1,5 +1,6 @@
 """Response of one contact along a path of overlaps."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -10,7 +11,10 @@ from demlaws.responses.results import PATH_COLUMNS, Tabular
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Path(Tabular):
-    """Response of one contact along a path: arrays with one entry per overlap, SI units; `path[:100]` is a part of it.
+    """Response of one contact along a path: arrays with one entry per overlap, SI units.
+
+    `path[:100]` is a part of it, `path[-1]` one point, `path["force"]` an array by its name; `for point in path` gives the
+    points. `numpy.asarray(path)` has a row per point with the printed columns. `dl.fit(path, contact)` takes it as a test.
 
     Attributes
     ----------
@@ -46,19 +50,29 @@ class Path(Tabular):
     dissipated: np.ndarray
 
     def __len__(self) -> int:
-        return self.overlap.size
+        return np.size(self.overlap)
 
-    def __getitem__(self, index: Any) -> "Path":
-        return Path(*(getattr(self, field.name)[index] for field in fields(self)))
+    def __getitem__(self, index: Any) -> Any:
+        if isinstance(index, str):
+            return self.named(index, (*PATH_COLUMNS.values(), "maximum_overlap"))
+        return Path(*(np.atleast_1d(getattr(self, field.name))[index] for field in fields(self)))
+
+    def __iter__(self) -> Iterator["Path"]:
+        return (self[number] for number in range(len(self)))
 
     def columns(self) -> dict:
         """Overlap, force, stiffness, plastic overlap and work, each an array."""
         units = {"overlap": "m", "force": "N", "stiffness": "N/m", "plastic_overlap": "m", "work": "J"}
-        return {f"{name} ({unit})": getattr(self, name) for name, unit in units.items()}
+        return {f"{name} ({unit})": np.atleast_1d(getattr(self, name)) for name, unit in units.items()}
 
     def csv_rows(self) -> np.ndarray:
         """One row per point, one column per entry of `PATH_COLUMNS`."""
         return np.column_stack([getattr(self, name) for name in PATH_COLUMNS.values()])
+
+    @property
+    def displacement(self) -> np.ndarray:
+        """The overlap [m], by its name in points of a test."""
+        return self.overlap
 
     @property
     def work(self) -> np.ndarray:

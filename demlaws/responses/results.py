@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, did_you_mean
 
 SHOWN = 10
 """Number of rows that `str` shows; of more, the first and the last half."""
@@ -40,6 +40,17 @@ class Tabular:
     def shown(self) -> dict[str, Sequence]:
         """The columns that `str` shows; default: all."""
         return self.columns()
+
+    def named(self, name: str, names: Sequence[str]) -> Any:
+        """The values of this name, one of `names`."""
+        if name not in names:
+            raise DemlawsError(f"no column {name!r:.60}{did_you_mean(name, names)} The columns are {', '.join(names)}")
+        return getattr(self, name)
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
+        import numpy as np
+
+        return np.column_stack(list(self.columns().values())).astype(dtype or None)
 
     def to_dataframe(self) -> Any:
         """The columns as a `pandas.DataFrame`. Raises DemlawsError if pandas is not installed."""

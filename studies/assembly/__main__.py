@@ -5,7 +5,7 @@ from pathlib import Path
 
 from demlaws import plots
 from demlaws.cli import Parser, example, execute
-from demlaws.cli.output import output
+from demlaws.cli.output import picture_file
 from studies.assembly import attenuation, probe, report, study
 
 QUICK = [
@@ -35,7 +35,7 @@ def parser():
     parser.add_argument("--report", action="store_true", help="tables only, from the runs in the file")
     parser.add_argument("--attenuation", action="store_true", help="energy that friction takes from small waves, in LAMMPS")
     parser.add_argument("--table", type=Path, help="CSV file with the exponents of all packings")
-    parser.add_argument("--figure", type=output, help="picture of the exponents")
+    parser.add_argument("--figure", type=picture_file, help="picture of the exponents")
     parser.set_defaults(func=run)
     return parser
 

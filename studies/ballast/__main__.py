@@ -5,7 +5,7 @@ from pathlib import Path
 
 from demlaws import plots
 from demlaws.cli import Parser, example, execute
-from demlaws.cli.output import output
+from demlaws.cli.output import picture_file
 from studies.assembly.study import read
 from studies.ballast import beds, cycles, picture, report
 
@@ -26,7 +26,7 @@ def parser():
     parser.add_argument("--limit", action="store_true", help="largest stable step of beds at 200 kPa, from their kept states")
     parser.add_argument("--report", action="store_true", help="tables only, from the runs in the file")
     parser.add_argument("--table", type=Path, help="CSV file with the numbers of every bed")
-    parser.add_argument("--figure", type=output, help="picture of settlement, resilient modulus and dissipation")
+    parser.add_argument("--figure", type=picture_file, help="picture of settlement, resilient modulus and dissipation")
     parser.set_defaults(func=run)
     return parser
 

@@ -5,7 +5,7 @@ import sys
 import tempfile
 
 from demlaws.cli import Parser, example, execute
-from demlaws.cli.output import output
+from demlaws.cli.output import other_file
 from studies.cases import ENGINES, ballast, chain, compression, impact, waves
 
 
@@ -21,7 +21,7 @@ def parser():
     parser.add_argument("--engine", choices=ENGINES, default="liggghts", help="engine of ballast (default: liggghts)")
     parser.add_argument("--quick", action="store_true", help="a small bed or packing, one pressure")
     parser.add_argument("-np", type=int, default=1, help="number of MPI ranks of ballast and waves (default: 1)")
-    parser.add_argument("--rows", type=output, help="CSV of the curves, as docs/gallery draws them (not of impact, chain)")
+    parser.add_argument("--rows", type=other_file, help="CSV of the curves, as docs/gallery draws them (not of impact, chain)")
     parser.set_defaults(func=run)
     return parser
 

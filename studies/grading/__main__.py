@@ -7,7 +7,7 @@ from pathlib import Path
 
 from demlaws import plots
 from demlaws.cli import Parser, example, execute
-from demlaws.cli.output import output
+from demlaws.cli.output import picture_file
 from demlaws.errors import DemlawsError
 from studies.assembly.study import read
 from studies.grading import report, runs
@@ -49,7 +49,7 @@ def parser():
     parser.add_argument("--models", nargs="+", choices=MODELS, default=list(MODELS))
     parser.add_argument("--quick", action="store_true", help="small scenes with the models after and stock, half a minute")
     parser.add_argument("--report", action="store_true", help="tables only, from the runs in the file")
-    parser.add_argument("--figure", type=output, help="picture of the heaps, from the file of the study")
+    parser.add_argument("--figure", type=picture_file, help="picture of the heaps, from the file of the study")
     parser.set_defaults(func=run)
     return parser
 

@@ -4,7 +4,7 @@ import sys
 
 from demlaws import plots
 from demlaws.cli import Parser, example, execute
-from demlaws.cli.output import output
+from demlaws.cli.output import picture_file
 from demlaws.errors import quiet
 from demlaws.granite.command import claim_lines
 from studies.jamari.claims import jamari_claims
@@ -29,7 +29,7 @@ def parser():
     parser.add_argument("--claims", action="store_true", help="what the papers of 2006 and 2008 say, and the verdicts")
     parser.add_argument("--repeat", choices=("isotropic", "anisotropic"), help="press on this surface of 2008 20 times")
     parser.add_argument("--memory", action="store_true", help="change in cycle 2 of ten maps, by what a pixel remembers")
-    parser.add_argument("--figure", type=output, help="picture to draw: of the tests, or of --repeat")
+    parser.add_argument("--figure", type=picture_file, help="picture to draw: of the tests, or of --repeat")
     parser.set_defaults(func=run)
     return parser
 

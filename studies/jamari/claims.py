@@ -2,8 +2,8 @@
 
 import math
 
-from demlaws import regime
 from demlaws.granite.verdicts import BUILT_IN, NOT_REPRODUCED, REPRODUCED, Claim
+from demlaws.solvers import criterion
 from studies.jamari.published import PRINTED_RATIOS, published_ratios, swaps
 
 
@@ -36,7 +36,7 @@ def jamari_claims():
         "2006", "α of the six tests", f"within {alpha:.3f} of the printed values", verdict(alpha <= 0.011), "within 0.011"
     )
     read = PRINTED_RATIOS
-    found = {mu: regime.central_pressure(0.09, mu) for mu in read}
+    found = {mu: criterion.central_pressure(0.09, mu) for mu in read}
     yield Claim(
         "2006, Fig. 1",
         "p(0)/p0 at α = 0.09 is 0.9, 0.925 and 0.93 for μ = 4, 11 and 17",

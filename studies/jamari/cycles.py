@@ -6,9 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws import plots, regime
+from demlaws import plots
 from demlaws.plots import figure
 from demlaws.plots.surface import MICRO, show
+from demlaws.regime import regime
 from demlaws.solvers.contact import LoadStep, RoughContact
 from studies.jamari.published import LOAD, published_contact
 
@@ -91,7 +92,7 @@ def run_in_cycle(history):
 
 def press(contact, load, picture, name):
     """Press a ball on a map 20 times, print what each cycle does and draw it to `picture` (None: nowhere)."""
-    print(regime.assess(contact.pair, load))
+    print(regime(contact.pair, load))
     history = repeat(contact, load, tolerance=0.01)
     others = {memory: repeat(contact, load, 5, 0.01, keep=(), memory=memory) for memory in MEMORIES if memory != "pressure"}
     for cycle in history:

@@ -4,9 +4,9 @@ import itertools
 import math
 from typing import NamedTuple
 
-from demlaws import regime
 from demlaws.contact import Contact, Material
 from demlaws.errors import DemlawsError
+from demlaws.solvers import criterion
 
 
 class PublishedTest(NamedTuple):
@@ -48,7 +48,7 @@ def published_tests():
     tests = []
     for label, flat, roughness, load, alpha, mu, ratio, seen in rows:
         ball, radius = (SILICON_CARBIDE_BALL, 3.175e-3) if label.startswith("2008") else (STEEL_BALL, 5e-3)
-        contact = Contact.between(ball, flat, radius1=radius, roughness1=0, roughness2=roughness)
+        contact = Contact.between(ball, flat, radius1=radius, radius2="flat", roughness1=0, roughness2=roughness)
         name = "aluminium" if flat is ALUMINIUM else "brass"
         tests.append(PublishedTest(label, name, contact, load, alpha, mu, ratio, seen))
     return tests
@@ -72,8 +72,8 @@ def published_ratios():
     rows = []
     for test in published_tests():
         alpha = float(test.contact.roughness_parameter(test.load))
-        solved = math.nan if math.isnan(test.mu) else regime.pressure_ratio(test.contact, test.load, test.mu)
-        rows.append(PublishedRatio(test, alpha, solved, regime.pressure_ratio(test.contact, test.load)))
+        solved = math.nan if math.isnan(test.mu) else criterion.pressure_ratio(test.contact, test.load, test.mu)
+        rows.append(PublishedRatio(test, alpha, solved, criterion.pressure_ratio(test.contact, test.load)))
     return rows
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from demlaws import plots
 from demlaws.cli import Parser, example, execute
-from demlaws.cli.output import output
+from demlaws.cli.output import picture_file
 from studies.shear import figure, gas, memory, springs, vibration
 from studies.shear.cyclic import WORDS
 from studies.shear.oblique import ANGLE, MEASURED, misfit, table
@@ -49,9 +49,11 @@ def parser():
     parser.add_argument(
         "--out", type=Path, default=Path("vibration.jsonl"), help="rows of --vibrate; it goes on where it stopped"
     )
-    parser.add_argument("--figure", type=output, help="picture of loops and of oblique impacts")
-    parser.add_argument("--creep", type=output, help="picture of creep under vibration, with the runs of vibration.jsonl")
-    parser.add_argument("--neck", type=output, help="picture of a small grain between large ones, with the runs of neck.csv")
+    parser.add_argument("--figure", type=picture_file, help="picture of loops and of oblique impacts")
+    parser.add_argument("--creep", type=picture_file, help="picture of creep under vibration, with the runs of vibration.jsonl")
+    parser.add_argument(
+        "--neck", type=picture_file, help="picture of a small grain between large ones, with the runs of neck.csv"
+    )
     parser.set_defaults(func=run)
     return parser
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 import demlaws as dl
+from demlaws import shear
 from demlaws.core.dispatch import gather, scatter, step
 from demlaws.core.levels import levels_force, set_stiffness
 from demlaws.core.numba_compat import loop
@@ -19,6 +20,7 @@ PARTS = 4
 """Steps between two turning points of the overlap."""
 EVERY = 2000
 """Levels with which no two springs are joined that matter: those that vibration makes are far fewer."""
+shear.MOST_LEVELS = EVERY  # more than `sheared` takes: the reference
 
 
 class Vibration(NamedTuple):

@@ -32,7 +32,7 @@ def refused(capsys, *arguments):
 
 def test_an_option_is_given_once(capsys):
     curve = ["curve", "--law", "hertz", *BODIES, "--overlaps", "1e-6", "--radius", "8mm"]
-    assert "argument --radius: given twice" in refused(capsys, *curve, "--radius", "9mm")
+    assert "argument --radius: given twice" in refused(capsys, *curve, "--radius", "9mm", "9mm")
     assert "argument --law: given twice" in refused(capsys, *curve, "--law", "rms")
     assert main([*curve, "9mm", "--steps", "1"]) == 0
 
@@ -44,7 +44,7 @@ def test_a_command_is_named(capsys):
 
 
 def test_a_load_beyond_the_radius(capsys):
-    line = refused(capsys, "regime", "--radius", "3mm", *BODIES, "--load", "1e9")
+    line = refused(capsys, "regime", "--radius", "3mm", "3mm", *BODIES, "--load", "1e9")
     assert "load 1e+09 N" in line and "effective radius" in line
     with pytest.raises(dl.DemlawsError):
         dl.regime.advise(dl.Contact(3e-3, 32e9, 1e-6, hardness=6e9), 1e9)
@@ -52,7 +52,7 @@ def test_a_load_beyond_the_radius(capsys):
 
 def test_rules_that_are_named_are_accepted(capsys):
     """`table` alone is none: a table's file is."""
-    curve = ["curve", "--law", "hertz", "--radius", "8mm", *BODIES, "--overlaps", "1e-6", "--steps", "1"]
+    curve = ["curve", "--law", "hertz", "--radius", "8mm", "8mm", *BODIES, "--overlaps", "1e-6", "--steps", "1"]
     line = refused(capsys, *curve, "--unloading", "junk")
     rules = line.partition("The rules are ")[2].partition(" (law")[0].split(", ")
     for rule in rules:

@@ -69,6 +69,24 @@ def test_table_with_an_unloading_curve(tmp_path, capsys):
     assert main(["curve", "--law", "pohrt-popov", *CONTACT, "--unloading", str(curve), "--forces", "9", "0"]) == 0
 
 
+def test_a_table_is_a_law(tmp_path, capsys):
+    """As in Python; its contact is the default, and what is given replaces a part of it."""
+    file = tmp_path / "granite.tbl"
+    assert main(["table", "--law", "pohrt-popov", *CONTACT, "--out", str(file)]) == 0
+    law, more = Table.load(file), ["--forces", "9", "0", "--json"]
+    capsys.readouterr()
+    for contact, changed in (([], {}), (["--effective-radius", "5mm"], {"radius": 5e-3})):
+        assert main(["curve", "--law", str(file), *contact, *more]) == 0
+        values = json.loads(capsys.readouterr().out)
+        bound = law.bound_to(law.contact.with_values(**changed))
+        assert values["overlap"][200] == pytest.approx(bound.overlap(9.0), rel=1e-9)
+    assert main(["curve", "--law", str(file), *more, "--unloading", "hertz"]) == 0
+    assert json.loads(capsys.readouterr().out)["unloading"] == "hertz"
+    assert main(["curve", "--law", str(file), *more, "--option", "loading=rms"]) == 2
+    assert main(["curve", "--law", str(tmp_path / "none.tbl"), *more]) == 2
+    assert "none.tbl" in capsys.readouterr().err
+
+
 def test_granite(tmp_path, capsys):
     assert main(["granite", "--test", "SS(12-18)", "--law", "pohrt-popov", "--out", str(tmp_path)]) == 0
     out = capsys.readouterr().out
@@ -163,16 +181,15 @@ def test_exports_take_units(engine, tmp_path):
     assert texts[0] == texts[1] and len(texts[0]) > 2
 
 
-def test_one_radius_is_that_of_two_equal_spheres(capsys):
-    """Before: --radius was the effective radius in four commands and a sphere's in two."""
-    radii = [["--radius", "8mm"], ["--radius", "8mm", "8mm"], ["--radius", "4mm", "inf"], ["--effective-radius", "4mm"]]
+def test_radii_of_both_bodies(capsys):
+    radii = [["--radius", "8mm", "8mm"], ["--radius", "4mm", "inf"], ["--radius", "4mm", "flat"], ["--effective-radius", "4mm"]]
     for radius in radii:
         words = ["curve", "--law", "rms", *radius, "--modulus", "30GPa", "--overlaps", "1um"]
         assert main([*words, "--roughness", "3um", "4um"]) == 0
         assert "R = 4 mm, E* = 30 GPa, σ = 5 µm" in capsys.readouterr().out
 
 
-HERTZ = ["curve", "--law", "hertz", "--radius", "8mm", "--modulus", "30GPa", "--overlaps", "1um", "--steps", "2"]
+HERTZ = ["curve", "--law", "hertz", "--radius", "8mm", "8mm", "--modulus", "30GPa", "--overlaps", "1um", "--steps", "2"]
 
 
 def test_csv_on_standard_output(capsys):
@@ -182,18 +199,52 @@ def test_csv_on_standard_output(capsys):
     assert "contact: R = 4 mm" in captured.err
 
 
-def test_files_are_overwritten_only_if_this_command_wrote_them(tmp_path):
-    for flag, name in (("--csv", "a.csv"), ("--figure", "a.png")):
-        file = tmp_path / name
-        for content in (b"notes of another program", b""):
-            file.write_bytes(content)
-            assert main([*HERTZ, flag, str(file)]) == (2 if content else 0)
-        first = file.read_bytes()
-        assert main([*HERTZ, flag, str(file)]) == 0  # the same kind
-        file.write_bytes(b"notes")
-        assert main([*HERTZ, flag, str(file), "--force"]) == 0 and file.read_bytes() == first
-    table = tmp_path / "a.csv"
-    assert main(["table", "--law", "hertz", *CONTACT, "--rtol", "1e-2", "--out", str(table)]) == 2  # a curve, not a table
+TABLE = ["table", "--law", "hertz", *CONTACT, "--rtol", "1e-2", "--out"]
+SCRIPT = "# a script of demlaws for YADE, one of ours\nfrom demlaws.yade import engines\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "name"),
+    [([*HERTZ, "--csv"], "a.csv"), *[([*HERTZ, "--figure"], f"a.{e}") for e in ("png", "svg", "pdf")], (TABLE, "a")],
+)
+def test_a_file_is_replaced_only_by_the_command_that_wrote_it(words, name, tmp_path, capsys):
+    file = tmp_path / name
+    for content in (SCRIPT, f"# {SCRIPT * 100}"):
+        file.write_text(content)
+        assert main([*words, str(file)]) == 2
+        assert "--overwrite" in capsys.readouterr().err and file.read_text() == content
+    file.write_bytes(b"")
+    assert main([*words, str(file)]) == 0  # an empty file is nobody's
+    assert len(file.read_bytes()) > 100
+    assert main([*words, str(file)]) == 0  # the same kind
+    file.write_text(SCRIPT)
+    assert main([*words, str(file), "--overwrite"]) == 0 and file.read_bytes()[:30] != SCRIPT.encode()[:30]
+
+
+def test_a_curve_is_not_replaced_by_a_table_nor_a_map_by_a_map(tmp_path):
+    file, heights = tmp_path / "a.csv", tmp_path / "map.asc"
+    assert main([*HERTZ, "--csv", str(file)]) == 0 and main([*TABLE, str(file)]) == 2
+    generate = ["surface", "synthetic", "--size", "16", "--out", str(heights)]
+    assert main(generate) == 0 and main(generate) == 2  # nothing in a map says who measured it
+    assert main([*generate, "--overwrite"]) == 0
+
+
+def test_the_tables_of_a_scene_replace_only_tables(tmp_path, capsys):
+    scene, out = tmp_path / "scene.toml", tmp_path / "law.tbl"
+    scene.write_text("radii = 1e-3\nforce = [1, 2]\n[material]\nyoung = 6e10\npoisson = 0.2\n")
+    out.write_text(SCRIPT)
+    assert main(["choose", str(scene), "--out", str(out)]) == 2
+    assert "--overwrite" in capsys.readouterr().err and out.read_text() == SCRIPT
+
+
+@pytest.mark.parametrize("engine", ["liggghts", "lammps"])
+def test_an_input_of_somebody_else_is_not_replaced(engine, tmp_path, capsys):
+    script = tmp_path / "in.case"
+    words = [engine, "export", str(tmp_path), "--law", "hertz", "--radius", "4mm", "--count", "20"]
+    assert main(words) == 0 and main(words) == 0
+    script.write_text("pair_style granular")
+    assert main(words) == 2 and "in.case exists" in capsys.readouterr().err
+    assert script.read_text() == "pair_style granular"
 
 
 @pytest.mark.parametrize(
@@ -215,7 +266,7 @@ def test_results_as_json(words, key, capsys, tmp_path, monkeypatch):
 
 # --- user-defined laws: --law-file FILE.py of every command, laws --check
 
-RADIUS = ["--radius", "4mm", "--modulus", "30GPa"]
+RADIUS = ["--radius", "4mm", "4mm", "--modulus", "30GPa"]
 
 
 @pytest.fixture

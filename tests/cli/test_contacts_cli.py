@@ -10,7 +10,6 @@ import pytest
 import demlaws as dl
 from demlaws.cli import main
 from demlaws.cli.dumps import LAMMPS_CASE, LIGGGHTS_CASE
-from demlaws.cli.output import Output
 from demlaws.errors import DemlawsError
 from demlaws.responses.contacts import Contacts
 
@@ -95,14 +94,34 @@ def test_lines(tmp_path, capsys):
     )
 
 
-def test_lines_of_this_command_are_overwritten_and_no_others(tmp_path):
-    """Before: a second run of the command refused its own file of lines."""
+@pytest.mark.parametrize("name", ["contacts.vtu", "contacts.vtk"])
+def test_lines_of_this_command_are_replaced_and_no_others(name, tmp_path):
+    pytest.importorskip("meshio")
+    grains, contacts = (str(DATA / name) for name in ("grains.txt", "contacts-lammps.txt"))
+    vtk, csv = tmp_path / name, tmp_path / "contacts.csv"
+    words = ["contacts", grains, contacts, "--vtk", str(vtk), "--csv", str(csv)]
+    assert main(words) == 0 and main(words) == 0
+    assert list(tmp_path.glob(".*")) == []
+    for file in (vtk, csv):
+        content = file.read_bytes()
+        other = content.replace(b"demlaws contacts", b"other program").replace(b"body1,", b"number,")
+        file.write_bytes(other)
+        assert main(words) == 2 and file.read_bytes() == other
+        file.write_bytes(content)
+
+
+def test_lines_that_cannot_be_written_leave_the_old_file(tmp_path, monkeypatch):
+    """The library would write into the file itself."""
+    pytest.importorskip("meshio")
+    centres = np.array([[0.0, 0.0, 0.0]]), np.array([[1e-3, 0.0, 0.0]])
+    one, ones = np.array([1]), np.array([1.0])
+    contacts = Contacts(one, one + 1, ones, ones, centre1=centres[0], centre2=centres[1])
     file = tmp_path / "contacts.vtu"
-    file.write_text('<VTKFile type="PolyData">' + 5000 * " " + '<DataArray Name="body1">')
-    Output().check(file)
-    file.write_text('<VTKFile type="PolyData"><DataArray Name="pressure">')
-    with pytest.raises(DemlawsError):
-        Output().check(file)
+    before = contacts.save(file).read_bytes()
+    monkeypatch.setattr("os.replace", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+    with pytest.raises(DemlawsError, match="No space"):
+        contacts[:0].save(file)
+    assert file.read_bytes() == before and list(tmp_path.iterdir()) == [file]
 
 
 def test_stiffness_and_conductance_by_the_law(tmp_path, capsys):

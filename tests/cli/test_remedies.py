@@ -6,7 +6,7 @@ import pytest
 
 from demlaws.cli import main
 
-CONTACT = "--radius 8mm --young 60.6GPa --poisson 0.25 --roughness 1.7um --fractal-dimension 2.22"
+CONTACT = "--radius 8mm 8mm --young 60.6GPa --poisson 0.25 --roughness 1.7um --fractal-dimension 2.22"
 FILES = {
     "below.csv": "displacement (um),force (N)\n" + "".join(f"{i},-{i}\n" for i in range(1, 9)),
     "notes.txt": "radii\n",
@@ -14,20 +14,32 @@ FILES = {
     "[surface]\nroughness = 4e-4\nfractal_dimension = 2.2\n",
 }
 MISTAKES = [
+    (
+        "curve --law hertz --radius 8mm --modulus 30GPa --forces 1",
+        ["--radius 0.008 flat for a sphere on a flat", "--radius 0.008 0.008 for two equal", "--effective-radius"],
+    ),
+    ("curve --law hertz --radius flat flat --modulus 30GPa --forces 1", ["--radius flat flat: two flats"]),
+    ("curve --law hertz --radius 8mm 0 --modulus 30GPa --forces 1", ["--radius = 0 m: a radius must be positive"]),
+    ("curve --law hertz --radius 8mm 8 --modulus 30GPa --forces 1", ["--radius = 8 m is above 1 m"]),
+    ("curve --law rms --radius 8mm 8mm --modulus 30GPa --roughness 1.7 --forces 1", ["--roughness = 1.7 m is 425 of"]),
+    ("curve --law hertz --radius 8mm 8mm --material marble --forces 1", ["'marble'", "granite, glass"]),
+    ("curve --law hertz --radius 8mm 8mm --material ballast --forces 1", ["no typical values of 'ballast'. Materials:"]),
+    ("curve --law hertz --test SS(18-18) --material glass --forces 1", ["either --material or --test"]),
+    ("lammps export case --radius 1mm 2mm 3mm --material glass steel", ["--material has 2 values for 3 radii"]),
     (f"soften --factor 0.1 --law hertz {CONTACT}", ["0.1", "1 or more"]),
     (f"curve --law eepa {CONTACT} --forces 10", ["--option stiffness_ratio=VALUE"]),
     (f"curve --law conical-damage {CONTACT} --forces 10", ["--option strength=VALUE", "--option angle=VALUE"]),
     (f"curve --law rough-plastic {CONTACT} --forces 10", ["--option yield_pressure=VALUE"]),
     (f"curve --law hertz {CONTACT} --forces 10 --option softness=3", ["has no options", "'softness'"]),
-    ("curve --law pohrt-popov --radius 8mm --young 60GPa --poisson 0.2 --forces 1", ["--roughness", "0 for smooth"]),
+    ("curve --law pohrt-popov --radius 8mm 8mm --young 60GPa --poisson 0.2 --forces 1", ["--roughness", "0 for smooth"]),
     (
-        "curve --law pohrt-popov --radius 8mm --roughness 1um --young 60GPa --poisson 0.2 --forces 1",
+        "curve --law pohrt-popov --radius 8mm 8mm --roughness 1um --young 60GPa --poisson 0.2 --forces 1",
         ["give --fractal-dimension\n"],
     ),
-    ("curve --law hertz --radius 8mm --young=-60GPa --poisson 0.2 --forces 1", ["--young = -6e+10 Pa", "positive"]),
+    ("curve --law hertz --radius 8mm 8mm --young=-60GPa --poisson 0.2 --forces 1", ["--young = -6e+10 Pa", "positive"]),
     ("curve --law hertz --effective-radius=-8mm --modulus 30GPa --forces 1", ["error: radius = -0.008 m", "positive"]),
-    ("curve --law hertz --radius 8mm --modulus 30GPa --fractal-dimension 5 --forces 1", ["--fractal-dimension = 5:"]),
-    ("regime --radius 8mm --modulus 30GPa --roughness 1um --hardness 6Pa", ["--hardness = 6 Pa", "units"]),
+    ("curve --law hertz --radius 8mm 8mm --modulus 30GPa --fractal-dimension 5 --forces 1", ["--fractal-dimension = 5:"]),
+    ("regime --radius 8mm 8mm --modulus 30GPa --roughness 1um --hardness 6Pa", ["--hardness = 6 Pa", "units"]),
     ("fit below.csv --test SS(18-18)", ["compression is positive", "sign"]),
     ("choose notes.txt", ["notes.txt", "scene", "--template"]),
 ]

@@ -1,15 +1,31 @@
 """Printed results of every command have lines of at most 100 characters."""
 
+import argparse
+import contextlib
+import io
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from demlaws import cli
-from demlaws.cli import COMMANDS
+from demlaws.cli import COMMANDS, arguments
 from demlaws.files import WIDTH
 
-ROUGH = ["--radius", "8mm", "--modulus", "32GPa", "--roughness", "1.7um", "--fractal-dimension", "2.2", "--hardness", "6.27GPa"]
+ROUGH = [
+    "--radius",
+    "8mm",
+    "8mm",
+    "--modulus",
+    "32GPa",
+    "--roughness",
+    "1.7um",
+    "--fractal-dimension",
+    "2.2",
+    "--hardness",
+    "6.27GPa",
+]
 PLASTIC = ["--law", "rough-plastic", "--option", "yield_pressure=1.66GPa"]
 ELASTIC = ["--law", "hertz", "--young", "60GPa", "--poisson", "0.25"]
 TESTS = Path(__file__).resolve().parents[1]
@@ -54,3 +70,34 @@ def test_lines_of_results(command, tmp_path, capsys, monkeypatch):
     lines = capsys.readouterr().out.splitlines()
     code = ("import", "from", "law =", "#")  # of a script that `choose` prints for copying
     assert lines and [line for line in lines if len(line) > WIDTH and not line.startswith(code)] == []
+
+
+def kinds(parser):
+    """(command, shown kind of value, type) of every option with one."""
+    formatter = parser._get_formatter()
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for sub in dict.fromkeys(action.choices.values()):
+                yield from kinds(sub)
+        elif action.option_strings and action.nargs != 0 and action.choices is None:
+            yield parser.prog, formatter._format_args(action, formatter._get_default_metavar_for_optional(action)), action.type
+
+
+def test_a_kind_of_value_has_one_name():
+    """Before: N was newton or a number."""
+    shown = list(kinds(cli.build_parser()))
+    names = {arguments.length: "LENGTH", arguments.force: "FORCE", arguments.pressure: "PRESSURE", arguments.plain: "NUMBER"}
+    for command, name, kind in shown:
+        if kind in names and name not in ("WIDTH", "SHORTEST LONGEST"):
+            assert set(re.findall("[A-Z]+", name)) == {names[kind]}, command
+        elif kind is not arguments.radius:
+            assert not set(re.findall("[A-Z]+", name)) & set(names.values()), (command, name)
+    assert len(shown) > 150
+
+
+def test_json_is_offered_where_it_works():
+    """The programs of `run` print to the standard output themselves."""
+    for words in (["yade", "run"], ["liggghts", "run"], ["lammps", "run"], ["lammps", "check"], ["curve"]):
+        with pytest.raises(SystemExit), contextlib.redirect_stdout(io.StringIO()) as out:
+            cli.main([*words, "--help"])
+        assert ("--json" in out.getvalue()) is (words[-1] != "run")

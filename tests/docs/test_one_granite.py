@@ -90,7 +90,7 @@ def test_examples_of_help(command):
 
 
 def test_another_roughness_is_seen():
-    line = "demlaws table --law rms --radius 8mm --young 60.6GPa --poisson 0.25 --roughness {} --out x.tbl"
+    line = "demlaws table --law rms --radius 8mm 8mm --young 60.6GPa --poisson 0.25 --roughness {} --out x.tbl"
     assert others(line.format("1.7um 1.7um")) == [] and others(line.format("2.4um")) == [("roughness", "2.4um")]
     assert others(line.format("1.7um 3.39um")) == [("roughness", "3.39um")]
     assert others("dl.Contact(radius=5e-3, modulus=32.32e9, roughness=2.4e-6, fractal_dimension=2.2)") == [

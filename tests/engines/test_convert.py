@@ -80,7 +80,7 @@ def test_what_is_not_served_stays_and_is_listed(engine, line, tmp_path, capsys):
     text = (tmp_path / "in.case.demlaws").read_text()
     for word in ("multicontact", "tan_luding", "washino", "jkr", "hertz 1e5", "gran/hertz/history"):
         assert (word in line) == (word in text)
-    assert cli.main([*arguments, "--json", "--force"]) == 1
+    assert cli.main([*arguments, "--json", "--overwrite"]) == 1
     assert any(note["line"] == 1 and not note["served"] for note in json.loads(capsys.readouterr().out)["notes"])
 
 

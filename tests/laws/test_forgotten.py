@@ -150,8 +150,10 @@ def test_a_contact_without_roughness():
         pair = dl.Contact.between(STONE, STONE, radius1=8e-3, radius2=8e-3, roughness1=one, roughness2=other)
         assert pair.roughness is None
     granite = dl.materials.granite
-    assert dl.Contact.between(granite, STONE, radius1=8e-3).roughness is None
-    assert dl.Contact.between(granite, granite, radius1=8e-3).roughness == pytest.approx(2**0.5 * granite.surface.roughness)
+    assert dl.Contact.between(granite, STONE, radius1=8e-3, radius2="flat").roughness is None
+    assert dl.Contact.between(granite, granite, radius1=8e-3, radius2="flat").roughness == pytest.approx(
+        2**0.5 * granite.surface.roughness
+    )
 
 
 def test_a_table_keeps_that_no_roughness_is_given(tmp_path):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import demlaws as dl
+from demlaws.responses.contacts import Contacts
 
 PAIR = dl.Contact(radius=4e-3, modulus=32e9, roughness=2e-6, fractal_dimension=2.2)
 
@@ -19,6 +20,37 @@ def path():
 def test_parts_of_a_path(path):
     assert len(path) == 41 and path[20].force == pytest.approx(10.0)
     assert np.array_equal(path[:21].overlap, path.overlap[:21]) and isinstance(path[:21], type(path))
+
+
+def test_a_path_is_an_array_and_a_sequence_of_points(path):
+    """As it prints: a row per point, the same columns."""
+    array = np.asarray(path)
+    assert array.shape == (41, 5) and array.dtype == float
+    for column, values in zip(array.T, path.columns().values(), strict=True):
+        np.testing.assert_array_equal(column, values)
+    np.testing.assert_array_equal(path["force"], path.force)
+    np.testing.assert_array_equal(path["work"], path.stored + path.dissipated)
+    points = list(path)
+    assert [point.force for point in points] == list(path.force) and len(points[3]) == 1
+    assert len(str(points[-1]).splitlines()) == 2
+    with pytest.raises(dl.DemlawsError, match="did you mean 'force'"):
+        path["froce"]
+
+
+def test_a_path_is_a_test(path):
+    best = dl.fit(path, PAIR, laws=["pohrt-popov"], free=["modulus"])[0]
+    assert best.parameters["modulus"].value == pytest.approx(PAIR.modulus, rel=1e-6)
+    table = dl.Table.from_points(path[5:21], PAIR, "elastic")
+    assert table.force(path.overlap[15]) == pytest.approx(path.force[15], rel=0.01)
+
+
+def test_contacts_have_columns_by_name():
+    one, ones = np.array([1, 2, 3]), np.array([1.0, 2.0, 3.0])
+    contacts = Contacts(one, one + 1, 1e-6 * ones, ones, stiffness=ones)
+    np.testing.assert_array_equal(contacts["force"], ones)
+    assert np.asarray(contacts).shape == (3, 5) and [c.force[0] for c in contacts] == [1.0, 2.0, 3.0]
+    with pytest.raises(dl.DemlawsError, match="did you mean 'force'"):
+        contacts["froce"]
 
 
 def test_a_path_is_a_data_frame(path):
@@ -91,7 +123,9 @@ state = law.new_state(3)
 print(table.evaluate([1e-6, 2e-6, 3e-6], state)[0], state.maximum_overlap)
 print(dl.driver.impact(law, 1e-3, 0.1).restitution, dl.timestep(law, 1e-3, 10.0))
 scene = dl.Scene(radii=[1e-3], materials=[granite], force=[1, 10])
-print(dl.choose(scene).best.describe(), dl.laws(), dl.regime.assess(pair, 10.0))
+print(dl.choose(scene).best.describe(), dl.laws(), dl.regime(pair, 10.0), dl.regime.transition_force(pair))
+limit: float = dl.timestep.pair_limit(1e6, 1e-3, 1e-3)
+basalt: float = dl.materials.basalt.poisson
 print(dl.fit(np.column_stack([path.overlap, path.force]), pair).best.misfit)
 """
 
@@ -103,3 +137,5 @@ def test_a_users_script_passes_strict_types(tmp_path):
     command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path / "cache"), "script.py"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout
+    (tmp_path / "script.py").write_text("import demlaws as dl\nfelsite: float = dl.materials.granite\n")
+    assert "Material" in subprocess.run(command, cwd=tmp_path, capture_output=True, text=True).stdout
