@@ -15,11 +15,17 @@ FEWEST = 6
 MOST_PLACES = 160
 """More overlaps are averaged to so many before they are smoothed."""
 SHOWN = 24
-"""Knots of a smoothed curve whose force and uncertainty a table keeps."""
+"""Places of a smoothed curve whose force and uncertainty a table keeps."""
+SHARES = (0.0, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 10.0)
+"""Constant part of the noise, over its relative part and the largest force."""
+SMOOTHINGS = np.geomspace(1e-6, 1e10, 33)
+"""Variances of the bending of ln P over its noise."""
+FREEDOM = 2.1
+"""Least degrees of freedom of a curve: no mere power law, which has 2. [our choice]"""
 
 
 class Knots(NamedTuple):
-    """What a table keeps of the points that it was made of: the knots of its curve, and how far the points lie from it."""
+    """What a table keeps of the points that it was made of: places of its curve, and how far the points lie from it."""
 
     overlap: np.ndarray  # [m]
     force: np.ndarray  # [N]
@@ -60,14 +66,13 @@ class MeasuredCurve:
         fit = self._set_curve(overlap, force, sigma)
         departure = np.abs(self.evaluate(overlap)[0] - force)
         self._refuse_departures(overlap, force, sigma, without, departure, fit.noise)
-        at = np.unique(np.linspace(0, self.x.size - 1, min(self.x.size, SHOWN)).round().astype(int))
-        curve = np.exp(fit.values)
-        text = f"smoothing spline by restricted likelihood, {fit.freedom:.1f} degrees of freedom"
-        sigmas = (fit.relative_error * curve)[at]
-        self.knots = Knots(np.exp(self.x[at]), curve[at], sigmas, int(sigma.size), float(departure.max()), text)
+        curve, text = np.exp(fit.curve), "smoothing spline by restricted likelihood"
+        self.knots = Knots(np.exp(fit.at), curve, fit.error * curve, int(sigma.size), float(departure.max()), text)
 
     def _set_curve(self, overlap, force, sigma):
         """Set the curve through points in the order of their overlaps; returns the smoothing."""
+        from scipy.interpolate import CubicSpline
+
         groups = _equal_groups(overlap)
         self.x = np.array([np.mean(np.log(overlap[g])) for g in groups])
         means = np.array([np.mean(force[g]) for g in groups])
@@ -78,7 +83,7 @@ class MeasuredCurve:
                 f"first loading: the forces do not rise with the overlap (from {force[0]:.6g} N at {overlap[0]:.6g} m to "
                 f"{force[-1]:.6g} N at {overlap[-1]:.6g} m)"
             )
-        self._spline = fit.spline
+        self._spline = CubicSpline(self.x, fit.values, bc_type="natural")
         self._slope = float(self._spline(self.x[0], 1))
         self.first = min(max(1.0, self._slope), 4.0)
         self.last = max(float(self._spline(self.x[-1], 1)), 1e-3)
@@ -123,69 +128,97 @@ class MeasuredCurve:
 
 
 class _Smoothed(NamedTuple):
-    values: np.ndarray  # ln P at the places
-    spline: Any
-    freedom: float  # trace of the smoother
+    values: np.ndarray  # ln P at the places of the points
     noise: float  # part of the force's noise that is the same at all forces [N]; 0 where uncertainties are given
-    relative_error: np.ndarray  # standard uncertainty of ln P at the places
+    at: np.ndarray  # SHOWN places, in ln δ, as dense as the points
+    curve: np.ndarray  # ln P there
+    error: np.ndarray  # its standard uncertainty
 
 
 def _smooth(x, force, sigma, counts):
-    """Natural cubic smoothing spline η(x) of ln P, rising; None where no rising one is found.
+    """Natural cubic smoothing spline of ln P over x = ln δ, rising; None where no rising one is found.
 
-    force, sigma: mean force of each place and its standard uncertainty [N]; unknown ones (NaN, 0) are a² + b² P², found from
-    the residuals; counts: points that each place stands for. Residuals are those of the force, P - exp η, so that noise does
-    not shift the logarithm (Green & Silverman 1994, ch. 5). The curve is the mean over smoothings, weighted by their
-    restricted likelihood (Wood 2011), and the uncertainty includes the spread of these.
+    force, sigma: mean force of each place and its standard uncertainty [N]; counts: points of each place. Where an uncertainty
+    is unknown (NaN, 0), the noise of all points is s² (P² + r² P_max²) with each r of `SHARES`. The curve is the mean over
+    smoothings and shares, weighted by their restricted likelihood (Wood 2011), and its uncertainty includes their spread; s is
+    unknown, so that ± 1.96 of them are the interval of Student's t. Residuals are those of the force, P - exp η, by the
+    working response η + (P - exp η)/exp η: noise does not shift the logarithm (Green & Silverman 1994, ch. 5).
     """
     from scipy.interpolate import CubicSpline
-    from scipy.optimize import nnls
+    from scipy.special import stdtrit
 
-    penalty, fine, top, noise = _penalty(x), np.linspace(x[0], x[-1], 8 * x.size), float(np.max(force)), 0.0
-    known = bool(np.all(sigma > 0.0))
-    error = sigma if known else 0.02 * top / np.sqrt(counts)
-    values = np.log(np.maximum(force, 0.03 * top))
-    for turn in range(40):
+    known, top, values = bool(np.all(sigma > 0.0)), float(np.max(force)), np.log(np.maximum(force, 0.03 * np.max(force)))
+    unit, fine = (x - x[0]) / (x[-1] - x[0]), np.linspace(x[0], x[-1], 4 * x.size)
+    for _ in range(15):
         curve = np.exp(values)
-        relative, response = error / curve, values + (force - curve) / curve
-        stiffness, vectors = np.linalg.eigh(penalty * relative * relative[:, None])
-        stiffness[:2], data = 0.0, vectors.T @ (response / relative)
-        smoothing = np.geomspace(1e-4 / stiffness[-1], 10.0 / stiffness[2], 120)[:, None]  # no mere power law [our choice]
-        shrinkage = 1.0 / (1.0 + smoothing * stiffness)
-        squares = np.sum((1.0 - shrinkage) * data**2, axis=1)
-        score = squares if known else (x.size - 2.0) * np.log(np.maximum(squares, 1e-300))
-        score = score - np.sum(np.log(smoothing * stiffness[2:] * shrinkage[:, 2:]), axis=1)
-        curves = relative * ((shrinkage * data) @ vectors.T)
+        shares = [sigma] if known else [np.sqrt((curve**2 + (r * top) ** 2) / (1.0 + r * r) / counts) for r in SHARES]
+        splines = [_Splines(unit, values + (force - curve) / curve, one / curve, known) for one in shares]
+        curves = np.concatenate([one.mean(unit) for one in splines])
+        score = np.concatenate([one.score for one in splines])
         rising = np.min(CubicSpline(x, curves.T, bc_type="natural")(fine, 1), axis=0) > 0.0
+        rising &= np.isfinite(score)
         if not np.any(rising):
             return None
         weight = np.where(rising, np.exp(-0.5 * (score - np.min(score[rising]))), 0.0)
         weight /= np.sum(weight)
-        best, scale = weight @ curves, 1.0 if known else float(weight @ squares) / (x.size - 2.0)
-        variance = scale * (weight @ (shrinkage @ (vectors**2).T)) * relative**2 + weight @ (curves - best) ** 2
-        step = np.clip(best - values, -1.0, 1.0)
-        values, freedom = values + step, float(weight @ np.sum(shrinkage, axis=1))
-        if np.max(np.abs(step)) < 1e-9 or (turn > 12 and np.max(np.abs(step)) < 1e-4):
+        step = np.clip(weight @ curves - values, -1.0, 1.0)
+        values = values + step
+        if np.max(np.abs(step)) < 1e-6:
             break
-        if not known and turn > 1:
-            curve = np.exp(values)
-            square = (force - curve) ** 2 * counts / max(1.0 - freedom / x.size, 0.2)
-            model = np.column_stack([np.ones(x.size), curve**2])
-            inverse = 1.0 / (model @ [1e-6 * top**2, 1e-4])
-            (constant, share), _ = nnls(model * inverse[:, None], square * inverse)
-            noise = math.sqrt(constant)
-            error = np.sqrt((constant + share * curve**2 + 1e-12 * curve**2) / counts)
-    return _Smoothed(values, CubicSpline(x, values, bc_type="natural"), freedom, noise, np.sqrt(variance))
+    at = np.interp(np.linspace(0.0, x.size - 1.0, SHOWN), np.arange(x.size), unit)
+    means = np.concatenate([one.mean(at) for one in splines])
+    variances = np.concatenate([one.variance(at) for one in splines])
+    mean = weight @ means
+    error = np.sqrt(weight @ (variances + (means - mean) ** 2)) * (1.0 if known else stdtrit(x.size - 2.0, 0.975) / 1.96)
+    noises = [r * top / math.sqrt(1.0 + r * r) * np.sqrt(one.scale) for r, one in zip(SHARES, splines, strict=False)]
+    noise = 0.0 if known else float(weight @ np.concatenate(noises))
+    return _Smoothed(values, noise, x[0] + at * (x[-1] - x[0]), mean, error)
 
 
-def _penalty(x):
-    """Matrix of ∫η'' ² dx of a natural cubic spline with the values η at x (Green & Silverman 1994, ch. 2)."""
-    h, rows = np.diff(x), np.arange(x.size - 2)
-    second = np.zeros((x.size - 2, x.size))
-    second[rows, rows], second[rows, rows + 2] = 1.0 / h[:-1], 1.0 / h[1:]
-    second[rows, rows + 1] = -(1.0 / h[:-1] + 1.0 / h[1:])
-    band = np.diag((h[:-1] + h[1:]) / 3.0) + np.diag(h[1:-1] / 6.0, 1) + np.diag(h[1:-1] / 6.0, -1)
-    return second.T @ np.linalg.solve(band, second)
+class _Splines:
+    """Smoothing splines of y over x, from 0 to 1, one for each of `SMOOTHINGS`, as means of a Gaussian process.
+
+    Points have the noise `sd`, times an unknown number unless `known`; the process is a straight line with unknown
+    coefficients plus an integral of Brownian motion, of variance `SMOOTHINGS` (Rasmussen & Williams 2006, sections 2.7, 6.3).
+    """
+
+    def __init__(self, x, y, sd, known):
+        eigenvalues, vectors = np.linalg.eigh(_bending(x, x) / sd / sd[:, None])
+        self.x, self.basis = x, vectors / sd[:, None]
+        y, self.line = y @ self.basis, self.basis.T @ _line(x)
+        self.shrinkage = 1.0 / (1.0 + SMOOTHINGS[:, None] * np.maximum(eigenvalues, 0.0))
+        self.matrix = np.einsum("li,ia,ib->lab", self.shrinkage, self.line, self.line)
+        self.coefficients = np.linalg.solve(self.matrix, ((self.shrinkage * y) @ self.line)[..., None])[..., 0]
+        misfit = y - self.coefficients @ self.line.T
+        self.residual = self.shrinkage * misfit
+        squares = np.maximum(np.sum(self.residual * misfit, axis=1), 1e-300)
+        self.scale = np.ones(SMOOTHINGS.size) if known else squares / (x.size - 2.0)
+        self.score = (squares if known else (x.size - 2.0) * np.log(squares)) + 2.0 * np.sum(np.log(sd))
+        self.score += np.linalg.slogdet(self.matrix)[1] - np.sum(np.log(self.shrinkage), axis=1)
+        squared = np.einsum("li,ia,ib->lab", self.shrinkage**2, self.line, self.line)
+        left = np.sum(self.shrinkage, axis=1) - np.trace(np.linalg.solve(self.matrix, squared), axis1=1, axis2=2)
+        self.score[x.size - left < FREEDOM] = np.inf
+
+    def mean(self, x):
+        """The splines at x, a row for each smoothing."""
+        return self.coefficients @ _line(x).T + SMOOTHINGS[:, None] * (self.residual @ (self.basis.T @ _bending(self.x, x)))
+
+    def variance(self, x):
+        """Their variance at x."""
+        cross = self.basis.T @ _bending(self.x, x)
+        line = _line(x) - SMOOTHINGS[:, None, None] * np.einsum("ix,li,ia->lxa", cross, self.shrinkage, self.line)
+        bending = SMOOTHINGS[:, None] * (np.diag(_bending(x, x)) - SMOOTHINGS[:, None] * (self.shrinkage @ cross**2))
+        return self.scale[:, None] * np.maximum(bending + np.sum(line @ np.linalg.inv(self.matrix) * line, axis=2), 0.0)
+
+
+def _line(x):
+    return np.column_stack([np.ones(x.size), x])
+
+
+def _bending(x, y):
+    """Covariance of an integral of Brownian motion from 0."""
+    low, high = np.minimum(x[:, None], y), np.maximum(x[:, None], y)
+    return low**2 * (high / 2.0 - low / 6.0)
 
 
 def _equal_groups(overlap):
