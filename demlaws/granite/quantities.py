@@ -164,7 +164,7 @@ def goddard_rises(laws):
 
 
 def elastic_and_plastic(laws):
-    """Displacement to 100 N of elastic asperities (Greenwood-Tripp) less plastic ones (Yip-Venart), over Yip-Venart less RMS."""
+    """Difference of elastic (Greenwood-Tripp) and plastic asperities (Yip-Venart) over that of Yip-Venart and RMS, to 100 N."""
     elastic, plastic, rms = (displacement_gained(laws.law(n, "SS(12-18)")) for n in (GREENWOOD_TRIPP, YIP_VENART, RMS))
     return {"": abs(elastic - plastic) / abs(plastic - rms)}
 
@@ -186,7 +186,7 @@ def underestimate(laws):
 
 
 def real_area(laws):
-    """d ln A/d ln P of Gaussian elastic asperities, the layer of Greenwood-Tripp: F_n = ∫ (z - d)^n φ(z) dz, A ∝ F_1, P ∝ F_1.5."""
+    """d ln A/d ln P of Greenwood-Tripp's elastic asperities: A ∝ F_1, P ∝ F_1.5, with F_n = ∫ (z - d)^n φ(z) dz."""
     z = 3e-3 * (np.arange(4000) + 0.5)
 
     def moment(separation, power):

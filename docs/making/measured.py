@@ -64,12 +64,13 @@ def claims(folder, out, printed):
         f"**{first}.** With E\\* = E/(2(1 - ν)) = 40.4 GPa in place of the text's E/(2(1 - ν²)) = 32.3 GPa: {second}. "
         f"{MODULUS}\n\n[All {len(rows)} statements](claims.csv) of "
         "Altuhafi, Baudet & Coop (2023), with the place in the paper, the results of runs, and when a claim counts as "
-        f"reproduced; the tolerances are ours. {KINDS} Not reproduced with one of the two E\\*:\n\n{table(heads, body)}\n\n{CONES}"
+        f"reproduced; the tolerances are ours. {KINDS} Not reproduced with one of the two E\\*:\n\n"
+        f"{table(heads, body)}\n\n{CONES}"
     )
 
 
 KINDS = """*Built in*: true because of the chosen law, rule or parameter. *Cannot be decided*: mostly because the
-measured points are not public. Yip–Venart, which by the paper fits SS(18-18) and SS(12-18), replaces the points of these two."""
+measured points are not public. Yip–Venart, which by the paper fits SS(18-18) and SS(12-18), replaces the points there."""
 MODULUS = """**Our finding: the paper's figures were probably drawn with ν in place of ν².** The three printed numbers that
 depend on E\\* fit 40.4 GPa: the crossover, the field of view, the contact radius of the cones' tips. The laws keep 1 - ν²;
 `demlaws granite --modulus figures` runs all tests with the other value.
