@@ -298,7 +298,9 @@ MEASURED = -0.1879
 
 
 def intervals(found):
-    """Wave → `Estimate` of its exponent against `MEASURED`, with the scatter of packings pooled over the waves of its motion and amplitude.
+    """Wave → `Estimate` of its exponent against `MEASURED`.
+
+    The scatter of packings is pooled over the waves of its motion and amplitude.
 
     found: wave (values of WAVE) → its rows. With two packings a wave, its own scatter has one degree of freedom.
     """
