@@ -46,6 +46,14 @@ def test_stiffness_is_the_smaller_of_the_two(loading):
     np.testing.assert_allclose(stiffness, expected, rtol=1e-9)
 
 
+def test_kinks_are_those_of_the_rough_law_below_yield_and_yield():
+    smooth = CONE.with_values(roughness=0.2e-6)
+    law, rough = dl.law("rough-plastic", smooth, "elastic", yield_pressure=1.66e9), dl.law("pohrt-popov", smooth, "elastic")
+    assert law.kinks() == [*rough.kinks(), law.params.yield_overlap] and rough.kinks()[0] < law.params.yield_overlap
+    late = dl.law("rough-plastic", CONE, "elastic", yield_pressure=0.5e9)
+    assert late.kinks() == [late.params.yield_overlap]
+
+
 def test_yield_loads_and_stiffnesses_of_other_radii():
     """P_y = π³R²p_y³/(6E*²) and K_y = π R p_y: for many contacts, of the rough law at that load."""
     many = CONE.with_values(radius=np.array([0.96e-3, 0.33e-3]))
@@ -121,3 +129,13 @@ def test_overlaps_of_a_blunt_bulk_are_judged_by_its_radius():
 def test_bulk_radii_that_cannot_be(radius):
     with pytest.raises(dl.DemlawsError, match="bulk_radius"):
         dl.law("rough-plastic", FC5, yield_pressure=1.66e9, bulk_radius=radius)
+
+
+def test_a_contact_in_a_batch_that_is_blunter_than_the_bulk_has_no_force():
+    """Radii of engines are not known when the law is made: not a number, rather than work returned."""
+    from demlaws.core.dispatch import scale
+
+    law = dl.law("rough-plastic", CONE, yield_pressure=1.66e9, bulk_radius=1.2e-3)
+    for radius, wrong in ((1.2e-3, False), (1.2e-3 * (1.0 + 1e-6), True), (5e-3, True)):
+        params = scale(law.curve.shape, radius, CONE.modulus, CONE.roughness)
+        assert math.isnan(params.hertz_coefficient) == wrong and math.isnan(params.yield_stiffness) == wrong
