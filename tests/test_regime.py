@@ -54,7 +54,9 @@ def test_a_measured_yield_pressure_decides():
     assert not {a.law: a for a in regime.advise(cone, 20.0, 2.35e9)}["pohrt-popov"].fits
 
 
-@pytest.mark.parametrize(("share", "part"), [(0.92, "asperities"), (0.94, "both"), (1.05, "both"), (1.08, "bulk"), (0.8, "asperities")])
+@pytest.mark.parametrize(
+    ("share", "part"), [(0.92, "asperities"), (0.94, "both"), (1.05, "both"), (1.08, "bulk"), (0.8, "asperities")]
+)
 def test_shares_of_a_measured_yield_pressure(share, part):
     """p0/p_y, with the band of the criterion: 0.56 and 0.64 for 0.6 are 0.933 and 1.067 for 1."""
     contact = dl.Contact(4e-3, 32.32e9, 2e-6, 2.22)
