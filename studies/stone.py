@@ -1,8 +1,8 @@
 """`python -m studies.stone`: the stone contact of DEMsim and Pohrt-Popov, each fitted to the other; loss of its reloading.
 
-The equations are those of DEMsim's StoneMaterialContact (github.com/erolsson/DEMsim, after tests of Celma Cervera, Jelagin, Partl &
-Larsson 2017, Materials & Design 133, 255): a layer of constant stiffness, then Hertz's curve shifted, then a straight line;
-unloading with another exponent, reloading with Hertz's.
+The equations are those of DEMsim's StoneMaterialContact (github.com/erolsson/DEMsim, after tests of Celma Cervera, Jelagin,
+Partl & Larsson 2017, Materials & Design 133, 255): a layer of constant stiffness, then Hertz's curve shifted, then a straight
+line; unloading with another exponent, reloading with Hertz's.
 """
 
 import math
@@ -84,7 +84,7 @@ ROUGH = ((1e-8, 1e-4), (2.0, 3.0))
 
 
 def there_and_back(test="SS(12-18)", low=1.0, high=100.0):
-    """Stone fitted to Pohrt-Popov on a granite test, and Pohrt-Popov to this stone: parameters, errors of force and stiffness."""
+    """Stone fitted to Pohrt-Popov on a granite test, and Pohrt-Popov to this stone: parameters, errors of force and K."""
     contact = granite.find_test(test).contact
 
     def curve(roughness, dimension):

@@ -223,7 +223,7 @@ def test_shear_stiffnesses_are_those_of_python(name, reader):
 
 
 def test_shear_stiffness_where_rounding_leaves_no_recoverable_overlap(reader):
-    """From the force alone, K = 2 E* √R' (3P/(4 E* √R'))^(1/3), R' = R for rule hertz and R times the state's ratio for thornton."""
+    """From the force alone, K = 2 E* √R' (3P/(4 E* √R'))^(1/3): R' = R for rule hertz, R times the ratio for thornton."""
     modulus, radius, force, overlap, ratio = 3e10, 4e-3, 2e-6, 1e-3, 1.7
     lines = [f"table {TABLES}/good/pohrt-popov-hertz.tbl {modulus!r} {radius!r} 2e-06"]
     lines += [
