@@ -53,6 +53,11 @@ def test_rows_of_the_data_are_at_their_numbers(model):
     assert len(rows) - 4 <= inside.sum() < len(rows)
     for number, row in zip(numbers[inside], rows[inside], strict=True):
         np.testing.assert_allclose(master_curves.central_pressure(model, float(number), force), row, rtol=1e-9)
+    last = int(np.flatnonzero(inside)[-1])
+    for first in (int(np.flatnonzero(inside)[0]), 60, last - 1):  # between two rows: the cubic through the four around
+        number = float(np.sqrt(numbers[first] * numbers[first + 1]))
+        cubic = np.array([-1.0, 9.0, 9.0, -1.0]) @ rows[first - 1 : first + 3] / 16.0
+        np.testing.assert_allclose(master_curves.central_pressure(model, number, force), cubic, rtol=1e-9)
 
 
 @pytest.mark.parametrize("name", ["greenwood-tripp", "yip-venart"])
