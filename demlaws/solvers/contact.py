@@ -164,10 +164,11 @@ class RoughContact:
     with a ValidityWarning.
 
     Unloading leaves in a pixel, besides its height, how much blunter its patch is than its outline tells (`spread`) and the
-    pressure that it has carried (`limit`), up to which it stays elastic. The paper of 2008 names the cause, residual stresses that
-    raise the yield stress, and leaves it out of its model: this memory is our form of it. With it the same load changes nothing the second time, and loading beyond the
-    largest overlap so far continues the curve of first loading [our derivation]: there every patch is wider than the area
-    that it has carried, so that its memory ends, and the map is `before`, that of the contact before it was unloaded from the
+    pressure that it has carried (`limit`), up to which it stays elastic. The paper of 2008 names a cause, residual stresses
+    that raise the yield stress, and leaves it out of its model: this form of it is our assumption. With it the same load
+    changes nothing the second time, and loading beyond the largest overlap so far continues the curve of first loading
+    [our derivation]: there every patch is wider than the area that it has carried, so that its memory ends, and the map is
+    `before`, that of the contact before it was unloaded from the
     overlap `reached`. At another place of the map, or for another pair, what pixels remember stays alone.
     """
 
