@@ -82,7 +82,7 @@ TESTS = (
     Test("SF(12)", 6.05e-3, 6.56e-6, 2.275),
     Test("VS(18-18)", 4.04e-3, 0.15e-6, 2.075),
     Test("RS(18-18)", 4.19e-3, 5.34e-6, 2.20),
-    # tips of cones on a flat: one p_y for both, that of RFC10's stiffness after yield
+    # tips of cones on a flat: one p_y for both, p0 of a smooth RFC10 where K_H is the printed 5000 N/mm
     Test(
         "RFC10",
         0.96e-3,

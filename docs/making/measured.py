@@ -77,8 +77,10 @@ depend on E\\* fit 40.4 GPa: the crossover, the field of view, the contact radiu
 
 ![Crossover of SS(18-18) with both moduli](crossover-ss-18-18.png)"""
 CONES = """**The cones have two radii**: roughness acts on that of the microscope (FC5: 0.33 mm), yield and unloading on that of
-the camera (0.62 mm) [our derivation, option `bulk_radius`]. Both cones have one yield pressure, that of RFC10's stiffness after
-yield. Their fractal dimension is assumed: the paper's Table 3 has it, but its body is missing in the text that we have.
+the camera (0.62 mm) [our derivation, option `bulk_radius`]. Both yield at the load at which a smooth bulk's p0 is 1.66 GPa,
+the pressure at which Hertz's stiffness of RFC10 is the printed 5000 N/mm, and keep the tangent that they have there. This gives
+the printed 20 N, but 3620 N/mm, and FC5 is softer than Pohrt–Popov above 7 N, not stiffer. The cones' fractal dimension is
+assumed: the paper's Table 3 has it, but its body is missing in the text that we have.
 
 ![Both cones: laws with one and with two radii against what the paper prints](cones.png)"""
 
