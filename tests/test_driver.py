@@ -51,6 +51,14 @@ def test_force_control_reaches_its_forces(name, unloading, turns):
 
 
 @each_law_and_rule
+def test_force_control_begins_anew_after_a_full_opening(name, unloading):
+    """An unloaded contact without plastic overlap is a new one: its force follows first loading again."""
+    law = make(name, unloading)
+    path = quiet(driver.force_controlled, law, [5.0, 0.0, 3.0], 4)
+    assert path.force[-4:] == pytest.approx([0.75, 1.5, 2.25, 3.0], rel=1e-8)
+
+
+@each_law_and_rule
 def test_force_control_down_to_nothing_leaves_the_plastic_overlap(name, unloading):
     law = make(name, unloading)
     path = driver.force_controlled(law, [50.0, 0.0], steps=10)
@@ -88,6 +96,16 @@ def test_impact_of_hertz_has_its_closed_forms():
     assert result.duration == pytest.approx(2.94326 * peak / speed, rel=2e-4)
     assert result.restitution == pytest.approx(1.0, abs=1e-6)
     assert result.dissipated == 0.0
+
+
+def test_time_of_an_elastic_contact():
+    """The integral of the law's energy: Hertz's closed form; the linear spring's half period."""
+    speed = 0.05
+    peak, duration = driver.elastic_contact(make("hertz"), MASS, speed)
+    assert duration == pytest.approx(2.943276 * peak / speed, rel=1e-5)
+    spring = dl.law("walton-braun", GRANITE, "elastic", loading_stiffness=3e6, stiffness_ratio=2.0)
+    peak, duration = driver.elastic_contact(spring, MASS, speed)
+    assert (peak, duration) == pytest.approx((speed * (MASS / 3e6) ** 0.5, np.pi * (MASS / 3e6) ** 0.5), rel=1e-5)
 
 
 @each_law_and_rule

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 import demlaws as dl
 from demlaws import regime
+from studies.half_space.axisymmetric import solve
 from studies.jamari import published
 
 TESTS = published.published_tests()
@@ -51,6 +52,24 @@ def test_a_measured_yield_pressure_decides():
     found = regime.assess(cone, 20.0, yield_pressure=2.35e9)
     assert found.deforms == "bulk" and found.transition_force == pytest.approx(7.0, rel=0.01)
     assert not {a.law: a for a in regime.advise(cone, 20.0, 2.35e9)}["pohrt-popov"].fits
+
+
+@pytest.mark.parametrize(
+    ("share", "part"), [(0.92, "asperities"), (0.94, "both"), (1.05, "both"), (1.08, "bulk"), (0.8, "asperities")]
+)
+def test_shares_of_a_measured_yield_pressure(share, part):
+    """p0/p_y, with the band of the criterion: 0.56 and 0.64 for 0.6 are 0.933 and 1.067 for 1."""
+    contact = dl.Contact(4e-3, 32.32e9, 2e-6, 2.22)
+    found = regime.assess(contact, 20.0, yield_pressure=float(regime.hertz_pressure(contact, 20.0)) / share)
+    assert found.ratio == pytest.approx(share) and found.deforms == part
+
+
+@pytest.mark.parametrize("mu", [4.0, 17.0])
+def test_central_pressure_is_that_of_the_solver(mu):
+    """At f = 4/3 α^(-3/2): the solver of studies/half_space, which the data of the package come from."""
+    for alpha in (0.09, 1.0, 20.0):
+        solved = solve("greenwood-tripp", mu, np.array([4.0 / 3.0 * alpha**-1.5])).central_pressure[0]
+        assert regime.central_pressure(alpha, mu) == pytest.approx(float(solved), rel=1e-4)
 
 
 @given(contacts)

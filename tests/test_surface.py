@@ -86,6 +86,18 @@ def test_spectrum_holds_the_variance():
         heights.fractal_dimension_by_spectrum(wavelengths=(10e-6, 10.1e-6))
 
 
+@pytest.mark.parametrize("waves", [(20, 9), (7, 0), (0, 16)])
+def test_spectrum_of_a_plane_wave_is_its_variance(waves):
+    """Parseval: the Hann windows take 3/8 of each direction of any whole number of waves from 3 on."""
+    rows, columns = 128, 150
+    y, x = np.indices((rows, columns)) + 0.5
+    wave = 2e-6 * np.cos(2 * np.pi * waves[0] * y / rows) * np.cos(2 * np.pi * waves[1] * x / columns)
+    heights = HeightMap(wave, 1e-6, 2e-6)
+    _, density, count = heights.spectrum()
+    cell = (2 * np.pi) ** 2 / np.prod(heights.field_of_view)
+    assert (density * count).sum() * cell / np.mean(wave**2) == pytest.approx(1.0, rel=1e-9)
+
+
 def test_filling_touches_missing_pixels_only_and_is_smooth():
     y, x = np.indices((70, 90))
     z = 1e-6 * np.sin(x / 15.0) * np.cos(y / 11.0)

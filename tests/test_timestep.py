@@ -15,6 +15,7 @@ from demlaws.make import example
 from demlaws.timestep import (
     SOFTENING_SAFETY,
     STEP_SAFETY,
+    UNDAMPED_SAFETY,
     from_contacts,
     packing_estimate,
     pair_limit,
@@ -241,3 +242,45 @@ def test_the_limits_are_attributes_of_the_function():
 
     assert dl.timestep.from_contacts is from_contacts
     assert dl.timestep.pair_limit(1e6, 1e-3, 1e-3, shear_ratio=0.0) == pytest.approx(4.4721e-5, rel=1e-4)
+
+
+# --- lossless bodies that bounce
+
+
+def steps_until_growth(speed, damped, most, preload=20.0):
+    """Steps in which a body's kinetic energy on a wall becomes 4 times the largest at first, 0 if it does not.
+
+    Hertz without loss under a constant force, from its equilibrium at `speed` [m/s], with the step for the peak force.
+    """
+    radius, modulus, mass = 4e-3, 32e9, 7.2e-4
+    k = 4.0 / 3.0 * modulus * math.sqrt(radius)
+    start = (preload / k) ** (2 / 3)
+    peaks = np.linspace(start, 100.0 * start, 200_001)
+    work = 0.4 * k * (peaks**2.5 - start**2.5) - preload * (peaks - start) - 0.5 * mass * speed**2
+    peak = float(peaks[np.argmax(work > 0.0)])
+    law = dl.law("hertz", dl.Contact(radius, modulus))
+    dt = quiet(dl.timestep, law, mass, k * peak**1.5, other_mass=math.inf, shear_ratio=0.0, damped=damped)
+    overlap, force, first = start, preload, 0.0
+    for step in range(most):
+        speed += dt * (preload - force) / mass
+        overlap += dt * speed
+        force = k * overlap * math.sqrt(overlap) if overlap > 0.0 else 0.0
+        if step < 300:
+            first = max(first, speed * speed)
+        elif speed * speed > 4.0 * first:
+            return step
+    return 0
+
+
+def test_bouncing_without_loss_needs_a_shorter_step():
+    """At 0.8 of the limit of the peak force energy grows without end at many speeds, at 0.3 at none of them."""
+    speeds = [share * 20.0 / math.sqrt(7.2e-4 * 3.36e6) for share in (0.3, 0.6, 3.432, 6.0, 12.0, 20.0)]
+    grows = [steps_until_growth(speed, True, 20_000) for speed in speeds]
+    assert grows[:2] == [0, 0] and sum(steps > 0 for steps in grows[2:]) >= 3
+    assert [steps_until_growth(speed, False, 60_000) for speed in speeds] == [0] * 6
+
+
+def test_the_safety_factor_without_damping():
+    law = make("hertz")
+    damped, undamped = (quiet(dl.timestep, law, 1e-3, 10.0, damped=damped) for damped in (True, False))
+    assert undamped / damped == pytest.approx(UNDAMPED_SAFETY / STEP_SAFETY, rel=1e-12)

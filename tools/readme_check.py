@@ -2,7 +2,6 @@
 
 A number is marked by a comment behind it, which no reader sees:
 
-    is 57.5 N<!-- check: granite.threshold 0.05 --> by the paper's own equations
     1.2–4.1 µm<!-- check: granite.seating 0.05 --> per decade
 
 The name stands for one value or for several, in which case the mark speaks of as many numbers before it; the tolerance is
@@ -39,13 +38,7 @@ def _granite():
 def _jamari():
     from studies.jamari.claims import jamari_claims
 
-    return list(jamari_claims())
-
-
-def _threshold():
-    from demlaws import granite
-
-    return granite.threshold_force(granite.find_test("SS(18-18)"))
+    return jamari_claims()
 
 
 def _seating():
@@ -63,12 +56,6 @@ def _seating():
             overlaps = [float(law(name, contact, seating_share=s).overlap(10.0)) for s in (0.00025, 0.0025, 0.025)]
             shifts += [1e6 * (first - second) for first, second in itertools.pairwise(overlaps)]
     return min(shifts), max(shifts)
-
-
-def _plastic_slopes():
-    """Smallest and largest slope [µm/N] of RFC10's cumulative plastic overlap."""
-    text = next(claim.gives for claim in _granite() if claim.test == "RFC10" and "nearly linear" in claim.claim)
-    return tuple(map(float, re.search(r"slope from ([\d.]+) to ([\d.]+)", text).groups()))
 
 
 def _regime(column):
@@ -120,9 +107,7 @@ def checks():
     verdicts = {"reproduced": REPRODUCED, "not-reproduced": NOT_REPRODUCED, "built-in": BUILT_IN, "undecided": UNDECIDED}
     papers = (("claims", _granite, "demlaws granite"), ("jamari", _jamari, "python -m studies.jamari --claims"))
     found = {
-        "granite.threshold": Check(_threshold, "demlaws granite --figures 5"),
         "granite.seating": Check(_seating, "demlaws curve --law yip-venart --option seating_share=0.00025"),
-        "granite.plastic-slopes": Check(_plastic_slopes, "demlaws granite --test RFC10"),
         "regime.solved": Check(lambda: _regime("solved"), "python -m studies.jamari"),
         "regime.fitted": Check(lambda: _regime("fitted"), "python -m studies.jamari"),
         "packing.hertz": Check(lambda: _packing("hertz"), "python -m studies.trade --scene yade liggghts --stress 500kPa"),

@@ -24,6 +24,7 @@ def register(add):
     parser.add_argument(
         "--shear-ratio", type=plain, help="K_t/K, at most 4/3, 0 without friction (default: from ν, otherwise 1)"
     )
+    parser.add_argument("--undamped", action="store_true", help="nothing dissipates energy: lossless bodies that bounce")
     parser.add_argument(
         "--density",
         type=density,
@@ -38,7 +39,7 @@ def run(arguments, result):
     import numpy as np
 
     from demlaws.contact import DENSITY
-    from demlaws.timestep import STEP_SAFETY, from_contacts
+    from demlaws.timestep import STEP_SAFETY, UNDAMPED_SAFETY, from_contacts
 
     if arguments.law is None:
         raise DemlawsError("give the law of the contacts: --law with the contact's quantities")
@@ -65,8 +66,9 @@ def run(arguments, result):
     result.print(f"exact limit       {limit:.4g} s  2/ω_max {motion}, contacts between grains")
     if rayleigh is not None:
         result.print(f"Rayleigh step     {rayleigh:.4g} s  {rayleigh / limit:.2f} of the exact limit, for comparison")
-    step = STEP_SAFETY * limit
-    result.print(f"recommended step  {step:.4g} s  {STEP_SAFETY:g} of the exact limit; less if loads still grow")
+    safety = UNDAMPED_SAFETY if arguments.undamped else STEP_SAFETY
+    step = safety * limit
+    result.print(f"recommended step  {step:.4g} s  {safety:g} of the exact limit; less if loads still grow")
     result.values = {"contacts": len(pairs), "grains": len(mass), "exact": limit, "rayleigh": rayleigh}
     result.values |= {"recommended": step, "motion": motion}
 

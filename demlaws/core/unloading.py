@@ -249,7 +249,8 @@ def _hertz_energy(coefficient, elastic):
 def _balance(shape, p, coefficient, overlap, state):
     """Stored and dissipated work where unloading follows coefficient (δ - δp)^1.5.
 
-    With a seating load δp may be negative: what that curve holds below δ = 0 is never returned, so it is not stored.
+    δp is negative at small overlaps of a table file whose curve starts from a force (`below_first_row: straight`): what the
+    unloading curve holds below δ = 0 is never returned, so it is not stored.
     """
     if state[0] <= 0.0:
         return 0.0, 0.0

@@ -28,7 +28,7 @@ MICRO = 1e-6
 
 # What our text of the paper lacks; stated wherever it is used.
 CONE_DIMENSION = 2.22
-ASSUMED = f"fractal dimension {CONE_DIMENSION} is assumed: the paper's Table 3 has it, its body our text lacks"
+ASSUMED = f"fractal dimension {CONE_DIMENSION} is assumed, because our text lacks the body of the paper's Table 3"
 
 
 class Test(NamedTuple):
@@ -38,7 +38,7 @@ class Test(NamedTuple):
     radius: float  # effective R [m]
     roughness: float  # combined σ [m]
     fractal_dimension: float  # mean of the two surfaces (our choice)
-    stages: tuple = ((100.0,),)  # each a list of forces [N] to turn at, begun on a virgin contact
+    stages: tuple = ((100.0,),)  # each a list of forces [N] to turn at, begun on a new contact
     yield_pressure: float = GRANITE_YIELD_PRESSURE  # p_y [Pa] of the rough-plastic law
     assumed: str = ""
     yield_at: str | None = None  # of the rough-plastic law
@@ -61,6 +61,16 @@ class Test(NamedTuple):
         return re.sub(r"[^a-z0-9]+", "-", self.name.lower()).strip("-")
 
 
+STONES = {
+    "SS(18-18)": ((8.76, 1.56, 2.21), (8.63, 1.84, 2.23)),
+    "SS(12-18)": ((6.05, 2.83, 2.33), (8.75, 3.09, 2.25)),
+    "SF(12)": ((6.05, 3.61, 2.23), (math.inf, 5.48, 2.32)),
+    "VS(18-18)": ((8.27, 0.10, 2.06), (7.90, 0.11, 2.09)),
+    "RS(18-18)": ((8.2, 3.30, 2.17), (8.58, 4.20, 2.23)),
+}
+"""Table 2 as printed: radius [mm], Sq [µm] and Df of both stones of a test."""
+
+
 def _cycles(*forces):
     """Turning points [N] of loading to each force and back to 0."""
     return tuple(turn for force in forces for turn in (force, 0.0))
@@ -72,7 +82,7 @@ TESTS = (
     Test("SF(12)", 6.05e-3, 6.56e-6, 2.275),
     Test("VS(18-18)", 4.04e-3, 0.15e-6, 2.075),
     Test("RS(18-18)", 4.19e-3, 5.34e-6, 2.20),
-    # tips of cones on a flat: one p_y for both, that of RFC10's stiffness after yield
+    # tips of cones on a flat: one p_y for both, p0 of a smooth RFC10 where K_H is the printed 5000 N/mm
     Test(
         "RFC10",
         0.96e-3,
@@ -88,7 +98,7 @@ TESTS = (
         5.04e-6,
         CONE_DIMENSION,
         (*(_cycles(*(20.0, 40.0, 80.0, 150.0)[:last]) for last in (1, 2, 3, 4)), _cycles(225.0, 300.0)),
-        assumed=ASSUMED + "; roughness as RFC10's is assumed; the tip that failed at 225 N is not modelled",
+        assumed="σ and fractal dimension of RFC10 are assumed; the tip that failed at 225 N is not modelled",
         yield_at="load",
         bulk_radius=0.62e-3,
     ),

@@ -1,13 +1,14 @@
 """The command `demlaws granite`: tables, claims, CSV files and figures."""
 
 import math
+import re
 
 from demlaws import granite, plots
 from demlaws.errors import quiet
 from demlaws.files import save_csv, wrapped
 from demlaws.granite import claims
 from demlaws.granite import figures as pictures
-from demlaws.granite.verdicts import counts
+from demlaws.granite.verdicts import VERDICTS, counts
 from demlaws.laws import POHRT_POPOV, ROUGH_PLASTIC
 from demlaws.laws.registry import find
 from demlaws.responses.results import PATH_COLUMNS
@@ -36,21 +37,31 @@ def run(arguments, output):
         result, messages = granite.run_test(name, test)
         runs.setdefault(test.name, []).append(result)
         notes[test.name, name] = messages
-    output.print(*table_lines(tests, runs, notes))
+    output.print(*(test_lines if arguments.verbose else overview_lines)(tests, runs))
+    output.print("", *note_lines(tests, notes, arguments.verbose))
     test_names = None if arguments.test is None else [tests[0].name]
-    verdicts = [] if arguments.law else claims.granite_claims(test_names)
-    if verdicts:
-        output.print(*claim_lines(verdicts))
+    judged = [] if arguments.law else claims.granite_claims(test_names)
+    if judged:
+        output.print(*claim_lines(judged, arguments.verbose, f"E* = {granite.MODULI['figures'] / 1e9:.1f} GPa"))
     with quiet():  # the notes have been printed with the tables
-        files = write_csv(arguments.out, tests, runs, notes, verdicts)
+        files = write_csv(arguments.out, tests, runs, notes, judged)
         if plots.available():
             files += draw(arguments.out, tests, runs, modulus, whole=not (arguments.test or arguments.law))
         else:
             output.print("no figures: matplotlib is missing (pip install 'demlaws[plots]')")
-    output.print(f"\n{len(files)} files written to {arguments.out}/")
+    output.print(f"{len(files)} files written to {arguments.out}/" + ("" if arguments.verbose else "; --verbose: all numbers"))
 
 
-def table_lines(tests, runs, notes):
+def overview_lines(tests, runs):
+    """One table: displacement gained by each law in each test."""
+    spans = ["{:g}-{:g} N".format(*granite.forces_of(test)[:2]) for test in tests]
+    yield f"{'displacement (µm)':17}" + "".join(f"{test.name:>11}" for test in tests)
+    yield " " * 17 + "".join(f"{span:>11}" for span in spans)
+    for row in zip(*(runs[test.name] for test in tests), strict=True):
+        yield f"  {row[0].law.name:15}" + "".join(f"{granite.gains(result)[0]:11.1f}" for result in row)
+
+
+def test_lines(tests, runs):
     """A table for each test: displacement and stiffness of each law."""
     for test in tests:
         low, high, loads = granite.forces_of(test)
@@ -58,8 +69,6 @@ def table_lines(tests, runs, notes):
             f"\n{test.name}: R = {test.radius * 1e3:.2f} mm, σ = {test.roughness * 1e6:.2f} µm, Df = {test.fractal_dimension}, "
             f"E* = {test.contact.modulus / 1e9:.2f} GPa, H = {test.contact.hardness / 1e9:.3f} GPa"
         )
-        if test.assumed:
-            yield f"  note: {test.assumed}"
         yield f"  {'law':16} {f'µm, {low:g} to {high:g} N':>17} " + "".join(f"{f'K {f:g} N':>10}" for f in loads) + "   (N/mm)"
         for result in runs[test.name]:
             displacement, stiffnesses = granite.gains(result)
@@ -67,8 +76,28 @@ def table_lines(tests, runs, notes):
         for result in runs[test.name]:
             if test.cyclic and result.law.definition.before_yield is not None:
                 yield from _stage_lines(result)
-            for message in notes[test.name, result.law.name]:
-                yield wrapped(f"  warning: {message}")
+
+
+def note_lines(tests, notes, verbose):
+    """Assumed quantities; each warning once, with its laws and the range of its load over the tests, or how many there are."""
+    for assumed in dict.fromkeys(test.assumed for test in tests if test.assumed):
+        yield wrapped(f"{', '.join(test.name for test in tests if test.assumed == assumed)}: {assumed}")
+    warned = {}
+    for (_, name), messages in notes.items():
+        for message in messages:
+            side, load, reason = _WARNING.fullmatch(message).groups()
+            laws, loads = warned.setdefault((side, reason), ({}, []))
+            laws[name] = None
+            loads.append(float(load))
+    if warned and not verbose:
+        yield f"{len(warned)} warnings of loads outside the range of a law: --verbose"
+    for (side, reason), (laws, loads) in warned.items() if verbose else ():
+        span = " to ".join(f"{load:.3g}" for load in dict.fromkeys((min(loads), max(loads))))
+        yield wrapped(f"warning: {', '.join(laws)} {side} {span} N: {reason}")
+
+
+_WARNING = re.compile(r"\S+ (below|above) (\S+) N: (.*)", re.DOTALL)
+"""The warning of a law outside the range of its source."""
 
 
 def _stage_lines(result):
@@ -84,24 +113,26 @@ def _stage_lines(result):
         yield f"    {result.beyond}"
 
 
-def claim_lines(verdicts):
-    """Each claim, what the runs give, the verdict, and how many of each."""
-    yield "\nClaims of the paper against the runs"
-    for claim in verdicts:
-        yield wrapped(f"  {claim.test}: {claim.claim}")
-        yield wrapped(claim.gives, "      ", "      ")
-        yield wrapped(f"      → {claim.verdict}" + (f" ({claim.criterion})" if claim.criterion else ""), rest="        ")
-        if claim.other_gives:
-            yield wrapped(f"with {_other}: {claim.other_gives}", "      ", "      ")
-            yield wrapped(f"      → {claim.other_verdict}", rest="        ")
-    yield wrapped(f"  {counts(c.verdict for c in verdicts)}")
-    yield wrapped(f"  with {_other}: {counts(c.other_verdict or c.verdict for c in verdicts)}")
+def claim_lines(judged, verbose, other=""):
+    """One line per claim, by verdict; verbose: with numbers and criterion; other: name of the other E*."""
+    yield ""
+    for verdict in VERDICTS:
+        rows = [claim for claim in judged if claim.verdict == verdict]
+        if rows:
+            yield f"{verdict} ({len(rows)}):"
+        for claim in rows:
+            changed = "*" if claim.other_verdict not in ("", verdict) else " "
+            yield f"{changed} {claim.place:11} {claim.test:20} {claim.claim}"
+            if verbose:
+                texts = [f"{claim.gives} [{claim.criterion}]" if claim.gives else f"[{claim.criterion}]"]
+                texts += [f"with {other} {claim.other_verdict}: {claim.other_gives}"] if claim.other_gives else []
+                yield from (wrapped(text, "      ", "        ") for text in texts)
+    yield f"{len(judged)} claims: {counts(claim.verdict for claim in judged)}"
+    if other:
+        yield f"* with {other} another verdict: {counts(claim.other_verdict or claim.verdict for claim in judged)}"
 
 
-_other = f"E* = {granite.MODULI['figures'] / 1e9:.1f} GPa"
-
-
-def write_csv(out, tests, runs, notes, verdicts):
+def write_csv(out, tests, runs, notes, judged):
     """Write paths, cycles, summary and claims as CSV; returns the files."""
     files, summary = [], []
     for test in tests:
@@ -120,9 +151,10 @@ def write_csv(out, tests, runs, notes, verdicts):
                 files.append(save_csv(path, STAGE_TITLES, granite.stages_of(result)))
     titles = ["test", "law", "between (N)", "displacement (um)", "stiffness at 1 N (N/mm)", "stiffness at 10 N (N/mm)", "notes"]
     files.append(save_csv(out / "summary.csv", titles, summary))
-    if verdicts:
-        titles = ["test", "claim", "run gives", "verdict", "criterion", f"run gives with {_other}", f"verdict with {_other}"]
-        files.append(save_csv(out / "claims.csv", titles, verdicts))
+    if judged:
+        other = f" with E* = {granite.MODULI['figures'] / 1e9:.1f} GPa"
+        titles = ["place", "test", "claim", "run gives", "verdict", "criterion", "run gives" + other, "verdict" + other]
+        files.append(save_csv(out / "claims.csv", titles, judged))
     return files
 
 

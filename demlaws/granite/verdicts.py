@@ -1,70 +1,100 @@
-"""Claims about the granite tests: verdicts, and the laws and runs that they are about.
+"""Statements of a paper: records, their criteria, and the verdict that computed numbers give.
 
-A sentence about measured data could be decided by measured points alone, which are not public; a sentence that a rule or a
-chosen parameter makes true is built in, and says nothing for or against the law. Criteria are those of a reader of the paper's
-text and figures: "around" is within 10 %, similar lines of a double logarithmic figure are within a tenth of a decade.
+The tolerances are ours: "around", "similar" and "nearly" are within 10 %.
 """
 
+import math
 from collections import Counter
-from typing import NamedTuple
-
-from demlaws.granite import bind, find_test, run_test
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, NamedTuple
 
 REPRODUCED, NOT_REPRODUCED = "reproduced", "not reproduced"
-UNDECIDED, BUILT_IN = "cannot be decided without measured points", "built in"
-AROUND = 0.1
-"""Relative difference from a number that the paper calls "around" or "about"."""
-SIMILAR = 10.0**0.1
-"""Ratio of two stiffnesses whose lines in a double logarithmic figure are a tenth of a decade apart."""
+UNDECIDED, BUILT_IN = "cannot be decided", "built in"
+VERDICTS = (REPRODUCED, NOT_REPRODUCED, BUILT_IN, UNDECIDED)
+NEAR = 0.1
+"""Relative difference of numbers that a paper calls near, similar or about the same."""
+
+
+class Criterion(NamedTuple):
+    """When a statement counts as reproduced: every number is in a range; or why numbers do not decide it.
+
+    Examples
+    --------
+    >>> near(73.0).verdict({"crossover": 71.8}), near(73.0).verdict({"crossover": 57.5})
+    ('reproduced', 'not reproduced')
+    """
+
+    low: float = -math.inf
+    high: float = math.inf
+    reason: str = ""
+    fixed: str = ""  # BUILT_IN or UNDECIDED, whatever the numbers are
+
+    def verdict(self, numbers: Mapping[str, float]) -> str:
+        """The verdict on these numbers; NaN is in no range."""
+        return self.fixed or (REPRODUCED if all(self.low <= n <= self.high for n in numbers.values()) else NOT_REPRODUCED)
+
+    def __str__(self) -> str:
+        if self.fixed:
+            return self.reason
+        ends = {"at least": self.low, "at most": self.high}
+        text = " and ".join(f"{word} {end:.4g}" for word, end in ends.items() if math.isfinite(end))
+        return f"{text}: {self.reason}" if self.reason else text
+
+
+def near(value: float) -> Criterion:
+    """Within `NEAR` of a printed number."""
+    return Criterion(value * (1.0 - NEAR), value * (1.0 + NEAR), f"within {NEAR:.0%} of {value:g}")
+
+
+def built_in(reason: str) -> Criterion:
+    """True because of the chosen law, rule or parameter."""
+    return Criterion(reason=reason, fixed=BUILT_IN)
+
+
+def undecided(reason: str = "the measured points are not public") -> Criterion:
+    """Neither a run nor the paper's own numbers decide it."""
+    return Criterion(reason=reason, fixed=UNDECIDED)
 
 
 class Claim(NamedTuple):
-    """One sentence of a paper, what the run gives, and the verdict."""
+    """A statement of a paper, the quantity that tests it, and the criterion."""
 
+    place: str  # in the paper
+    test: str  # tests that it concerns
+    statement: str
+    quantity: str  # name of the numbers, with their unit
+    numbers: Callable[[Any], Mapping[str, float]] | None  # of the source of laws: label → number
+    criterion: Criterion
+
+
+class Judged(NamedTuple):
+    """A claim with its numbers and verdict, and with those by another value of E* where they differ."""
+
+    place: str
     test: str
     claim: str
     gives: str
     verdict: str
-    criterion: str = ""  # of the verdict: when the claim counts as reproduced, or why it is built in or cannot be decided
-    other_gives: str = ""  # with E* = 40.4 GPa, which the printed numbers fit; "": the same
+    criterion: str
+    other_gives: str = ""
     other_verdict: str = ""
 
 
-class Bench(NamedTuple):
-    """The tests with one E*, and laws and runs on them."""
-
-    modulus: str
-
-    def test(self, name):
-        """A test."""
-        return find_test(name, self.modulus)
-
-    def __call__(self, name, test):
-        """A law on a test of this name."""
-        return bind(name, self.test(test))
-
-    def run(self, name, test):
-        """A law through the stages of a test of this name."""
-        return run_test(name, self.test(test))[0]
+def judge(claims: Iterable[Claim], source: Any, other: Any = None) -> list[Judged]:
+    """Every claim with the numbers of a source of laws, and with those of another."""
+    found = []
+    for claim in claims:
+        results = []
+        for laws in (source,) if other is None else (source, other):
+            numbers = claim.numbers(laws) if claim.numbers else {}
+            text = ", ".join(f"{label} {number:.4g}".strip() for label, number in numbers.items())
+            results.append((f"{claim.quantity}: {text}" if text else claim.quantity, claim.criterion.verdict(numbers)))
+        second = results[1] if len(results) > 1 and results[1] != results[0] else ()
+        found.append(Judged(*claim[:3], *results[0], str(claim.criterion), *second))
+    return found
 
 
-def counts(verdicts):
-    """How many there are of each verdict, as text."""
+def counts(verdicts: Iterable[str]) -> str:
+    """Number of each verdict, as text."""
     found = Counter(verdicts)
-    return "; ".join(f"{found[verdict]} {verdict}" for verdict in (REPRODUCED, NOT_REPRODUCED, BUILT_IN, UNDECIDED))
-
-
-def verdict_of(holds):
-    """REPRODUCED or NOT_REPRODUCED."""
-    return REPRODUCED if holds else NOT_REPRODUCED
-
-
-def around(value, printed):
-    """Whether a value is within AROUND of a printed number."""
-    return abs(value / printed - 1.0) <= AROUND
-
-
-def open_claim(test, claim, gives, *tests, why="it is about measured points"):
-    """A claim about measured points of these tests."""
-    missing = f"no points of {', '.join(tests)}"
-    return Claim(test, claim, "; ".join(filter(None, (gives, missing))), UNDECIDED, why)
+    return "; ".join(f"{found[verdict]} {verdict}" for verdict in VERDICTS)

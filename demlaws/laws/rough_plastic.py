@@ -5,11 +5,15 @@ stiffness reaches K_y = π R p_y, and keeps that stiffness. Only for a smooth co
 that load. Of a rough one it is neither: the granite RFC10 yields at 36.8 N, where the smooth p0 is 2.01 GPa
 and the rough one 1.23 GPa, with p_y = 1.66 GPa.
 
+**Yield at a load** (`yield_at="load"`) [our derivation]. The contact yields at π³R²p_y³/(6E*²), where a smooth contact's p0 is
+p_y, and keeps the tangent that the rough law has there, as Thornton's smooth sphere keeps Hertz's: the stiffness does not jump.
+RFC10 then yields at 20.9 N (printed: 20) and keeps 3620 N/mm (printed: about 5000).
+
 **Two radii** [our derivation]. The tip of an angular grain is sharp at the scale of its roughness and blunt at that of its
 shape: the cone FC5 has 0.31 to 0.35 mm under the microscope and 0.62 mm in the camera. Asperities deform on R of the contact;
-yield, the stiffness after it, and unloading belong to `bulk_radius` R_b ≥ R. With R_b in place of R in
-K_y = π R_b p_y, in P_y = π³R_b²p_y³/(6E*²) and in Hertz's unloading curve the pair is passive: K_rough ≤ K_H(R) ≤ K_H(R_b)
-before yield, and K_y ≤ K_H(R_b) from P_y on. On Hertz's curve of R it would not be: K_y exceeds K_H(R) up to P_y R_b/R.
+yield and unloading belong to `bulk_radius` R_b ≥ R. With R_b in place of R in K_y = π R_b p_y, in π³R_b²p_y³/(6E*²) and in
+Hertz's unloading curve the pair is passive: K_rough ≤ K_H(R) ≤ K_H(R_b) before yield, and a constant stiffness below K_H(R_b)
+after it.
 """
 
 import math
@@ -40,7 +44,9 @@ class RoughPlasticShape(NamedTuple):
 
     loading: tuple  # Shape of the rough law
     yield_pressure: float  # p_y [Pa]: the bulk yields where K_rough reaches π R p_y
-    load_pressure: float  # [Pa] if above 0, it yields at the load at which a smooth contact's p0 is this, instead
+    load_pressure: (
+        float  # [Pa] if above 0, it yields at the load at which a smooth contact's p0 is this, with the tangent there
+    )
     bulk_radius: float  # R_b [m] of the bulk's shape, which takes the place of R in all of these; 0: R
 
 
@@ -52,9 +58,9 @@ class RoughPlasticParams(NamedTuple):
     overlap_ratio: float  # δ_H of R_b over that of R, at one load: (R/R_b)^(1/3)
     yield_overlap: float  # δ_y [m]
     yield_force: float  # P_y [N]
-    yield_stiffness: float  # K_y = π R_b p_y [N/m]
+    yield_stiffness: float  # K_y = π R_b p_y, or the rough law's tangent at the load [N/m]
     yield_area: float  # a_y²/R_b = δ_H(P_y) [m]
-    area_slope: float  # d(a²/R_b)/dP = 1/K_y [m/N]
+    area_slope: float  # d(a²/R_b)/dP = 1/(π R_b p_y) [m/N]
 
 
 @kernel
@@ -77,10 +83,11 @@ def _scale(shape, radius, modulus, roughness):
     if shape.load_pressure > 0.0:
         pressure = shape.load_pressure  # p0 of a smooth contact at the load π³R²p³/(6E*²)
         overlap = inverse(shape.loading, loading, math.pi**3 / 6.0 * pressure * (bulk * pressure / modulus) ** 2)
-    force, _, equivalent, _ = first_loading(shape.loading, loading, overlap)
+    force, tangent, equivalent, _ = first_loading(shape.loading, loading, overlap)
+    after = tangent if shape.load_pressure > 0.0 else stiffness
     ratio = cbrt(radius / bulk)
     coefficient = hertz_coefficient(bulk, modulus)
-    return RoughPlasticParams(coefficient, loading, ratio, overlap, force, stiffness, ratio * equivalent, 1.0 / stiffness)
+    return RoughPlasticParams(coefficient, loading, ratio, overlap, force, after, ratio * equivalent, 1.0 / stiffness)
 
 
 @kernel
@@ -210,7 +217,9 @@ LAW = Definition(
             "Pa", POSITIVE, "p_y = K_y/(π R) of stiffness K_y from yield on; granite: 0.265 of the hardness", PRESSURE
         ),
         "loading": Option("", "name of a law", "law that holds before the bulk yields; that law's options can be given, too"),
-        "yield_at": Option("", "stiffness, load", "yield where K_rough = π R p_y, or at the load π³R²p_y³/(6E*²)"),
+        "yield_at": Option(
+            "", "stiffness, load", "yield where K_rough = π R p_y, or at the load π³R²p_y³/(6E*²) with the tangent there"
+        ),
         "bulk_radius": Option("m", POSITIVE, "R_b ≥ R of yield and unloading, in place of R; roughness keeps R", 0.0),
     },
     fitting=Fitting(

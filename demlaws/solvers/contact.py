@@ -164,10 +164,11 @@ class RoughContact:
     with a ValidityWarning.
 
     Unloading leaves in a pixel, besides its height, how much blunter its patch is than its outline tells (`spread`) and the
-    pressure that it has carried (`limit`), up to which it stays elastic: work hardening, residual stress. This memory is an
-    assumption that the papers do not name. With it the same load changes nothing the second time, and loading beyond the
-    largest overlap so far continues the curve of first loading [our derivation]: there every patch is wider than the area
-    that it has carried, so that its memory ends, and the map is `before`, that of the contact before it was unloaded from the
+    pressure that it has carried (`limit`), up to which it stays elastic. The paper of 2008 names a cause, residual stresses
+    that raise the yield stress, and leaves it out of its model: this form of it is our assumption. With it the same load
+    changes nothing the second time, and loading beyond the largest overlap so far continues the curve of first loading
+    [our derivation]: there every patch is wider than the area that it has carried, so that its memory ends, and the map is
+    `before`, that of the contact before it was unloaded from the
     overlap `reached`. At another place of the map, or for another pair, what pixels remember stays alone.
     """
 
@@ -211,7 +212,7 @@ class RoughContact:
             self.before, self.reached = None, -math.inf
         self.highest = float(np.nanmax(self.gap))
         if self.origin is None:
-            self.origin = self.highest  # where a virgin surface first touches; overlaps count from here
+            self.origin = self.highest  # where a new surface first touches; overlaps count from here
         self.mean = float(np.nanmean(self.heights.heights))
         most = self.gap.size // 2 + 2  # labels; memory that is not written is not taken
         self._labels = np.zeros(self.gap.shape, np.int32)
@@ -243,7 +244,7 @@ class RoughContact:
         return table[:, 8].sum(), table[:, 9].sum(), table[:, 14].any()
 
     def at(self, overlap):
-        """The `LoadStep` at a given overlap [m] since first touch of the virgin surface."""
+        """The `LoadStep` at a given overlap [m] since first touch of the new surface."""
         if self._is_past(overlap):
             return self.before.at(overlap)
         cut = self.origin - overlap

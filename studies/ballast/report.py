@@ -10,7 +10,7 @@ from demlaws.laws import HERTZ, POHRT_POPOV
 from studies.assembly.report import spread
 from studies.ballast.bed import DENSITY
 from studies.ballast.cycles import SENSITIVITY, Case, case_of
-from studies.paired import change
+from studies.paired import change, clear
 
 LONGEST = 200
 """Cycles of the cases in the tables; one case has more."""
@@ -304,23 +304,26 @@ def effect(found, what, function):
 
 
 def effects(rows):
-    """Text: paired changes in percent with 95 % intervals; bold: the interval excludes 0."""
+    """Text: paired changes in percent with 95 % intervals; bold: clear among all of the table."""
     found = series(rows)
     heads = [name.split(" (")[0] for name in MEASURES]
     lines = ["| change (%) | pairs | " + " | ".join(heads) + " |", "|---" * (2 + len(MEASURES)) + "|"]
-    for what in EFFECTS:
-        estimates, cells = [effect(found, what, function) for function in MEASURES.values()], []
-        if any(estimates):
-            for one in estimates:
-                if one is None:
-                    cells.append("–")
-                    continue
-                mean, low, high = (f"{100.0 * value:+.0f}" for value in one[:3])
-                mean = f"**{mean}**" if one.excludes(0.0) else mean
-                cells.append(mean if np.isnan(one.low) else f"{mean} ({low} to {high})")
-            pairs = max(one.samples for one in estimates if one)
-            lines.append(f"| {what} | {pairs} | " + " | ".join(cells) + " |")
+    estimates = [[effect(found, what, function) for function in MEASURES.values()] for what in EFFECTS]
+    bold = clear([one for row in estimates for one in row]).reshape(len(EFFECTS), len(MEASURES))
+    for what, row, marks in zip(EFFECTS, estimates, bold, strict=True):
+        if any(row):
+            pairs = max(one.samples for one in row if one)
+            lines.append(f"| {what} | {pairs} | " + " | ".join(map(_cell, row, marks)) + " |")
     return "\n".join(lines)
+
+
+def _cell(one, bold):
+    """Text of an `Estimate` of a relative change in percent."""
+    if one is None:
+        return "–"
+    mean, low, high = (f"{100.0 * value:+.0f}" for value in one[:3])
+    mean = f"**{mean}**" if bold else mean
+    return mean if np.isnan(one.low) else f"{mean} ({low} to {high})"
 
 
 def course(rows):

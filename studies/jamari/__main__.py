@@ -38,7 +38,7 @@ def run(arguments, _):
     """Print and draw what the arguments ask, by default the published tests."""
     if arguments.claims:
         with quiet():
-            print(*claim_lines(list(jamari_claims())), sep="\n")
+            print(*claim_lines(jamari_claims(), verbose=True), sep="\n")
     if arguments.repeat:
         press(published_contact(arguments.repeat), LOAD, arguments.figure, arguments.repeat)
     elif arguments.memory:

@@ -84,6 +84,24 @@ def test_predictions_grow_with_softness_and_rate():
     assert modulus.predict(PACKING, 2000.0).error == math.inf  # softer than anything that was measured
 
 
+def test_a_prediction_has_twice_the_scatter_of_chance(monkeypatch):
+    """With no other error, at full modulus and slowly, the error is 2 chance; the chance is that of the process."""
+    scene = PACKING
+    fits = modulus.curves("oedometer", scene.quantity, scene.unloads)
+    found = modulus.predict(scene, 1.0, modulus.INERTIAL[0])
+    causes = (1.0 + found.geometry) * (1.0 + found.waves) * (1.0 + found.coarse) - 1.0
+    assert found.error - causes == pytest.approx(2.0 * fits.chance, rel=1e-12) and fits.chance > 0.0
+
+
+def test_the_rate_is_that_of_the_lightest_grains():
+    """I = γ̇ d √(ρ/p), d the mean diameter, ρ the smallest density; one that is not known is that of rock."""
+    light, heavy, unknown = (replace(GRANITE, density=density) for density in (500.0, 4000.0, None))
+    for materials, density in (((heavy, light), 500.0), ((light, heavy), 500.0), ((heavy, unknown), modulus.DENSITY)):
+        scene = replace(PACKING, materials=materials, surfaces=[PACKING.surfaces[0]] * 2, radii=(2e-3, 6e-3))
+        found = modulus.predict(scene, 1.0, 1e-3)
+        assert found.inertial / found.rate == pytest.approx(8e-3 * math.sqrt(density / scene.pressure[1]), rel=1e-12)
+
+
 def test_advice_is_within_the_tolerance_and_the_rate():
     for tolerance in (0.1, 0.3, 0.6):
         advice = modulus.advise(scene_of(study.Run("yade", "cycles"), tolerance=tolerance))

@@ -96,6 +96,11 @@ def test_the_stable_step_grows_by_the_cube_root():
         assert steps[1] == pytest.approx(3.0 * steps[0], rel=1e-12)
 
 
+def test_factors_of_a_softening():
+    scaled = Softening(8.0)
+    assert (scaled.overlap, scaled.stiffness, scaled.step) == pytest.approx((4.0, 0.25, 2.0), rel=1e-14)
+
+
 def test_similar_impacts_are_faster():
     """At equal force: an impact is similar at s^(1/3) times the speed, not at the same speed."""
     law, mass = dl.law("pohrt-popov", GRANITE, "hertz"), 3.7e-3

@@ -118,6 +118,9 @@ def test_friction_rotation_and_shear_ratio(tmp_path, capsys):
     ):
         assert exact(*more)["exact"] == pytest.approx(default * math.sqrt(5 * ratio / square), rel=1e-3)
     assert exact("--shear-ratio", "0")["motion"] == "without friction"
+    damped, undamped = exact(), exact("--undamped")
+    assert undamped["exact"] == damped["exact"] and damped["recommended"] == pytest.approx(0.8 * damped["exact"])
+    assert undamped["recommended"] == pytest.approx(0.3 * damped["exact"])
     for more in (["--shear-ratio", "-0.1"], ["--shear-ratio", "1.34"]):
         assert main(["timestep", *files, *GRANITE, *more]) == 2
 

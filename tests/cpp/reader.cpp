@@ -7,6 +7,8 @@
 //     shears                             names of the stiffnesses for K_t
 //     shear X                         -> the stiffnesses for K_t at X: without a step, then after a step to
 //     X
+//     recoverable FORCE X PLASTIC RATIO -> the stiffnesses for K_t of rules hertz and thornton, elastic shear, in that
+//     state
 #include "demlaws_table.h"
 #include <iostream>
 #include <memory>
@@ -64,6 +66,14 @@ int main() {
           printf("%.17g ", demlaws::shear_stiffness((demlaws::Shear)i, pair, radius, overlap, now, own));
       }
       printf("\n");
+    } else if (word == "recoverable") {
+      demlaws::Force now = demlaws::Force();
+      double state[3];
+      std::cin >> now.force >> state[0] >> state[1] >> state[2];
+      printf("%.17g ",
+             demlaws::shear_stiffness<demlaws::HERTZ>(demlaws::ELASTIC_SHEAR, pair, radius, state[0], now, state));
+      printf("%.17g\n",
+             demlaws::shear_stiffness<demlaws::THORNTON>(demlaws::ELASTIC_SHEAR, pair, radius, state[0], now, state));
     } else return 2;
   }
   return 0;

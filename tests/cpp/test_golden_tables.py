@@ -220,3 +220,16 @@ def test_shear_stiffnesses_are_those_of_python(name, reader):
         expected = table.shear_stiffness(overlaps, 1.0, choice)
         np.testing.assert_allclose(found[:, 2 + n], expected, rtol=1e-8)
         np.testing.assert_allclose(found[:, n], expected, rtol=1e-8)
+
+
+def test_shear_stiffness_where_rounding_leaves_no_recoverable_overlap(reader):
+    """From the force alone, K = 2 E* √R' (3P/(4 E* √R'))^(1/3): R' = R for rule hertz, R times the ratio for thornton."""
+    modulus, radius, force, overlap, ratio = 3e10, 4e-3, 2e-6, 1e-3, 1.7
+    lines = [f"table {TABLES}/good/pohrt-popov-hertz.tbl {modulus!r} {radius!r} 2e-06"]
+    lines += [
+        f"recoverable {force!r} {overlap!r} {plastic!r} {ratio!r}" for plastic in (overlap * (1.0 - 1e-13), 0.5 * overlap)
+    ]
+    _, lost, kept = reader(*lines)
+    expected = [2 * modulus * r**0.5 * (0.75 * force / (modulus * r**0.5)) ** (1 / 3) for r in (radius, ratio * radius)]
+    assert list(map(float, lost.split())) == pytest.approx(expected, rel=1e-12)
+    assert list(map(float, kept.split())) == pytest.approx(2 * [1.5 * force / (0.5 * overlap)], rel=1e-12)

@@ -54,6 +54,15 @@ def follow(page, folder):
             assert difference(drawn, kept) < 0.005, f"{kept} is not what {page.name} draws"
 
 
+def test_no_line_is_a_comment_by_its_first_character():
+    """The site leaves out a line of text that begins with %, whatever is in it; listings may."""
+    hidden = []
+    for page in (PROJECT / "README.md", *DOCS.rglob("*.md")):
+        text = listings.LISTING.sub("", page.read_text())
+        hidden += [f"{page.name}: {line}" for line in text.splitlines() if line.lstrip().startswith("%")]
+    assert hidden == []
+
+
 @pytest.mark.parametrize("page", PLAIN, ids=lambda page: page.stem)
 def test_page(page, tmp_path):
     follow(page, tmp_path)

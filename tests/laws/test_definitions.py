@@ -52,6 +52,26 @@ def test_facts_agree_with_one_another(name):
             assert type(shape) is type(make(name).shape)
 
 
+def test_warnings_begin_where_their_reasons_state():
+    """α = 5 and 1 of rms, p0' = 0.01 of bahrami, tips that crush at h > 5 A of conical-damage."""
+    rough = GRANITE.with_values(hardness=None)
+    for limit in find("rms").limits(rough):
+        assert f"α > {rough.roughness_parameter(limit.minimum_force):.6g}:" in limit.reason
+    (first,) = (limit for limit in find("bahrami").limits(GRANITE) if limit.minimum_force > 0.0)
+    kappa = GRANITE.hardness / GRANITE.modulus * math.sqrt(GRANITE.radius / GRANITE.roughness)
+    alpha = GRANITE.roughness_parameter(first.minimum_force)
+    assert 1.0 / (1.0 + 1.22 * alpha * kappa**-0.16) == pytest.approx(0.01, rel=1e-9)
+    strength = 2e9
+    h = (0.5 * math.pi * strength / GRANITE.modulus) ** 2
+    for share, warned in ((1.0 - 1e-6, True), (1.0 + 1e-6, False)):
+        angle = math.asin(1.0 / (1.0 + share * h / 5.0))  # A = (1 - sin α)/sin α
+        limits = find("conical-damage").limits(GRANITE, strength=strength, angle=angle)
+        assert len(limits) == warned
+    (limit,) = find("conical-damage").limits(GRANITE, strength=strength, angle=1.57)
+    law = dl.law("conical-damage", GRANITE, "elastic", strength=strength, angle=1.57)
+    assert limit.maximum_force == pytest.approx(quiet(law.force, law.params.yield_overlap), rel=1e-12)
+
+
 @pytest.mark.parametrize("name", dl.laws())
 def test_an_offered_rule_is_taken_or_not_passive(name):
     """Measurements and self-tests pass over what an example refuses: that must not be for another reason."""

@@ -1,11 +1,12 @@
 """Laws against what their papers say: printed numbers, branches, restitution."""
 
+import itertools
 import math
 import warnings
 
 import numpy as np
 import pytest
-from examples import GRANITE, PLASTIC, quiet
+from examples import GRANITE, PLASTIC, make, quiet
 from references import REFERENCES
 
 import demlaws as dl
@@ -96,6 +97,30 @@ def test_branches_meet_with_the_continuous_constant():
         jumps[constant] = force[1] / force[0] - 1
     assert abs(jumps[CONTINUOUS]) < 1e-4
     assert jumps[PRINTED] > 5e-3
+
+
+@pytest.mark.parametrize("constant", [CONTINUOUS, PRINTED])
+def test_energy_across_the_branches_of_bahrami(constant):
+    """∫P dδ piece by piece, with the jump of the force at the joint."""
+    law = dl.law("bahrami", GRANITE, constant=constant)
+    (kink,) = law.kinks()
+    for low, high in ((kink * 1e-3, kink * (1 - 1e-9)), (kink * (1 + 1e-9), 3 * kink), (kink * 1e-3, 3 * kink)):
+        pieces = [low, high] if high < kink or low > kink else [low, kink * (1 - 1e-9), kink * (1 + 1e-9), high]
+        work = 0.0
+        for a, b in itertools.pairwise(pieces):
+            x, w = np.polynomial.legendre.leggauss(60)
+            work += 0.5 * (b - a) * np.sum(w * law.force(0.5 * (a + b) + 0.5 * (b - a) * x))
+        assert law.energy(high) - law.energy(low) == pytest.approx(work, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["walton-braun", "luding"])
+def test_slopes_of_straight_unloading_beside_a_table(name):
+    """Over E* √(R length), larger by the table's error, so that no table is stiffer in loading than in unloading."""
+    law, length = make(name), 3e-6
+    p, unit = law.params, GRANITE.modulus * math.sqrt(GRANITE.radius * length)
+    found = law.definition.rule_numbers(p, length, 0.25)
+    expected = p.first_stiffness, p.stiffening * length, p.largest_stiffness
+    assert list(found.values()) == pytest.approx([1.25 * value / unit for value in expected], rel=1e-14)
 
 
 @pytest.mark.parametrize("options", [*({"stiffness_ratio": ratio} for ratio in (1.0, 2.0, 10.0)), {"growth": 2e4}])

@@ -38,6 +38,13 @@ def test_it_is_the_laws_default_and_follows_its_path():
     np.testing.assert_allclose(law.evaluate(0.8 * batch, state)[0], expected([1e-5, 8e-6])[1], rtol=1e-12)
 
 
+def test_its_shear_stiffness_is_that_of_unloading():
+    """The rule states none: at the largest overlap it is the slope just below, not that of loading."""
+    law = dl.law("spring", GRANITE, lost=0.4)
+    np.testing.assert_allclose(law.shear_stiffness([1e-5, 8e-6, 1e-5], 1.0, "elastic"), 2e6 / 0.6, rtol=1e-12)
+    assert law.follow([1e-5]).stiffness[0] == 2e6
+
+
 def test_a_table_has_it_too_but_not_its_file(tmp_path):
     """An engine would not know the rule; with another rule, or a curve to unload along, there is a file."""
     law = dl.law("spring", GRANITE, lost=0.3)

@@ -9,6 +9,7 @@ from examples import GRANITE, quiet
 
 import demlaws as dl
 from demlaws.core.loops import force_loop
+from demlaws.solvers import master_curves
 from studies.half_space.axisymmetric import solve
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -40,6 +41,23 @@ def test_the_family_is_its_own_inverse_and_integral(family):
     step = 1e-4 * overlap
     difference = (family.energy(overlap + step) - family.energy(overlap - step)) / (2 * step)
     np.testing.assert_allclose(difference, force, rtol=1e-6)
+
+
+@pytest.mark.parametrize("model", ["yip-venart", "greenwood-tripp"])
+def test_rows_of_the_data_are_at_their_numbers(model):
+    """The value between four rows is that of a row at this row's own number, in every row."""
+    data, force = master_curves.load(model), np.geomspace(1e-4, 1e4, 5)
+    rows, _ = data.pressure.at(np.log(force))
+    numbers = np.exp(data.log_first + data.log_ratio * np.arange(len(rows)))
+    inside = (numbers >= master_curves.LOWEST) & (numbers <= master_curves.HIGHEST)
+    assert len(rows) - 4 <= inside.sum() < len(rows)
+    for number, row in zip(numbers[inside], rows[inside], strict=True):
+        np.testing.assert_allclose(master_curves.central_pressure(model, float(number), force), row, rtol=1e-9)
+    last = int(np.flatnonzero(inside)[-1])
+    for first in (int(np.flatnonzero(inside)[0]), 60, last - 1):  # between two rows: the cubic through the four around
+        number = float(np.sqrt(numbers[first] * numbers[first + 1]))
+        cubic = np.array([-1.0, 9.0, 9.0, -1.0]) @ rows[first - 1 : first + 3] / 16.0
+        np.testing.assert_allclose(master_curves.central_pressure(model, number, force), cubic, rtol=1e-9)
 
 
 @pytest.mark.parametrize("name", ["greenwood-tripp", "yip-venart"])

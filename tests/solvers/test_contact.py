@@ -13,7 +13,7 @@ import demlaws as dl
 from demlaws import regime
 from demlaws.laws.asperity import _steepest
 from demlaws.solvers import ellipsoid
-from demlaws.solvers.contact import RoughContact
+from demlaws.solvers.contact import RoughContact, _deform
 from demlaws.solvers.summits import summits
 from demlaws.surface import HeightMap, self_affine
 from studies.jamari import published
@@ -141,6 +141,16 @@ def test_patches_are_those_of_scipy():
         assert len(contact._patches(cut)) == expected
 
 
+def test_moments_of_a_patch_are_those_of_its_cells():
+    """A plateau of 3 by 6 pixels is 2 by 5 cells: the ellipse of its second moments has the ratio 5/2 of the rectangle."""
+    z = np.full((9, 12), -1.0)
+    z[3:6, 2:8] = 1e-9
+    contact = RoughContact(HeightMap(z, 1e-6), dl.Contact(1e-3, 1e11), 0.3, 0.71, 160.0, flat=True)
+    (patch,) = contact.at(1e-9).micro
+    assert patch.cut_area == pytest.approx(10e-12, rel=1e-7)
+    assert patch.length_long / patch.length_short == pytest.approx(2.5, rel=1e-6)
+
+
 def test_a_paraboloid_gives_back_its_radii():
     """A tilted elliptic cap: radii of curvature, orientation, Hertz load of the exact ellipsoid."""
     size, pixel, rx, ry, angle, height = 401, 0.1e-6, 40e-6, 160e-6, 0.4, 1e-6
@@ -214,6 +224,29 @@ def test_one_sphere_after_unloading():
     assert half.force == pytest.approx(hertz, rel=5e-3)
     # a heavier load yields again
     assert worn.at(0.8e-6).counts[0] == 0
+
+
+def test_pixels_between_patches():
+    """One that borders two patches follows the one that shrinks least and remembers the highest pressure of both.
+
+    Borders are edges of the triangulation: left, right, up, down, and one diagonal.
+    """
+    labels = np.zeros((5, 7), np.int32)
+    labels[2, 2], labels[2, 4], labels[0, 6] = 1, 2, 3
+    table = np.zeros((3, 15))
+    table[:, 10] = (ellipsoid.ELASTIC + 1, ellipsoid.ELASTIC + 1, ellipsoid.ELASTIC)
+    table[:, 11], table[:, 12], table[:, 13] = (0.5, 0.8, 0.9), (1.5, 1.2, 7.0), (3.0, 2.0, 9.0)  # shrink, spread, pressure
+    h = np.linspace(1.0, 2.0, 35).reshape(5, 7)
+    h[1, 1] = np.nan
+    heights, spread, limit = h.copy(), np.ones((5, 7)), np.zeros((5, 7))
+    _deform(h, 0.25, labels, np.array([0, 1, 2, 3], np.int32), table, heights, spread, limit)
+    left = {(2, 2), (1, 2), (2, 1), (3, 2), (3, 3)}  # of the first patch alone; (1, 1) is missing
+    right = {(2, 4), (1, 4), (2, 5), (3, 4), (1, 3), (3, 5)}
+    expected = {**dict.fromkeys(left, (0.5, 1.5, 3.0)), **dict.fromkeys(right, (0.8, 1.2, 2.0)), (2, 3): (0.8, 1.2, 3.0)}
+    for place in np.ndindex(5, 7):
+        shrink, blunt, pressure = expected.get(place, (1.0, 1.0, 0.0))
+        found = heights[place], spread[place], limit[place]
+        assert found == pytest.approx((h[place] + (shrink - 1.0) * (h[place] - 0.25), blunt, pressure), nan_ok=True), place
 
 
 def aluminium_on(seed):

@@ -15,11 +15,29 @@ RUNS = Path(paired.__file__).parent / "shear" / "vibration.jsonl"
 def test_intervals_are_students():
     values = np.array([1.3, 1.7, 0.9, 1.1])
     found = paired.interval(values)
-    low, high = stats.ttest_1samp(values, 0.0).confidence_interval(0.95)
-    assert found == pytest.approx((values.mean(), low, high, 4), rel=1e-12)
-    assert found.excludes(0.0) and not found.excludes(1.0)
+    test = stats.ttest_1samp(values, 0.0)
+    assert found == pytest.approx((values.mean(), *test.confidence_interval(0.95), 4, test.pvalue), rel=1e-12)
+    other = paired.interval(values, expected=1.0)
+    assert other.p == pytest.approx(stats.ttest_1samp(values, 1.0).pvalue) and other[:4] == found[:4]
     alone = paired.interval([2.0])
-    assert alone.mean == 2.0 and np.isnan(alone.low) and not alone.excludes(0.0)
+    assert alone.mean == 2.0 and np.isnan(alone.low) and np.isnan(alone.p)
+
+
+def test_clear_effects_are_those_of_benjamini_and_hochberg():
+    """Against the procedure step by step, at the limit, and with effects that have no p."""
+    random = np.random.default_rng(7)
+    for count in (1, 2, 20, 48):
+        p = np.where(random.random(count) < 0.4, 1e-3 * random.random(count), random.random(count))
+        estimates = [paired.Estimate(1.0, 0.0, 2.0, 3, value) for value in p]
+        found = next((k for k in range(count, 0, -1) if sorted(p)[k - 1] <= 0.05 * k / count), 0)
+        assert list(paired.clear(estimates)) == [value in sorted(p)[:found] for value in p]
+    p = (0.04, 0.05, np.nan, 0.6)  # 0.05 is above 0.05 · 2/3
+    estimates = [None, *(paired.Estimate(1.0, 0.0, 2.0, 3, value) for value in p)]
+    assert not paired.clear(estimates).any()
+    p = (0.03, 0.001, 0.05, 0.06)  # 0.03 is above 0.025
+    assert list(paired.clear([paired.Estimate(1.0, 0.0, 2.0, 3, value) for value in p])) == [False, True, False, False]
+    p = (0.04, 0.045, 0.03)  # the largest is below its limit, so that all are
+    assert paired.clear([paired.Estimate(1.0, 0.0, 2.0, 3, value) for value in p]).all()
 
 
 def test_a_change_is_that_of_pairs():
@@ -27,8 +45,9 @@ def test_a_change_is_that_of_pairs():
     before = np.array([3.0, 40.0, 500.0])
     assert paired.change(before, 1.31 * before)[:3] == pytest.approx((0.31, 0.31, 0.31))
     after = before * [1.2, 1.5, 1.3]
-    low, high = stats.ttest_rel(np.log(after), np.log(before)).confidence_interval(0.95)
-    assert paired.change(before, after)[1:3] == pytest.approx((np.expm1(low), np.expm1(high)), rel=1e-12)
+    test = stats.ttest_rel(np.log(after), np.log(before))
+    expected = *np.expm1(test.confidence_interval(0.95)), 3, test.pvalue
+    assert paired.change(before, after)[1:] == pytest.approx(expected, rel=1e-12)
 
 
 def test_scatter_is_pooled_by_degrees_of_freedom():

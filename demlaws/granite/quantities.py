@@ -1,0 +1,277 @@
+"""Numbers that test statements about the granite tests: functions of `GraniteLaws` that return label → number."""
+
+import functools
+import itertools
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from demlaws import granite, regime
+from demlaws.granite import MICRO, MODULI, STONES, bind, displacement_gained, find_test, run_test, stiffness_at
+from demlaws.laws import GODDARD, GREENWOOD_TRIPP, HERTZ, POHRT_POPOV, RMS, ROUGH_PLASTIC, YIP_VENART
+from demlaws.make import law
+from demlaws.solvers import master_curves
+
+CONES = ("RFC10", "FC5")
+
+
+class GraniteLaws(NamedTuple):
+    """Laws and runs on the tests with one E*."""
+
+    modulus: str  # name of E*
+
+    def test(self, name):
+        """A test."""
+        return find_test(name, self.modulus)
+
+    def law(self, name, test):
+        """A law on a test of this name; "hertz" is Hertz on the test's R."""
+        return bind(name, self.test(test))
+
+    def run(self, test, **changes):
+        """The rough-plastic law through the stages of a cone."""
+        return run_test(ROUGH_PLASTIC, self.test(test)._replace(**changes))[0]
+
+
+def table(value, *axes, number="{:g} N"):
+    """Label → value(*entries) of every combination of the axes' entries; axes of one entry are not in the label."""
+
+    def word(entry):
+        if isinstance(entry, tuple):
+            return f"{entry[0]:g} to {entry[1]:g} N"
+        return number.format(entry) if isinstance(entry, float) else entry
+
+    shown = [len(axis) > 1 for axis in axes]
+    return {
+        " ".join(word(entry) for entry, show in zip(entries, shown, strict=True) if show): value(*entries)
+        for entries in itertools.product(*axes)
+    }
+
+
+def stiffness(names, over, tests, loads):
+    """Tangent stiffness of laws over that of another law."""
+
+    def numbers(laws):
+        def ratio(test, name, load):
+            return stiffness_at(laws.law(name, test), load) / stiffness_at(laws.law(over, test), load)
+
+        return table(ratio, tests, names, loads)
+
+    return numbers
+
+
+def displacement(names, over, tests, spans):
+    """Displacement gained between two loads, over that by another law."""
+
+    def numbers(laws):
+        def ratio(test, name, span):
+            return displacement_gained(laws.law(name, test), *span) / displacement_gained(laws.law(over, test), *span)
+
+        return table(ratio, tests, names, spans)
+
+    return numbers
+
+
+def hertz_radius(load, *radii):
+    """a_H = (3PR/(4E*))^(1/3) [mm] of granite."""
+
+    def numbers(laws):
+        return {f"R {1e3 * r:g} mm": 1e3 * (0.75 * load * r / MODULI[laws.modulus]) ** (1 / 3) for r in radii}
+
+    return numbers
+
+
+def threshold(laws):
+    """Load [N] at which Pohrt-Popov crosses over to Hertz."""
+    return {"": granite.threshold_force(laws.test("SS(18-18)"))}
+
+
+def pairs_of_stones(laws):
+    """R [mm] and σ [µm] computed from both stones less the printed ones, in units of the last printed digit."""
+    found = {}
+    for name, ((r1, s1, _), (r2, s2, _)) in STONES.items():
+        test = laws.test(name)
+        found[f"{name} R"] = (1.0 / (1.0 / r1 + 1.0 / r2) - 1e3 * test.radius) / 0.01
+        found[f"{name} σ"] = (math.hypot(s1, s2) - test.roughness / MICRO) / 0.01
+    return found
+
+
+def beyond_smooth(*tests):
+    """Displacement [σ] gained to 100 N more than in the very smooth contact, by three laws."""
+
+    def numbers(laws):
+        def more(test, name):
+            smooth = displacement_gained(laws.law(name, "VS(18-18)"))
+            return (displacement_gained(laws.law(name, test)) - smooth) / laws.test(test).roughness
+
+        return table(more, tests, (POHRT_POPOV, RMS, YIP_VENART))
+
+    return numbers
+
+
+def softness(laws):
+    """Displacement [µm] gained to 100 N."""
+    tests = ("RS(18-18)", "SS(18-18)", "VS(18-18)")
+    return table(lambda name, test: displacement_gained(laws.law(name, test)) / MICRO, (POHRT_POPOV, RMS, YIP_VENART), tests)
+
+
+def bulk_pressure(laws):
+    """p(0)/H_m at 100 N by the closed fit of Jamari & Schipper."""
+    return {"": regime.pressure_ratio(laws.test("RS(18-18)").contact, 100.0)}
+
+
+def exponents(laws):
+    """0.2567 Df of the rough pairs."""
+    return table(lambda test: 0.2567 * laws.test(test).fractal_dimension, granite.ROUGH_SPHERES)
+
+
+def onset(name):
+    """Smallest K over that of Yip-Venart at 70 and 100 N, and that over the largest one from 10 to 40 N."""
+
+    def numbers(laws):
+        found = {}
+        for test in ("SS(18-18)", "SS(12-18)"):
+            late, early = (
+                list(stiffness((name,), YIP_VENART, (test,), loads)(laws).values())
+                for loads in ((70.0, 100.0), (10.0, 20.0, 40.0))
+            )
+            found |= {f"{test} late": min(late), f"{test} late over early": min(late) / max(early)}
+        return found
+
+    return numbers
+
+
+def nearest_goddard(laws):
+    """Largest relative difference of K from Pohrt-Popov's, 1 to 100 N, of Goddard with the nearest slope."""
+    load = np.geomspace(1.0, 100.0, 30)
+
+    def difference(test):
+        bound = laws.law(POHRT_POPOV, test)
+        target = bound.stiffness(bound.overlap(load))
+        slopes = (law(GODDARD, bound.contact, slope=float(slope)) for slope in np.geomspace(0.005, 0.2, 60))
+        return min(float(np.abs(one.stiffness(one.overlap(load)) / target - 1.0).max()) for one in slopes)
+
+    return table(difference, granite.ROUGH_SPHERES)
+
+
+def goddard_rises(laws):
+    """Smallest d ln K/d ln P of Goddard from 1 to 450 N."""
+    load = np.geomspace(1.0, 450.0, 200)
+    bound = laws.law(GODDARD, "RFC10")
+    slopes = np.diff(np.log(bound.stiffness(bound.overlap(load)))) / np.diff(np.log(load))
+    return {"": float(slopes.min())}
+
+
+def elastic_and_plastic(laws):
+    """Difference of elastic (Greenwood-Tripp) and plastic asperities (Yip-Venart) over that of Yip-Venart and RMS, to 100 N."""
+    elastic, plastic, rms = (displacement_gained(laws.law(n, "SS(12-18)")) for n in (GREENWOOD_TRIPP, YIP_VENART, RMS))
+    return {"": abs(elastic - plastic) / abs(plastic - rms)}
+
+
+def back_calculated(laws):
+    """a* = √(R δ) of Pohrt-Popov over Eq. 5, at α = σ/δ_H."""
+
+    def ratio(test, alpha):
+        hertz = laws.test(test).roughness / alpha
+        size = math.sqrt(laws.law(POHRT_POPOV, test).overlap(laws.law(HERTZ, test).force(hertz)) / hertz)
+        return size / (2.4 - 2.8 / (alpha + 2.0))
+
+    return table(ratio, granite.ROUGH_SPHERES, (1.0, 5.0), number="α = {:g}")
+
+
+def underestimate(laws):
+    """a*/a_H at α = 0.05."""
+    return {name: float(values[0]) for name, values in granite.effective_radius([0.05]).items()}
+
+
+def real_area(laws):
+    """d ln A/d ln P of Greenwood-Tripp's elastic asperities: A ∝ F_1, P ∝ F_1.5, with F_n = ∫ (z - d)^n φ(z) dz."""
+    z = 3e-3 * (np.arange(4000) + 0.5)
+
+    def moment(separation, power):
+        return np.sum(z**power * np.exp(-0.5 * (z + separation) ** 2))
+
+    def slope(d):
+        return float(moment(d, 0.0) * moment(d, 1.5) / (1.5 * moment(d, 1.0) * moment(d, 0.5)))
+
+    return table(slope, (1.0, 2.0, 3.0), number="d = {:g} σ")
+
+
+def printed_kappa(laws):
+    """p(0)/p0 of Eq. 12 with κ as printed over Yip-Venart's, which has the same plastic asperities."""
+
+    def ratio(test):
+        t = laws.test(test)
+        printed = t.modulus / t.contact.hardness * math.sqrt(t.radius / t.roughness)
+        number = t.contact.hardness / t.modulus * math.sqrt(8.0 * t.radius / t.roughness)
+        alpha = float(t.contact.roughness_parameter(100.0))
+        solved = float(master_curves.central_pressure("yip-venart", number, 4.0 / 3.0 * alpha**-1.5))
+        return 1.0 / (1.0 + 1.22 * alpha * printed**-0.16) / solved
+
+    return table(ratio, granite.ROUGH_SPHERES)
+
+
+def printed_branches(laws):
+    """a_L' of the first branch of Eq. 13 over that of the second where they meet, p0' = 0.47."""
+    return {"": 1.605 * math.sqrt(0.47) / (3.51 - 2.51 * 0.47)}
+
+
+# --- tips of cones
+
+
+def yield_load(test):
+    """Load [N] at which the bulk yields."""
+    return lambda laws: {"": float(laws.run(test, stages=((20.0,),)).law.params.yield_force)}
+
+
+def reload(laws):
+    """K/K_H of the bulk on reloading, at half the earlier maximum."""
+    stages = granite.stages_of(laws.run("RFC10"))
+    return {f"to {s.maximum_force:.0f} N": s.over_hertz for s in stages if math.isfinite(s.over_hertz)}
+
+
+def after_yield(laws):
+    """K [N/mm] at the largest load of each stage that passes yield."""
+    run = laws.run("RFC10")
+    passed = (s for s in granite.stages_of(run) if s.maximum_force > run.law.params.yield_force)
+    return {f"{s.maximum_force:.0f} N": s.final_stiffness / 1e3 for s in passed}
+
+
+def return_to_first_loading(laws):
+    """K [N/mm] just below and just above the largest load so far, 40 N."""
+    bound = laws.law(ROUGH_PLASTIC, "RFC10")
+    top = float(bound.overlap(40.0))
+    below, above = bound.follow(top * np.array([1.0, 0.9, 1.0 - 1e-9, 1.0 + 1e-9])).stiffness[2:]
+    return {"below": below / 1e3, "above": above / 1e3}
+
+
+@functools.cache
+def _plastic(laws, test, **changes):
+    """Largest load [N] → cumulative plastic overlap [µm] of the last stages of a cone."""
+    rows = granite.stages_of(laws.run(test, stages=granite.find_test(test).stages[:4][-1:], **changes))
+    return {f"{s.maximum_force:.0f} N": (s.maximum_force, s.plastic_overlap / MICRO) for s in rows}
+
+
+def straightness(laws):
+    """R² of a straight line through plastic overlap against the largest load."""
+    load, plastic = np.transpose(list(_plastic(laws, "RFC10").values()))
+    return {"": float(np.corrcoef(load, plastic)[0, 1]) ** 2}
+
+
+def proportion(laws):
+    """Plastic overlap over the largest load, over its mean."""
+    rows = {label: plastic / load for label, (load, plastic) in _plastic(laws, "RFC10").items()}
+    return {label: row / np.mean(list(rows.values())) for label, row in rows.items()}
+
+
+def two_cones(laws):
+    """Plastic overlap of FC5 over that of RFC10 at the same loads."""
+    cone, small = (_plastic(laws, test) for test in CONES)
+    return {label: small[label][1] / cone[label][1] for label in small}
+
+
+def small_cone_stiffer(laws):
+    """Mean stiffness of FC5 from 7 to 20 N over Pohrt-Popov's."""
+    spans = displacement((POHRT_POPOV,), ROUGH_PLASTIC, ("FC5",), ((7.0, 20.0),))
+    return spans(laws)
