@@ -4,6 +4,7 @@ import sys
 from pathlib import Path
 
 from demlaws.cli import Parser, example, execute
+from demlaws.errors import DemlawsError
 from studies.triaxial import cycles
 
 QUICK = [(cycles.Case(law=law, sigma=sigma, count=30), 3) for law, sigma in (("hertz", 0.0), ("pohrt-popov", 10.0))]
@@ -29,8 +30,14 @@ def run(arguments, _):
     def progress(text):
         print(text, file=sys.stderr, flush=True)
 
+    failed = 0
     for case, number in QUICK if arguments.quick else cycles.wanted():
-        cycles.run_case(case, number, arguments.results, arguments.store, progress)
+        try:
+            cycles.run_case(case, number, arguments.results, arguments.store, progress)
+        except DemlawsError as error:  # the other cases go on
+            failed += 1
+            progress(f"{' '.join(map(str, case))}: {error}")
+    return int(failed > 0)
 
 
 def main(arguments=None):

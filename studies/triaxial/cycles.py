@@ -205,22 +205,21 @@ def wanted():
     """(case, cycles) in the order in which they are run: those first that the page needs most."""
     smooth, rough = Case(), Case(law=POHRT_POPOV, sigma=2.4)
     rougher, corners = rough._replace(sigma=10.0), Case(law="rough-plastic", sigma=2.4, edge=0.35)
-    laws = (smooth, rougher, corners, rough)
-    yield from ((case, 200) for case in laws)
+    laws, ends = (smooth, rougher, corners, rough), (smooth, corners)
     loads = [(60.0, 370.0), (30.0, 230.0), (10.0, 230.0)]
-    for p, q in loads:
-        yield from ((case._replace(p=p, q=q), 200) for case in (smooth, corners))
-    yield smooth._replace(edge=corners.edge), 200
-    yield from ((case._replace(grains="spheres"), 200) for case in (smooth, corners))
+    yield from ((case, 200) for case in laws)
+    yield from ((case._replace(p=p, q=q), 200) for p, q in loads for case in ends)
     yield from ((case._replace(seed=2), 200) for case in laws)
-    yield from ((case._replace(friction=0.9), 200) for case in (smooth, corners))
-    yield rough._replace(rule="elastic"), 200
+    yield corners._replace(law=HERTZ, sigma=0.0), 200
     yield from ((case._replace(seed=3), 200) for case in laws)
-    yield from ((case, 500) for case in laws)
-    yield from ((case, 2000) for case in (smooth, corners))
+    yield rough._replace(rule="elastic"), 200
+    yield from ((case, 2000) for case in ends)
+    yield from ((case._replace(grains="spheres"), 200) for case in ends)
+    yield from ((case._replace(friction=0.9), 200) for case in ends)
+    yield from ((case._replace(friction=0.9, p=p, q=q), 200) for p, q in loads for case in ends)
     yield from ((rough._replace(rule="elastic", seed=seed), 200) for seed in (2, 3))
-    for seed in (2, 3):
-        yield from ((case._replace(seed=seed), 500) for case in laws)
+    yield from ((case._replace(seed=seed), 500) for seed in (1, 2, 3) for case in laws)
+    yield from ((case._replace(p=p, q=q, seed=seed), 200) for seed in (2, 3) for p, q in loads for case in ends)
 
 
 def case_of(row):
