@@ -101,6 +101,7 @@ template <class ABI> struct Granular {
       coeffs[SPRINGS] = 12.;
       coeffs[FINGERPRINT] = table.fingerprint();
       coeffs[LEVELS] = demlaws::LEVELS;
+      Range::of(of.lmp).tables++;
     }
 
     void coeffs_to_local() {
@@ -197,7 +198,10 @@ template <class ABI> struct Granular {
     virtual void compute_pair() {}
     bool computes_pairs() const { return computes_pairs_; }
     static Table *latest; // of those that compute pairs, the one met last
-    ~Table() { latest = latest == this ? NULL : latest; }
+    ~Table() {
+      latest = latest == this ? NULL : latest;
+      Range::of(of.lmp).drop_table();
+    }
     void choose_path(bool proved) {
       latest = NULL;
       const Model *const m = gm;
@@ -506,7 +510,6 @@ template <class ABI> struct Granular {
       raise(error, true, std::string("demlaws/table: ") + problem.what());
     }
     if (!outputs) made->nsvector = 0;
-    Range::of(lmp).used = true;
     m->normal_model = made;
     m->sub_models[NORMAL] = made;
     return made;
