@@ -16,11 +16,18 @@ using namespace LAMMPS_NS::Granular_NS;
 const int LAST_TYPE = 3; // SURFACE, of package GRANSURF, which releases before 4 Jul 2026 have not
 
 // LAMMPS deals the history for pair_coeff lines that later ones have replaced, too, and writes them into restart files:
-// they become copies of the line that is being read. Histories that exist, also in a restart file, keep their size.
+// they become copies of the line that is being read. Histories that exist keep their size, also those
+// of a restart file with its models, which hybrid styles leave out.
 inline void replace_unused(LAMMPS_NS::LAMMPS *lmp, GranularModel *now) {
-  if (strcmp(lmp->input->command, "pair_coeff")) return;
-  const bool sized = lmp->modify->get_fix_by_id("NEIGH_HISTORY_GRANULAR") || lmp->modify->nfix_restart_peratom;
-  const TypePairs taken = pairs_of(lmp->input->arg[0], lmp->input->arg[1], lmp->atom->ntypes);
+  const int count = lmp->input->narg;
+  char **const arg = lmp->input->arg;
+  int at = 2; // behind the types, also where PairHybrid has moved them
+  while (at < count && strcmp(arg[at], "demlaws/table")) at++;
+  if (strcmp(lmp->input->command, "pair_coeff") || at >= count) return;
+  const bool restored =
+      lmp->modify->nfix_restart_peratom && !LAMMPS_NS::utils::strmatch(lmp->force->pair_style, "^hybrid");
+  const bool sized = restored || !lmp->modify->get_fix_by_style("^NEIGH_HISTORY").empty();
+  const TypePairs taken = pairs_of(arg[at - 2], arg[at - 1], lmp->atom->ntypes);
   LAMMPS_NS::PairGranular *pair = NULL, *last = NULL;
   for (int n = 1; !pair || pair->models_list[pair->nmodels - 1] != now;
        n++, last = pair) { // of hybrid there may be several

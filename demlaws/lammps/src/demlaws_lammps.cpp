@@ -132,6 +132,7 @@ struct Line {
 };
 // Those of a pair style.
 struct Lines : std::vector<Line> {
+  bool sized = false; // histories exist, and their size cannot change
   static Lines &of(void *pair) {
     static std::map<void *, Lines> lines;
     return lines[pair];
@@ -225,11 +226,10 @@ void demlaws_init(void *model) {
   Reading *const read = Reading::now();
   if (!read) return;
   Reading::now() = NULL;
-  // once histories exist their size cannot change
-  const bool sized = Stock::get().find_fix(*((AnyModel *)read->pair)->of.modify, "NEIGH_HISTORY_GRANULAR");
-  line.pairs = sized ? TypePairs() : read->pairs;
+  Lines &lines = Lines::of(read->pair);
+  if (!lines.sized) line.pairs = read->pairs;
   line.by_numbers = !line.pairs.empty();
-  Lines::of(read->pair).add(line, Stock::get().setting(instance_of(read->pair), "ntypes"));
+  lines.add(line, Stock::get().setting(instance_of(read->pair), "ntypes"));
   Reading::now() = read; // a restart file has several
 }
 bool demlaws_check(void *model) { return Stock::get().check(model); } // until take_pairs()
@@ -238,7 +238,7 @@ void demlaws_compute(void *model) { Stock::get().compute(model); }
 void demlaws_pair_make(void *pair, void *lmp) {
   Stock::get().pair_make(pair, lmp);
   prove(lmp); // preloaded, this is the first call; the lines of stock models are to be counted, too
-  Lines::of(pair).clear();
+  Lines::of(pair) = Lines();
   Range::of(lmp).renew();
   if (layout) Ledger::of(lmp).renew(*((AnyModel *)pair)->of.modify);
 }
@@ -264,11 +264,12 @@ void demlaws_pair_restart(void *pair, FILE *file) {
   Stock::get().pair_settings(pair, 0, NULL);
 }
 void demlaws_pair_init(void *pair) {
-  const Lines &lines = Lines::of(pair);
+  Lines &lines = Lines::of(pair);
   const bool ours = lines.have_tables();
   for (const Line &line : lines)
     if (ours && line.sizes != lines[0].sizes) raise(error_of(pair), true, MIXED_SIZES);
   Stock::get().pair_init(pair);
+  lines.sized = true;
   void *const lmp = instance_of(pair), *const error = error_of(pair);
   if (ours) {
     Range::refuse_respa(lmp, error);
