@@ -140,9 +140,12 @@ def test_friction_rotation_and_shear_ratio(tmp_path, capsys):
         (lambda t: t.replace("64 1 0.02", "nan 1 0.02"), 0),
         (lambda t: t.replace("2 1 5 -0 -20", "2 17 1 20 -0"), 1),  # listed twice: counted twice
         (lambda t: t[: t.index("64 1 0.02")].replace("\n64\n", "\n0\n"), 0),  # no grains
-        (lambda t: t + t[: t.index("ITEM: ATOMS")], 0),  # cut behind a header: rows of the frame before were used
-        (lambda t: t + t[: t.index("ITEM: BOX")], 0),
-        (lambda t: t + t[: t.index("64 1 0.02")], 0),
+        (
+            lambda t: t + t[t.rindex("ITEM: TIME") : t.rindex("ITEM: ATOMS")],
+            0,
+        ),  # cut behind a header: rows of the frame before were used
+        (lambda t: t + t[t.rindex("ITEM: TIME") : t.rindex("ITEM: BOX")], 0),
+        (lambda t: t + t[t.rindex("ITEM: TIME") : t.rindex("64 1 0.02")], 0),
         (lambda t: t.rstrip()[:-3], 0),  # within the last number
         (lambda t: t.replace("64 1 0.02", "64 1 wide"), 0),
     ],
@@ -161,9 +164,11 @@ def test_text_in_other_columns(tmp_path, capsys):
     files = dumps(tmp_path, "lammps")
     assert main(["timestep", *files, *GRANITE, "--json"]) == 0
     expected = json.loads(capsys.readouterr().out)
-    for path, title, row in (files[0], "id type", r"(?m)^(\d+ 1)(?= 0\.)"), (files[1], "index", r"(?m)^(\d+)(?= \d+ \d+ -?\d)"):
-        text = Path(path).read_text().replace(title, f"{title} element", 1)
-        Path(path).write_text(re.sub(row, r"\1 C", text))
+    for path, titles, row in zip(
+        files, ("ATOMS id type", "ENTRIES index"), (r"^(\d+ 1)(?= 0\.)", r"^(\d+)(?= \d+ \d+ -?\d)"), strict=True
+    ):
+        text = Path(path).read_text().replace(titles, f"{titles} element")
+        Path(path).write_text(re.sub(row, r"\1 C", text, flags=re.M))
     columns = ["--columns", *"34567"]
     assert main(["timestep", *files, *GRANITE, *columns, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
