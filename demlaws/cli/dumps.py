@@ -103,13 +103,17 @@ def _frame(path, what):
 
     from demlaws.files import read_text
 
-    items = [item.splitlines() for item in read_text(path).split("ITEM: ")[1:]]
+    content = read_text(path)
+    last = content[max(content.rfind("ITEM: TIMESTEP"), 0) :]  # of a frame that was cut, rows of the one before are not used
+    items = [item.splitlines() for item in last.split("ITEM: ")[1:]]
     frame = {lines[0].split()[0]: lines for lines in items if lines}
     try:
+        if not content.endswith("\n"):
+            raise ValueError("the last row may have been cut")
         names, box = frame[what][0].split()[1:], frame["BOX"]
         text = np.array([line.split() for line in frame[what][1:]]).reshape(int(frame["NUMBER"][1]), len(names))
-        columns = dict(zip(names, text.astype(float).T, strict=True))
-        places = [k for k, name in enumerate(names) if name in _PLACES]
+        columns = {name: _numbers(column) for name, column in zip(names, text.T, strict=True)}
+        places = [k for k, name in enumerate(names) if name in _PLACES and columns[name].dtype.kind == "f"]
         resolution = _resolution(text[:, places].ravel(), columns) if len(places) == len(_PLACES) else None
         edges = [float(high) - float(low) for low, high in (line.split() for line in box[1:4])]
         periodic = [word == "pp" for word in box[0].split()[-3:]]
@@ -118,6 +122,14 @@ def _frame(path, what):
         raise DemlawsError(
             f"{path}: no complete last frame of {what} in an orthogonal box: write a text dump, after the run has ended"
         ) from error
+
+
+def _numbers(column):
+    """A column of words as numbers; as it is where it has others, such as element or mol."""
+    try:
+        return column.astype(float)
+    except ValueError:
+        return column
 
 
 def _resolution(words, columns):
@@ -146,10 +158,12 @@ def _quantities_of(path, columns, places):
 
 
 def _check_finite(path, columns):
-    """Raise where a value is NaN or infinite: its contacts would be left out."""
+    """Raise where a value is no number, NaN or infinite: its contacts would be left out."""
     import numpy as np
 
     for name, values in columns.items():
+        if values.dtype.kind != "f":
+            raise DemlawsError(f"{path}: {name} has text ({values[0]}), not numbers; check --columns")
         for row in np.flatnonzero(~np.isfinite(values))[:1]:
             raise DemlawsError(f"{path}: {name} of row {row + 1} is {values[row]}: has the run diverged?")
 

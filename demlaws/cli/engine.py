@@ -113,7 +113,8 @@ def _add_convert(parts, name):
         out = arguments.out or other_file(arguments.input + ".demlaws")
         if not arguments.overwrite:
             other_file.check(out)
-        out, conversion = convert_file(arguments.input, name, arguments.table, out=out)
+        table, pairs = _tables_of(arguments.table)
+        out, conversion = convert_file(arguments.input, name, table, out=out, pairs=pairs)
         result.values = {"file": out, "notes": conversion.notes}
         last = "no line converted, no file written" if out is None else f"wrote {out}"
         result.say("\n".join([*conversion.report(arguments.input), last]))
@@ -122,14 +123,36 @@ def _add_convert(parts, name):
     converts = parts.add_parser(
         "convert",
         help="replace the contact model of an input by demlaws/table",
-        description="Replaces the contact model in the pair_style, pair_coeff and wall lines of an input by demlaws/table. "
-        "Exit status: 0 if every granular line was converted, 1 if lines remain, as in `if` and variables, which are named.",
+        description="Replaces the contact model in the pair_style, pair_coeff, wall and surface lines of an input by "
+        "demlaws/table. Exit status: 0 if every granular line was converted and none stops the run; 1 if such lines remain, "
+        "as in `if` and variables: they are named.",
         **example(CONVERT_EXAMPLE.format(name=name)),
     )
     converts.add_argument("input", help="input script with stock models")
-    converts.add_argument("--table", required=True, help="table file of the law (`demlaws table` writes one)")
+    converts.add_argument(
+        "--table",
+        required=True,
+        nargs="+",
+        action="append",
+        metavar=("[I J] FILE", ""),
+        help="table file of the law (`demlaws table` writes one), or of particle types I and J only, once per pair of types",
+    )
     converts.add_argument("--out", type=other_file, help="file to write (default: INPUT.demlaws)")
     converts.set_defaults(func=convert)
+
+
+def _tables_of(given):
+    """(table of all other types, {(I, J): table}) of the words behind each --table."""
+    tables = {}
+    for words in given:
+        if len(words) not in (1, 3) or not all(word.isdigit() and int(word) for word in words[:-1]):
+            raise DemlawsError(f"--table {' '.join(words)}: write --table FILE, or --table I J FILE with two particle types")
+        types = tuple(sorted(map(int, words[:-1]))) or None
+        if tables.setdefault(types, words[-1]) != words[-1]:
+            raise DemlawsError(f"--table {' '.join(words)}: these types have another table, {tables[types]}: leave one")
+    if None not in tables:
+        raise DemlawsError("--table FILE is missing: the table of walls, and of all types without their own")
+    return tables.pop(None), tables
 
 
 def _add_run(parts, name):

@@ -207,7 +207,7 @@ def with_pointers(shape):
 
 @generic(lambda *_: lambda shape: shape)
 def with_pointers_to_invert(shape):
-    """The same of a curve that is inverted: `inverse` searches arrays, so that only a Shape with an `inverse_near` binds this."""
+    """The same of a curve that is inverted: `inverse` searches arrays, so that only Shapes with an `inverse_near` bind this."""
 
 
 # --- arrays of contacts: (nested, named) tuples whose leaves are numbers, or 1-D arrays with one entry per contact

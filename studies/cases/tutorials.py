@@ -64,11 +64,15 @@ def tables(text, folder):
     dl.law("pohrt-popov", contact, unloading="hertz").tabulate().save(folder / "rough.tbl")
 
 
+def with_hertz(text):
+    """The input with hertz for hooke, whose place no table of another law takes."""
+    return re.sub(r"\bmodel\s+hooke(?!/)\b", "model hertz", text)
+
+
 def changed(text, way, longest=None):
     """The input with another contact model, without dumps. Shear is stock's, so that Hertz as a table is stock hertz."""
-    if way == "stock hertz":
-        text = re.sub(r"\bmodel\s+hooke\b", "model hertz", text)
-    else:
+    text = with_hertz(text)
+    if way != "stock hertz":
         table = f"{way.split()[0]}.tbl"
         text = convert(text, "liggghts", table).text.replace("tangential demlaws", "tangential history")
         text = text.replace(f"table {table}", f"table {table} extrapolation on")

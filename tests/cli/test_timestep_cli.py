@@ -143,6 +143,14 @@ def test_friction_rotation_and_shear_ratio(tmp_path, capsys):
         (lambda t: t.replace("64 1 0.02", "nan 1 0.02"), 0),
         (lambda t: t.replace("2 1 5 -0 -20", "2 17 1 20 -0"), 1),  # listed twice: counted twice
         (lambda t: t[: t.index("64 1 0.02")].replace("\n64\n", "\n0\n"), 0),  # no grains
+        (
+            lambda t: t + t[t.rindex("ITEM: TIME") : t.rindex("ITEM: ATOMS")],
+            0,
+        ),  # cut behind a header: rows of the frame before were used
+        (lambda t: t + t[t.rindex("ITEM: TIME") : t.rindex("ITEM: BOX")], 0),
+        (lambda t: t + t[t.rindex("ITEM: TIME") : t.rindex("64 1 0.02")], 0),
+        (lambda t: t.rstrip()[:-3], 0),  # within the last number
+        (lambda t: t.replace("64 1 0.02", "64 1 wide"), 0),
     ],
 )
 def test_bad_dumps_are_refused_in_one_line(tmp_path, capsys, change, which):
@@ -152,6 +160,24 @@ def test_bad_dumps_are_refused_in_one_line(tmp_path, capsys, change, which):
     assert main(["timestep", *files, *GRANITE]) == 2
     message = capsys.readouterr().err
     assert message.startswith("demlaws: error: ") and message.count("\n") == 1
+
+
+def test_text_in_other_columns(tmp_path, capsys):
+    """`dump custom ... element`: a column of words is no fault, unless it is to be used."""
+    files = dumps(tmp_path, "lammps")
+    assert main(["timestep", *files, *GRANITE, "--json"]) == 0
+    expected = json.loads(capsys.readouterr().out)
+    for path, titles, row in zip(
+        files, ("ATOMS id type", "ENTRIES index"), (r"^(\d+ 1)(?= 0\.)", r"^(\d+)(?= \d+ \d+ -?\d)"), strict=True
+    ):
+        text = Path(path).read_text().replace(titles, f"{titles} element")
+        Path(path).write_text(re.sub(row, r"\1 C", text, flags=re.M))
+    columns = ["--columns", *"34567"]
+    assert main(["timestep", *files, *GRANITE, *columns, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["exact"] == expected["exact"]
+    assert main(["timestep", *files, *GRANITE, "--columns", *"23567"]) == 2
+    assert "id1 has text (C)" in capsys.readouterr().err
 
 
 def test_forces_across_the_centres_are_refused(tmp_path, capsys):

@@ -20,11 +20,12 @@ from inputs import (
     sphere_mass,
     started,
 )
-from spheres import DIAMETER, ROUGH, assert_goes_on, both, spheres
+from spheres import DIAMETER, ROUGH, assert_goes_on, both, continued, spheres
 
 import demlaws as dl
 from demlaws.make import example
 
+REFUSED = "began under another law|not the table that|different contact history model"
 PRESS = [(-20, 0, 1000)]
 """1 mm in 50 µs, a quarter of the R = 4 mm of two spheres of 16 mm."""
 
@@ -125,11 +126,41 @@ def test_a_restart_in_mid_unloading_goes_on(engine, tmp_path, law, rule, ranks):
     """Force, energies, and what ended contacts had lost, of a pair on the border of two ranks."""
     law = example("pohrt-popov", law.contact, rule)
     law.tabulate(rtol=1e-8).save(tmp_path / "law.tbl")
-    text = spheres(engine, "", [*LOAD_UNLOAD, (0.2, 0, 200)], left=-0.0087, ranks=ranks, **ENERGY)
+    text = spheres(engine, "", [*LOAD_UNLOAD, (0.2, 0, 100)], left=-0.0087, ranks=ranks, **ENERGY)
     whole, rest = assert_goes_on(engine, tmp_path, text, [(-0.2, 0, 600), (0.2, 0, 1800)], ranks)
     assert energy_error_of(whole, law) <= 1e-7
     deepest = whole["overlap"][np.isin(whole["Step"], rest["Step"])].max()
     assert rest["e[2]"][0] > 1.1 * law.follow(np.array([deepest])).dissipated[0]
+
+
+@both
+def test_a_restart_with_a_table_made_again(engine, tmp_path, law):
+    """Another processor writes the same law with other last digits; another law, contact or range is refused."""
+    table = tmp_path / "law.tbl"
+    law.tabulate(max_force=100.0).save(table)
+    text, moves = spheres(engine, "", [*LOAD_UNLOAD, (0.2, 0, 100)], **ENERGY), [(-0.2, 0, 600), (0.2, 0, 1800)]
+    whole, rest = assert_goes_on(engine, tmp_path, text, moves, 1)
+    first, contact = table.read_bytes(), law.contact
+    values = {
+        name: np.nextafter(getattr(contact, name), 1e20) for name in ("roughness", "modulus", "radius", "fractal_dimension")
+    }
+    again = dl.law(law.name, contact.with_values(**values), law.unloading)
+    again.tabulate(max_force=100.0).save(table)
+    rows = [[line.rpartition(" ")[0] for line in data.decode().splitlines()] for data in (first, table.read_bytes())]
+    assert len(rows[0]) == len(rows[1]) and sum(a != b for a, b in zip(*rows, strict=True)) > 10
+    same = simulate(engine, tmp_path, continued(engine, text, moves, **ENERGY))
+    np.testing.assert_allclose(same["force"], rest["force"], rtol=0, atol=1e-12 * whole["force"].max())
+    others = {"roughness": 1.001 * contact.roughness, "modulus": 1.001 * contact.modulus, "fractal_dimension": 2.221}
+    for other in (
+        *(dl.law(law.name, contact.with_values(**{name: value}), law.unloading) for name, value in others.items()),
+        dl.law(law.name, contact, "thornton"),
+        dl.law("goddard", contact, "hertz", slope=0.035),
+        dl.law("rough-plastic", contact, "hertz", yield_pressure=1.66e9),
+    ):
+        other.tabulate(max_force=100.0).save(table)
+        assert re.search(REFUSED, refused(engine, tmp_path, continued(engine, text, moves)))
+    law.tabulate(max_force=300.0).save(table)
+    assert re.search(REFUSED, refused(engine, tmp_path, continued(engine, text, moves)))
 
 
 # --- limits of laws and tables

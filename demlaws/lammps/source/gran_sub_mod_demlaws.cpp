@@ -165,7 +165,7 @@ void ComputeDemlaws::init() {
   if (!modify->get_fix_by_id("DEMLAWS")) modify->add_fix("DEMLAWS all DEMLAWS");
 }
 
-FixDemlaws::~FixDemlaws() { Range::of(lmp) = Range(); }
+FixDemlaws::~FixDemlaws() { Range::of(lmp).renew(); }
 
 int FixDemlaws::setmask() { return FixConst::PRE_FORCE | FixConst::MIN_PRE_FORCE; }
 

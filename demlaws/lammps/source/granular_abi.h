@@ -2,14 +2,53 @@
 #ifndef DEMLAWS_GRANULAR_ABI_H
 #define DEMLAWS_GRANULAR_ABI_H
 
+#include "atom.h"
+#include "force.h"
 #include "gran_sub_mod_demlaws.h"
 #include "granular_model.h"
-#include "stock.h"
+#include "input.h"
+#include "pair_granular.h"
+#include "range.h"
 
 namespace {
 
 using namespace LAMMPS_NS::Granular_NS;
 const int LAST_TYPE = 3; // SURFACE, of package GRANSURF, which releases before 4 Jul 2026 have not
+
+// LAMMPS deals the history for pair_coeff lines that later ones have replaced, too, and writes them into restart files:
+// they become copies of the line that is being read. Histories that exist keep their size, also those
+// of a restart file with its models, which hybrid styles leave out.
+inline void replace_unused(LAMMPS_NS::LAMMPS *lmp, GranularModel *now) {
+  const int count = lmp->input->narg;
+  char **const arg = lmp->input->arg;
+  int at = 2; // behind the types, also where PairHybrid has moved them
+  while (at < count && strcmp(arg[at], "demlaws/table")) at++;
+  if (strcmp(lmp->input->command, "pair_coeff") || at >= count) return;
+  const bool restored =
+      lmp->modify->nfix_restart_peratom && !LAMMPS_NS::utils::strmatch(lmp->force->pair_style, "^hybrid");
+  const bool sized = restored || !lmp->modify->get_fix_by_style("^NEIGH_HISTORY").empty();
+  const TypePairs taken = pairs_of(arg[at - 2], arg[at - 1], lmp->atom->ntypes);
+  LAMMPS_NS::PairGranular *pair = NULL, *last = NULL;
+  for (int n = 1; !pair || pair->models_list[pair->nmodels - 1] != now;
+       n++, last = pair) { // of hybrid there may be several
+    pair = dynamic_cast<LAMMPS_NS::PairGranular *>(lmp->force->pair_match("granular", 0, n));
+    if (!pair || pair == last) return;
+  }
+  std::set<int> used;
+  for (int i = 1; i <= lmp->atom->ntypes; i++)
+    for (int j = i; j <= lmp->atom->ntypes; j++)
+      if (pair->setflag[i][j] && !taken.count({i, j})) used.insert(pair->types_indices[i][j]);
+  for (int n = 0; n < pair->nmodels - 1; n++) {
+    GranularModel *const model = pair->models_list[n];
+    bool equal = true;
+    for (int k = 0; k < NSUBMODELS; k++)
+      equal = equal && model->sub_models[k]->size_history == now->sub_models[k]->size_history;
+    if (equal || used.count(n)) continue;
+    if (sized) raise(lmp->error, true, MIXED_SIZES);
+    model->mix_coeffs(now, now);
+    model->init();
+  }
+}
 
 // What a sub-model knows of its instance of LAMMPS.
 struct Instance {
@@ -20,7 +59,14 @@ struct Instance {
 struct Abi {
   typedef GranularModel Model;
   typedef GranSubMod SubMod;
-  template <class RULED> using DirectPairs = RULED; // LAMMPS computes pairs of particles itself
+  // LAMMPS computes pairs of particles itself.
+  template <class RULED> struct DirectPairs : public RULED {
+    template <class... ARGUMENTS> explicit DirectPairs(ARGUMENTS &&...given) : RULED(given...) {}
+    void init() override { // after all words of the line
+      RULED::init();
+      replace_unused(this->lmp, this->gm);
+    }
+  };
 
   // A sub-model in the place of the one that LAMMPS made by the name.
   struct NormalMod : public GranSubModNormal {

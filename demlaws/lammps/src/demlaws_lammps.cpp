@@ -122,20 +122,53 @@ bool under_hybrid(void *model) {
   }
 }
 
-// What the sub-models of a pair style keep in the history, one entry a pair_coeff line.
-struct Histories {
-  std::vector<std::vector<int>> sizes;
-  bool ours = false; // there are tables
-  static std::map<void *, Histories> &all() {
-    static std::map<void *, Histories> histories;
-    return histories;
+// A pair_coeff line, or a model of a restart file.
+struct Line {
+  void *model;
+  bool by_numbers;        // not of a restart file, nor by labels of types
+  TypePairs pairs;        // of those, that no later line has
+  std::vector<int> sizes; // what its sub-models keep in the history
+  bool ours;              // it has a table
+};
+// Those of a pair style.
+struct Lines : std::vector<Line> {
+  bool sized = false; // histories exist, and their size cannot change
+  static Lines &of(void *pair) {
+    static std::map<void *, Lines> lines;
+    return lines[pair];
+  }
+  bool have_tables() const {
+    return std::any_of(begin(), end(), [](const Line &line) { return line.ours; });
+  }
+  // LAMMPS deals the history for lines that later ones have replaced, too, and writes them into restart files: they
+  // become copies of the newest. Until there are types^2 + 1 lines it deletes none of them.
+  void add(const Line &now, size_t types) {
+    for (Line &line : *this)
+      for (const auto &pair : now.pairs) line.pairs.erase(pair);
+    const auto replaced = [](const Line &line) { return line.by_numbers && line.pairs.empty(); };
+    if (types == 1) erase(std::remove_if(begin(), end(), replaced), end()); // at this second line
+    push_back(now);
+    if (!have_tables() || size() > types * types) return;
+    for (Line &line : *this) {
+      if (!replaced(line) || line.sizes == now.sizes) continue;
+      Stock::get().mix(line.model, now.model, now.model);
+      demlaws_init(line.model);
+      line.sizes = now.sizes;
+      line.ours = now.ours;
+    }
   }
 };
-void *pair_now = NULL; // the pair style whose lines are being read
 
-struct PairNow {
-  explicit PairNow(void *pair) { pair_now = pair; }
-  ~PairNow() { pair_now = NULL; }
+// The line that is being read.
+struct Reading {
+  void *pair;
+  TypePairs pairs;
+  static Reading *&now() {
+    static Reading *now = NULL;
+    return now;
+  }
+  explicit Reading(void *p) : pair(p) { now() = this; }
+  ~Reading() { now() = NULL; }
 };
 
 // `compute ID all demlaws/energy`: a stock `compute reduce sum` of two values, which sums over the ranks; the values
@@ -188,12 +221,16 @@ void demlaws_init(void *model) {
   if (layout) IN_LAYOUT(before_init)(model);
   Stock::get().init(model);
   if (!layout) return;
-  std::vector<int> sizes;
-  const bool has_table = IN_LAYOUT(after_init)(model, pairs_proved, sizes);
-  if (!pair_now) return;
-  Histories &kept = Histories::all()[pair_now];
-  kept.sizes.push_back(sizes);
-  kept.ours = kept.ours || has_table;
+  Line line = {model, false, TypePairs(), {}, false};
+  line.ours = IN_LAYOUT(after_init)(model, pairs_proved, line.sizes);
+  Reading *const read = Reading::now();
+  if (!read) return;
+  Reading::now() = NULL;
+  Lines &lines = Lines::of(read->pair);
+  if (!lines.sized) line.pairs = read->pairs;
+  line.by_numbers = !line.pairs.empty();
+  lines.add(line, Stock::get().setting(instance_of(read->pair), "ntypes"));
+  Reading::now() = read; // a restart file has several
 }
 bool demlaws_check(void *model) { return Stock::get().check(model); } // until take_pairs()
 void demlaws_compute(void *model) { Stock::get().compute(model); }
@@ -201,8 +238,8 @@ void demlaws_compute(void *model) { Stock::get().compute(model); }
 void demlaws_pair_make(void *pair, void *lmp) {
   Stock::get().pair_make(pair, lmp);
   prove(lmp); // preloaded, this is the first call; the lines of stock models are to be counted, too
-  Histories::all().erase(pair);
-  Range::of(lmp) = Range();
+  Lines::of(pair) = Lines();
+  Range::of(lmp).renew();
   if (layout) Ledger::of(lmp).renew(*((AnyModel *)pair)->of.modify);
 }
 void demlaws_pair_coeff(void *pair, int count, char **arg) {
@@ -214,27 +251,30 @@ void demlaws_pair_coeff(void *pair, int count, char **arg) {
         raise(error_of(pair), true,
               "demlaws/table: pair_style surf/granular of LAMMPS drops the histories of contacts whenever it builds "
               "lists: take fix surface/global, or a LAMMPS with the models in it (`demlaws lammps source`)");
-  PairNow now(pair);
+  Reading now(pair);
+  if (count > 1) now.pairs = pairs_of(arg[0], arg[1], Stock::get().setting(instance_of(pair), "ntypes"));
   Stock::get().pair_coeff(pair, count, arg);
 }
 void demlaws_pair_restart(void *pair, FILE *file) {
-  PairNow now(pair);
+  Reading now(pair);
   Stock::get().pair_restart(pair, file);
-  if (!Histories::all()[pair].ours) return;
+  if (!Lines::of(pair).have_tables()) return;
   Range::of(instance_of(pair)).has_contacts = true;
   // the cut-off of the pair style is not in the file, and LAMMPS leaves its memory as it was
   Stock::get().pair_settings(pair, 0, NULL);
 }
 void demlaws_pair_init(void *pair) {
-  const Histories &kept = Histories::all()[pair];
-  for (const std::vector<int> &sizes : kept.sizes)
-    if (kept.ours && sizes != kept.sizes[0]) raise(error_of(pair), true, MIXED_SIZES);
+  Lines &lines = Lines::of(pair);
+  const bool ours = lines.have_tables();
+  for (const Line &line : lines)
+    if (ours && line.sizes != lines[0].sizes) raise(error_of(pair), true, MIXED_SIZES);
   Stock::get().pair_init(pair);
+  lines.sized = true;
   void *const lmp = instance_of(pair), *const error = error_of(pair);
-  if (kept.ours) {
+  if (ours) {
     Range::refuse_respa(lmp, error);
     Range::of(lmp).look_across(lmp, error);
-  } else if (!kept.sizes.empty()) Range::of(lmp).look_at_pairs(lmp, error);
+  } else if (!lines.empty()) Range::of(lmp).look_at_pairs(lmp, error);
 }
 
 void demlaws_pair_forces(void *pair, int eflag, int vflag) {

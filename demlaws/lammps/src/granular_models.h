@@ -59,7 +59,7 @@ template <class ABI> struct Granular {
       EXTRAPOLATION,
       SHEAR,
       SPRINGS,
-      FINGERPRINT,
+      IDENTITY,
       LEVELS,
       RATIO,
       COEFFICIENTS
@@ -99,8 +99,9 @@ template <class ABI> struct Granular {
       coeffs[TOLERANCE] = 0.01;
       coeffs[SHEAR] = demlaws::ELASTIC_SHEAR;
       coeffs[SPRINGS] = 12.;
-      coeffs[FINGERPRINT] = table.fingerprint();
+      coeffs[IDENTITY] = demlaws::identity(table);
       coeffs[LEVELS] = demlaws::LEVELS;
+      Range::of(of.lmp).tables++;
     }
 
     void coeffs_to_local() {
@@ -117,8 +118,9 @@ template <class ABI> struct Granular {
       check(coeffs[RATIO] >= 0. && coeffs[RATIO] <= demlaws::LARGEST_SHEAR_RATIO, "shear_ratio", coeffs[RATIO],
             ": K_t/K is above 0, at most 4/3");
       this->num_coeffs = NUMBERS;
-      if (coeffs[FINGERPRINT] != (double)table_.fingerprint())
-        refuse("this is not the table that the restart file was written with: bring that file back, or " +
+      if (coeffs[IDENTITY] != (double)demlaws::identity(table_))
+        refuse("this is not the table that the restart file was written with (another law, options, contact or range): "
+               "bring that file back, or " +
                demlaws::FROM_POSITIONS);
       const double modulus = Emod / (2. * (1. - poiss * poiss)); // two bodies of one material
       shear_ = (demlaws::Shear)(int)coeffs[SHEAR];
@@ -144,7 +146,7 @@ template <class ABI> struct Granular {
         if (a[word] != b[word])
           refuse("both types must have the same 'shear', 'shear_ratio', 'levels' and 'springs' to be mixed; write "
                  "pair_coeff for this pair of types, too");
-      for (int word : {SHEAR, SPRINGS, LEVELS, RATIO, FINGERPRINT}) coeffs[word] = a[word];
+      for (int word : {SHEAR, SPRINGS, LEVELS, RATIO, IDENTITY}) coeffs[word] = a[word];
       coeffs_to_local();
     }
 
@@ -197,7 +199,10 @@ template <class ABI> struct Granular {
     virtual void compute_pair() {}
     bool computes_pairs() const { return computes_pairs_; }
     static Table *latest; // of those that compute pairs, the one met last
-    ~Table() { latest = latest == this ? NULL : latest; }
+    ~Table() {
+      latest = latest == this ? NULL : latest;
+      Range::of(of.lmp).drop_table();
+    }
     void choose_path(bool proved) {
       latest = NULL;
       const Model *const m = gm;
@@ -506,7 +511,6 @@ template <class ABI> struct Granular {
       raise(error, true, std::string("demlaws/table: ") + problem.what());
     }
     if (!outputs) made->nsvector = 0;
-    Range::of(lmp).used = true;
     m->normal_model = made;
     m->sub_models[NORMAL] = made;
     return made;

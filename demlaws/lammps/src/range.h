@@ -29,16 +29,47 @@ inline bool keeps_numbers(int count, char **arg) {
   return keeps;
 }
 
+// The pairs of types of a pair_coeff line, each with the lower type first; none: by labels.
+typedef std::set<std::pair<int, int>> TypePairs;
+inline bool range_of_types(const char *text, int most, int &low, int &high) {
+  const char *const star = strchr(text, '*');
+  char *end;
+  low = high = star == text ? 1 : (int)strtol(text, &end, 10);
+  if (star != text && (end == text || (star ? end != star : *end))) return false;
+  if (!star) return true;
+  high = star[1] ? (int)strtol(star + 1, &end, 10) : most;
+  return !star[1] || !*end;
+}
+inline TypePairs pairs_of(const char *first, const char *second, int most) {
+  TypePairs pairs;
+  int low[2], high[2];
+  if (range_of_types(first, most, low[0], high[0]) && range_of_types(second, most, low[1], high[1]))
+    for (int i = low[0]; i <= high[0]; i++)
+      for (int j = std::max(i, low[1]); j <= high[1]; j++) pairs.insert(std::make_pair(i, j));
+  return pairs;
+}
+
 // Of one instance of LAMMPS.
 struct Range {
   demlaws::Counts counts;
-  bool used = false;         // there is a table
+  int tables = 0;            // of this instance, pairs' and walls'
   bool has_contacts = false; // forces were computed, or a restart file was read
   long long checked = -1;    // the step in which positions were checked
 
   static Range &of(void *lmp) {
-    static std::map<void *, Range> all;
+    static std::map<void *, Range> &all = *new std::map<void *, Range>; // models may outlive what is static
     return all[lmp];
+  }
+  bool used() const { return tables > 0; }
+  // Where the last table goes, as with `clear`: nothing that was kept is of what follows.
+  void drop_table() {
+    if (--tables == 0) *this = Range();
+  }
+  // For another pair style: walls keep their tables.
+  void renew() {
+    const int kept = tables;
+    *this = Range();
+    tables = kept;
   }
   // On whatever rank the contact is: LAMMPS shows only what rank 0 warns of.
   static void warn(void *lmp, void *error, const std::string &text) {
@@ -52,7 +83,7 @@ struct Range {
   }
   // At the end of a run, on all ranks: the sums.
   void tell(void *lmp, void *error) {
-    if (!used) return;
+    if (!used()) return;
     const Ranks ranks(lmp, error);
     for (const std::string &line : counts.summaries(ranks))
       if (ranks.me == 0) warn(lmp, error, line);
@@ -60,7 +91,7 @@ struct Range {
 
   // A wall whose line has this normal model.
   void look_at_wall(void *lmp, void *error, const std::string &model) {
-    if (used && model != "demlaws/table" && counts.reported.insert("wall " + model).second)
+    if (used() && model != "demlaws/table" && counts.reported.insert("wall " + model).second)
       warn(lmp, error,
            "a fix wall/gran has the stock model " + model +
                ", other contacts demlaws/table: contacts with this wall do not follow the law; write "
@@ -69,7 +100,7 @@ struct Range {
 
   // A pair style of granular models without one of ours.
   void look_at_pairs(void *lmp, void *error) {
-    if (used)
+    if (used())
       announce(
           lmp, error, "stock pairs",
           "a fix wall/gran has demlaws/table, the pairs stock models: contacts between particles do not follow the "
@@ -78,7 +109,7 @@ struct Range {
   }
   // rerun: LAMMPS computes each frame as the set-up of a run, which leaves histories as they are.
   void look_at_frames(void *lmp, void *error) {
-    if (used)
+    if (used())
       announce(lmp, error, "rerun",
                "rerun: contacts of every frame have the plastic overlap and shear that they have now, before the first "
                "frame (none in an input without a run: first loading), not those of the frame: dump forces and p13, "
@@ -95,7 +126,7 @@ struct Range {
   // A position that is not a number touches nothing: a particle with one would drop out of the model silently.
   void check_positions(void *lmp, void *error) {
     const Stock &stock = Stock::get();
-    const void *const now = used ? stock.global(lmp, "ntimestep") : NULL;
+    const void *const now = used() ? stock.global(lmp, "ntimestep") : NULL;
     if (!now || *(const long long *)now == checked) return;
     checked = *(const long long *)now;
     has_contacts = true;

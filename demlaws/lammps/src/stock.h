@@ -41,6 +41,7 @@
 #define DEMLAWS_CALLED(DO) \
   DO(void, make, (void *, void *), DEMLAWS_MODEL("C1EPNS_6LAMMPSE")) \
   DO(void, unmake, (void *), DEMLAWS_MODEL("D1Ev")) \
+  DO(int, mix, (void *, void *, void *), DEMLAWS_MODEL("10mix_coeffsEPS1_S2_")) \
   DO(void *, global, (void *, const char *), "lammps_extract_global") \
   DO(void *, atom, (void *, const char *), "lammps_extract_atom") \
   DO(int, setting, (void *, const char *), "lammps_extract_setting") \

@@ -221,6 +221,36 @@ def test_clear_and_a_second_table_in_one_input(folder, law):
     assert log["Step"][0] == 0 and energy_error_of(log, other) <= 1e-7
 
 
+WALLS_ONLY = """\
+boundary        f f f
+region          box block -0.03 0.03 -0.03 0.03 -0.03 0.03
+create_box      1 box
+create_atoms    1 single 0 0 0.00849
+set             group all diameter 0.017 density 2650
+neighbor        1e-4 bin
+comm_modify     cutoff 0.02
+timestep        5e-8
+fix             move all nve/sphere
+fix             floor all wall/gran granular {model} zplane 0 NULL
+delete_atoms    group all compress yes
+create_atoms    1 single 0 0 0.00849
+set             group all diameter 0.017 density 2650
+run             10
+"""
+
+
+def test_clear_where_only_walls_have_tables(folder):
+    """Nothing of the first instance is of the second: no contacts, no tables."""
+    first, *others = (HEAD + WALLS_ONLY.format(model=model) for model in (TABLE, TABLE, STOCK))
+    done = started(folder, "clear\n".join([first, *others]))
+    assert done.returncode == 0, done.stdout[-800:] + done.stderr[-800:]
+    assert "stock model" not in done.stdout
+    again = first + "delete_atoms group all compress yes\n"
+    assert "compress no" in started(folder, again).stdout
+    done = started(folder, again.replace("delete_atoms group all", "unfix floor\ndelete_atoms group all"))
+    assert done.returncode == 0, done.stdout[-800:]
+
+
 def test_deleting_a_touching_sphere(folder):
     """The pair's stored energy goes, what plastic flow took from the remaining sphere's half stays; nothing else stirs."""
     log = simulate(folder, two_spheres(TABLE, LOAD_UNLOAD[:1], **ENERGY) + "delete_atoms group right compress no\nrun 40\n")

@@ -1,8 +1,10 @@
 """Bugs of stock LAMMPS that would make demlaws/table silently wrong: shown on a stock model, then worked round or stopped."""
 
+import re
+
 import numpy as np
 import pytest
-from inputs import LOAD_UNLOAD, moves_of
+from inputs import LOAD_UNLOAD, error_of, moves_of
 from inputs_for_lammps import HEAD, STOCK, TABLE, continued, refused, simulate, two_spheres
 
 pytestmark = pytest.mark.releases
@@ -86,6 +88,39 @@ def test_type_pairs_of_unlike_history(folder):
     assert np.abs(beside - alone).max() > 0.1 * np.abs(alone).max()
     for first in (other, f"pair_coeff 1 1 {TABLE}\n"):
         assert "different numbers of history values" in refused(folder, rolling(OUR_ROLL, first))
+
+
+UNUSED = f"pair_coeff * * {STOCK} rolling sds 1e3 1.0 0.1\n"
+
+
+@pytest.mark.parametrize("style", ["granular", "hybrid/overlay granular zero 0.02"])
+@pytest.mark.parametrize("first", [UNUSED, f"{UNUSED}pair_coeff * * {STOCK}\n", f"{UNUSED}pair_coeff 1*2 *1 {TABLE}\n"])
+def test_lines_that_later_ones_replace_for_all_their_pairs(folder, law, style, first):
+    """LAMMPS deals the history for such a line, too, and keeps it in restart files: it becomes a copy of the later one."""
+    words = f"{first}pair_coeff 1 * {TABLE}\npair_coeff 2* 2 {TABLE}\n"
+    if style != "granular":
+        words = re.sub(r"(?m)(pair_coeff \S+ \S+)", r"\1 granular", words) + "pair_coeff * * zero\n"
+    text = two_spheres(words, LOAD_UNLOAD[:2]).replace("pair_style      granular", f"pair_style {style}")
+    log = simulate(folder, text + "write_restart now.restart\n" + moves_of(LOAD_UNLOAD[2:]))
+    assert error_of(log, law) <= 1e-7
+    again = "" if style == "granular" else words  # LAMMPS keeps no coefficients of hybrid styles
+    rest = simulate(folder, continued(LOAD_UNLOAD[2:], again=again))
+    rows = np.isin(log["Step"], rest["Step"])
+    np.testing.assert_allclose(rest["force"], log["force"][rows], rtol=0, atol=1e-12 * log["force"].max())
+
+
+@pytest.mark.parametrize("lines", [f"{UNUSED}pair_coeff 1 * {TABLE}\n", f"{UNUSED}run 1\npair_coeff * * {TABLE}\n"])
+def test_lines_in_use_or_whose_histories_exist_are_not_replaced(folder, lines):
+    """The pair of types 2 and 2 still has the first line; histories were made in the size of another model."""
+    text, late = two_spheres(lines.split("run 1")[0], [(0.2, 0, 1)]), lines.partition("run 1\n")[2]
+    assert "different numbers of history values" in refused(folder, f"{text}{late}run 1\n")
+
+
+def test_one_type_whose_line_is_replaced(folder, law):
+    """LAMMPS deletes the models of its earlier lines at once."""
+    text = two_spheres(f"{UNUSED}pair_coeff * * {STOCK}\npair_coeff * * {TABLE}\n", LOAD_UNLOAD)
+    log = simulate(folder, text.replace("create_box      2", "create_box      1").replace("2 single", "1 single"))
+    assert error_of(log, law) <= 1e-7
 
 
 def test_the_state_is_the_same_seen_from_either_sphere(folder):
