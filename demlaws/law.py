@@ -17,6 +17,7 @@ from demlaws.curves.closed import ClosedForm
 from demlaws.curves.unloading import ELASTIC, Unloading, beside_table, refuse_unless_passive
 from demlaws.errors import Argument, DemlawsError
 from demlaws.files import names_a_file, write_atomically
+from demlaws.laws.definition import HERTZ_CURVE
 from demlaws.responses.response import Response
 from demlaws.units import as_given, number
 
@@ -97,7 +98,9 @@ class Law(Response):
         if other is None or not self.curve.collapses:
             return self.curve.collapses
         # Hertz's curve has no length of its own
-        return other.collapses and (other.definition.hertzian or other.definition.length == self.definition.length)
+        return other.collapses and (
+            other.definition.computed == HERTZ_CURVE or other.definition.length == self.definition.length
+        )
 
     def kinks(self) -> list[float]:
         """Overlaps [m] at which the stiffness of first loading (of the first contact) jumps or has a kink."""

@@ -83,11 +83,11 @@ def example_curve(name, contact, **options):
 
     The law itself on surfaces a quarter as rough (what first loading has flattened), with its definition's own changes.
     """
-    options = {**find(name).example, **options, **find(name).example_curve}
+    options = {**find(name).drawing.example, **options, **find(name).drawing.example_curve}
     return law(name, contact.with_values(roughness=0.25 * np.asarray(contact.sigma)), "elastic", **options)
 
 
 def example(name: str, contact: Contact, unloading: str | Law = "elastic", **options: Any) -> Law:
     """Law `name` as tests and measurements make it, joined with any rule that it is offered."""
     curve = example_curve(name, contact, **options) if unloading == GIVEN else unloading
-    return law(name, contact, curve, **{**find(name).example, **options})
+    return law(name, contact, curve, **{**find(name).drawing.example, **options})

@@ -28,7 +28,7 @@ SPRING = """
     from demlaws.core.fastmath import kernel, sqrt
     from demlaws.core.fastmath import hertz_coefficient, hertz_overlap
     from demlaws.core.unloading import Rule, own_rule
-    from demlaws.laws.definition import Definition, Drawing, Option
+    from demlaws.laws.definition import Definition, Drawing, Option, Rules
 
     class SpringShape(NamedTuple):
         stiffness: float
@@ -106,8 +106,7 @@ SPRING = """
         length="radius",
         collapses=False,
         unloading=("elastic", "slack"),
-        rules=(SLACK,),
-        default_unloading="slack",
+        rules=Rules(default="slack", own=(SLACK,)),
         drawing=Drawing(),
         options={"stiffness": Option("N/m", "above 0", "k"), "lost": Option("", "0 to 1", "share that stays")},
     ))

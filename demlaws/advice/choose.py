@@ -209,7 +209,7 @@ def reference_plan(scene):
         definition = next((d for d in candidates if _reaches(d, scene)), candidates[-1])
         if scene.yield_pressure is not None:
             options = {"yield_pressure": scene.yield_pressure, "loading": definition.name, **options}
-            definition = next(d for d in registry().values() if d.before_yield is not None)
+            definition = next(d for d in registry().values() if d.before_yield()[0] is not None)
     options = definition.read(options)
     back = unloading_rule(scene, definition.name, options)
     if isinstance(back, Law):
@@ -220,10 +220,8 @@ def reference_plan(scene):
 def _before_yield(plan):
     """The plan's law as it is before the bulk yields: (Definition, options), or None of a law that has no yield."""
     definition = find(plan.name)
-    if definition.before_yield is None:
-        return None
     before, options = definition.before_yield(**dict(plan.options))
-    return before, tuple(options.items())
+    return None if before is None else (before, tuple(options.items()))
 
 
 def plans(scene, reference):
@@ -264,7 +262,7 @@ class _Evaluator:
         one = scene.contacts(scene.effective_radii()[1])[0]
         # the reference has roughness, and may yield: the error of a law without them is computed
         self.known |= {limit.reason for limit in find(HERTZ).limits(one) if limit.minimum_force > 0.0}
-        if find(reference.name).before_yield is not None:
+        if find(reference.name).before_yield()[0] is not None:
             self.known |= {limit.reason for limit in bulk_yield(one)}
 
     def consider(self, plan):

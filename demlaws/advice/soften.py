@@ -123,7 +123,7 @@ class Softening:
         if definition.advice.rigid:
             raise DemlawsError(f"law {law!r} cannot be softened: {definition.advice.rigid}")
         options = definition.read(options)
-        if definition.before_yield is not None:
+        if definition.before_yield()[0] is not None:
             before, rest = definition.before_yield(**options)
             inner = self.options(before.name, rest)
         else:

@@ -59,6 +59,6 @@ def run(arguments, result):
     if definition.unloading:
         result.say(f"  unloading: {', '.join(rules)}, or a table to unload along (except those that would create energy)")
         result.print(f"  default: {definition.default_rule()}")
-    for rule in definition.rules:
+    for rule in definition.rules.own:
         result.say(f"  {rule.name}, a rule of this law only: {rule.description}")
     return 0

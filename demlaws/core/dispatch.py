@@ -131,7 +131,7 @@ def refuse_other_values(params, place=""):
     for name, value in zip(getattr(params, "_fields", ("",) * len(params)), params, strict=True):
         if isinstance(value, tuple) and hasattr(value, "_fields"):
             refuse_other_values(value, f"{place}{name}.")
-        elif type(value) is not float:
+        elif not isinstance(value, float):
             what = (
                 f"an array of shape {value.shape}" if isinstance(value, np.ndarray) else f"{type(value).__name__} {value!r:.40}"
             )

@@ -1,6 +1,6 @@
 """Unloading rules. A rule joins any law of first loading for which it is passive (never returns more work than it took).
 
-A law may bring rules of its own (`own_rule`, `Definition.rules`), which no other law is offered.
+A law may bring rules of its own (`own_rule`, `Rules.own`), which no other law is offered.
 
 A rule is a `Rule` record, whose tag type stands for it in compiled code, and pure compiled functions over one contact bound to
 that type. The state is a tuple of floats; all zeros is a contact before first loading, as it is again after separation.
@@ -70,7 +70,7 @@ class Rule(NamedTuple):
     # "law": by kernels of the law, which must return no work on any path
     number: int | None  # in demlaws_table.h; None: C++ does not have it
     description: str  # one line
-    keys: tuple = ()  # of a law's own rule: names of the numbers that a table holds for it; `Definition.rule_numbers`
+    keys: tuple = ()  # of a law's own rule: names of the numbers that a table holds for it; `Rules.numbers`
     shape: Callable | None = None  # those numbers, length over σ, length over R → Shape that the rule reads in a table
     springs: str | None = None  # curve of the springs of partial slip: "own", "hertz", "given" as in `curve`, or "thornton":
     # Hertz's with the radius ratio state[2]; all but "own" from the plastic overlap state[1]. None: an engine has no springs
@@ -106,7 +106,7 @@ LARGEST_STATE = 3
 
 
 def own_rule(rule: Rule) -> Rule:
-    """Make a law's own rule known to compiled code, for its `Definition.rules`.
+    """Make a law's own rule known to compiled code, for its `Rules.own`.
 
     Its kernels `step`, `unloaded` and `stored_and_dissipated` are bound to its tag. They have the law's Shape and Params from
     `unloading_curve(shape, p)`, so that they serve a table of the law, too, and the force from `first_loading`. A rule with a

@@ -49,7 +49,7 @@ class ClosedForm:
         """`BulkYield` in units of `length` [m], where the bulk yields below the dimensionless overlap `highest`."""
         if self.definition.bulk is None or p.hertz_coefficient != hertz_coefficient:
             return NO_YIELD  # rows scale with R, the area of a blunter bulk does not
-        overlap, area, slope = self.definition.bulk(p)
+        overlap, area, slope = self.definition.bulk.point(p)
         if not overlap / length < highest:
             return NO_YIELD
         slope = slope * p.hertz_coefficient * math.sqrt(length)

@@ -123,7 +123,7 @@ class TableCurve:
             return shape  # the law itself
         length = float(np.ravel(bind_params(self.shape, contact).length)[0])
         params = params_at(bind_params(shape, contact), 0)
-        return self.numbers_beside(rule, self.definition.rule_numbers(params, length, sum(self.certificate)))
+        return self.numbers_beside(rule, self.definition.rules.numbers(params, length, sum(self.certificate)))
 
     @property
     def floor(self) -> float | None:

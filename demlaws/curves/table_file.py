@@ -18,7 +18,7 @@ from demlaws.curves.table_grammar import UNLOADING
 from demlaws.curves.unloading import Unloading
 from demlaws.errors import DemlawsError
 from demlaws.files import as_path, read_bytes
-from demlaws.laws.definition import Definition, no_limits
+from demlaws.laws.definition import Definition, Rules, no_limits
 from demlaws.laws.registry import find
 from demlaws.solvers.criterion import YIELD_RATIO
 
@@ -128,7 +128,7 @@ def _about(definition):
 def _definition(file, rule, prefix, collapses):
     """`Definition` of a file's law, or of a law that is not installed, as the file describes it."""
     name, header = file.values[f"{prefix}law"], file.header
-    rules = (rule,) if rule.curve == "law" else ()
+    rules = Rules(own=(rule,) if rule.curve == "law" else ())
     try:
         definition = find(name)
     except DemlawsError:
@@ -140,7 +140,7 @@ def _definition(file, rule, prefix, collapses):
             collapses,
             rules=rules,
         )
-    return definition if rule.name in definition.offered() else definition._replace(rules=rules, refused={})
+    return definition if rule.name in definition.offered() else definition._replace(rules=rules)
 
 
 def definition_of_table(name: str, source: str, description: str, length: str, collapses: bool, **facts: Any) -> Definition:

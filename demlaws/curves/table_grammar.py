@@ -80,7 +80,7 @@ def _one_of(*words):
 
 def rules():
     """Name → the rules that a file may name: the general ones, and those of single laws that readers in C++ have, too."""
-    special = (rule for definition in registry().values() for rule in definition.rules if rule.number is not None)
+    special = (rule for definition in registry().values() for rule in definition.rules.own if rule.number is not None)
     return RULES | {rule.name: rule for rule in special}
 
 

@@ -123,7 +123,7 @@ def find_test(name, modulus="text"):
 def options_for(name, test):
     """Options with which a law is run on a test: those of its example, with the test's own quantities in place of them."""
     definition = registry()[name]
-    example = {} if definition.needs_map else definition.example
+    example = {} if definition.needs_map else definition.drawing.example
     own = {option: getattr(test, option, None) for option in definition.options}
     return {**example, **{option: value for option, value in own.items() if value is not None}}
 

@@ -74,7 +74,7 @@ def test_lines(tests, runs):
             displacement, stiffnesses = granite.gains(result)
             yield f"  {result.law.name:16} {displacement:17.1f} " + "".join(f"{k:10.0f}" for k in stiffnesses)
         for result in runs[test.name]:
-            if test.cyclic and result.law.definition.before_yield is not None:
+            if test.cyclic and result.law.definition.before_yield()[0] is not None:
                 yield from _stage_lines(result)
 
 
@@ -164,7 +164,7 @@ def draw(out, tests, runs, modulus, whole):
     for test in tests:
         figures.append((f"force-{test.key}", pictures.force, test, runs[test.name]))
         for result in runs[test.name]:
-            if test.cyclic and result.law.definition.before_yield is not None:
+            if test.cyclic and result.law.definition.before_yield()[0] is not None:
                 figures.append((f"cycles-{test.key}", pictures.cycling, result))
     if whole:
         named = {(run.test.name, run.law.name): run for test in tests for run in runs[test.name]}

@@ -13,6 +13,7 @@ import numpy as np
 from demlaws.core.grid import Nodes, grid, shape_from_nodes
 from demlaws.errors import Argument, DemlawsError
 from demlaws.laws.definition import (
+    MAP,
     POSITIVE,
     Advice,
     Definition,
@@ -20,6 +21,7 @@ from demlaws.laws.definition import (
     Limit,
     Numbers,
     Option,
+    Rules,
     bulk_yield,
     plastic_asperities,
 )
@@ -235,18 +237,10 @@ LAW = Definition(
     equation="P = Σ elastic-plastic ellipsoids, one per contact patch of the cut height map, with its area and volume",
     source="Jamari & Schipper, Wear 262 (2007) 138; Wear 264 (2008) 349",
     description="measured surface, deterministic asperities",
-    needs_map=True,
+    computed=MAP,
     limits=_limits,
     collapses=False,
-    implicit=True,
-    solved=True,
-    example={
-        "surface": self_affine(roughness=2e-6, **_EXAMPLE),
-        "plastic_factor": 0.71,
-        "plastic_ratio": 160.0,
-    },
-    example_curve={"surface": self_affine(roughness=0.5e-6, **_EXAMPLE)},
-    default_unloading="hertz",
+    rules=Rules(default="hertz"),
     options={
         "surface": Option("", "a HeightMap or a file", "height map of the rough body, or of the gap between two", _softened),
         "max_force": Option("N", POSITIVE, "end of the computed curve; default: the edge of the map or bulk yield"),
@@ -255,5 +249,13 @@ LAW = Definition(
         "plastic_ratio": Option("", POSITIVE, "c_A: 2 ω2/ω1 of a sphere; default: 160 of aluminium"),
     },
     advice=Advice(advise=plastic_asperities),
-    drawing=Drawing(colour="#e377c2"),
+    drawing=Drawing(
+        colour="#e377c2",
+        example={
+            "surface": self_affine(roughness=2e-6, **_EXAMPLE),
+            "plastic_factor": 0.71,
+            "plastic_ratio": 160.0,
+        },
+        example_curve={"surface": self_affine(roughness=0.5e-6, **_EXAMPLE)},
+    ),
 )

@@ -9,6 +9,7 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, root_finder
 from demlaws.laws.definition import (
     HARDNESS,
+    ROOT,
     ROUGHNESS,
     Advice,
     Definition,
@@ -184,7 +185,7 @@ LAW = Definition(
     limits=_limits,
     kinks=lambda p, **_: [p.joint_overlap * p.roughness],
     collapses=False,
-    implicit=True,
+    computed=ROOT,
     needs=("roughness", "hardness"),
     options={
         "constant": Option(

@@ -20,6 +20,7 @@ from demlaws.laws.definition import (
     POSITIVE,
     PRESSURE,
     Advice,
+    Bulk,
     Definition,
     Drawing,
     Fitting,
@@ -27,6 +28,7 @@ from demlaws.laws.definition import (
     Numbers,
     Option,
     Parameter,
+    Rules,
     elastic_bulk,
     power_of,
     pressure_option,
@@ -141,16 +143,17 @@ LAW = Definition(
     description="tips that crush, for ballast",
     limits=_limits,
     kinks=lambda p, **_: [p.yield_overlap],
-    bulk=lambda p: (p.yield_overlap, p.yield_overlap, p.yield_overlap / p.yield_force),
+    bulk=Bulk(lambda p: (p.yield_overlap, p.yield_overlap, p.yield_overlap / p.yield_force)),
     length="radius",
     collapses=False,
-    example={"strength": GRANITE_YIELD_PRESSURE, "angle": 1.2},
     unloading=("elastic", "thornton"),
-    refused={
-        "hertz": "a crushed tip is wider, and at some contacts Hertz's curve of the old radius returns more work than it took; "
-        "the law's own way is 'thornton'"
-    },
-    default_unloading="thornton",
+    rules=Rules(
+        default="thornton",
+        refused={
+            "hertz": "a crushed tip is wider: at some contacts Hertz's curve of the old radius returns more work than loading "
+            "took; use 'thornton'"
+        },
+    ),
     options={
         "strength": Option("Pa", POSITIVE, "σ_max, peak pressure at which the tip crushes", PRESSURE),
         "angle": Option("rad", Numbers(0.0, 0.5 * math.pi), "α of the cone that it becomes: blunt near π/2", _angle_softens),
@@ -164,5 +167,5 @@ LAW = Definition(
         free=("strength", "angle"),
     ),
     advice=Advice(advise=_advise, smooth=True),
-    drawing=Drawing(colour="#5254a3", line="-."),
+    drawing=Drawing(colour="#5254a3", line="-.", example={"strength": GRANITE_YIELD_PRESSURE, "angle": 1.2}),
 )

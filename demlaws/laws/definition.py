@@ -237,10 +237,34 @@ class Advice(NamedTuple):
 
 
 class Drawing(NamedTuple):
-    """How figures show a law."""
+    """How figures show a law, and with which options figures, tests and measurements make it."""
 
     colour: str = "#888888"
     line: str = "-"
+    example: dict = {}  # noqa: RUF012  options, where it has no default
+    example_curve: dict = {}  # noqa: RUF012  changes of these where the law is an example of an unloading curve
+
+
+class Rules(NamedTuple):
+    """Unloading of a law, beside the general rules that it may take."""
+
+    default: str | Callable = "elastic"  # the rule where a user names none; or **options → it (`Definition.default_rule`)
+    own: tuple = ()  # rules of its own (`own_rule`), which no other law is offered
+    numbers: Callable | None = None  # params, length [m], a table's relative error → values of its own rules' `keys`, no units
+    refused: dict = {}  # noqa: RUF012  general rule that the law does not take → what to do instead
+
+
+class Bulk(NamedTuple):
+    """Yield of a contact's bulk."""
+
+    point: Callable  # params → δ_y [m], a²/R there [m], d(a²/R)/dP after it [m/N]
+    radius: Callable | None = None  # contact, **options → R [m] of Hertz's unloading curve and of yield; None: the contact's
+    before: Callable | None = None  # **options → (Definition, options) of the law that holds before the bulk yields
+
+
+HERTZ_CURVE, CLOSED, ROOT, CELLS, MAP = "Hertz's curve", "closed form", "root", "cells", "cells of a map"
+"""How the force of a law is computed (`Definition.computed`): by Hertz's power law, which has no length of its own; in closed
+form; as the root of an equation; from cells, a table from the start, of a curve that a solver gave; of one height map."""
 
 
 _signature = functools.cache(inspect.signature)
@@ -262,29 +286,27 @@ class Definition(NamedTuple):
     description: str
     limits: Callable = bulk_yield  # contact, **options → [Limit]
     kinks: Callable = no_kinks  # params, **options → overlaps [m] where dK/dδ or K jumps: a table puts nodes there
-    bulk: Callable | None = None  # of a law whose bulk yields: params → δ_y [m], a²/R there [m], d(a²/R)/dP after it [m/N]
-    unloading_radius: Callable | None = (
-        None  # contact, **options → R [m] of Hertz's unloading curve and of yield; None: the contact's
-    )
+    bulk: Bulk | None = None  # of a law whose bulk yields
     length: str = "roughness"  # the contact's length that makes the law's curve dimensionless: "roughness" or "radius"
     collapses: bool = True  # one dimensionless curve serves all radii, moduli and roughnesses
-    implicit: bool = False  # force is the root of an equation, not a closed form
-    solved: bool = False  # the curve comes from a solver and is a table from the start
-    needs_map: bool = False  # made from a height map, not from a roughness
+    computed: str = CLOSED
     needs: tuple = ()  # names of Contact fields that must be given
-    before_yield: Callable | None = None  # **options → (Definition, options) of the law that holds before the bulk yields
     options: dict = {}  # noqa: RUF012  each option of `prepare` → Option
-    example: dict = {}  # noqa: RUF012  options with which tests and figures make the law, where it has no default
-    example_curve: dict = {}  # noqa: RUF012  what of these changes where the law is an example of an unloading curve
     unloading: tuple = ("elastic", "hertz")  # rules that it is fitted, chosen and measured with, the plainest first
-    rules: tuple = ()  # rules of its own (`own_rule`), which no other law is offered
-    rule_numbers: Callable | None = None  # params, length [m], a table's relative error → values of its rules' `keys`, no units
-    default_unloading: str | Callable = "elastic"  # the rule where a user names none; or **options → it (`default_rule`)
-    refused: dict = {}  # noqa: RUF012  general rule that the law does not take → what to do instead
-    hertzian: bool = False  # the curve is Hertz's: a power law without a length of its own
+    rules: Rules = Rules()
     fitting: Fitting = Fitting()
     advice: Advice = Advice()
     drawing: Drawing = Drawing()
+
+    @property
+    def solved(self) -> bool:
+        """Whether the curve comes from a solver and is a table from the start."""
+        return self.computed in (CELLS, MAP)
+
+    @property
+    def needs_map(self) -> bool:
+        """Whether the law is made from a height map, not from a roughness."""
+        return self.computed == MAP
 
     def read(self, options: Mapping[str, Any]) -> dict[str, Any]:
         """Options as numbers in SI units, each read by its record (`Option`), those of the law before yield by its records.
@@ -292,10 +314,8 @@ class Definition(NamedTuple):
         The one place that reads options, of Python, commands, scenes, engines and files. None is an option that is not given,
         where that is its default or it has none. An unknown option stays as it is: `shape` refuses it.
         """
-        inner = {}
-        if self.before_yield is not None:
-            before, rest = self.before_yield(**options)
-            inner = before.read(rest)
+        before, rest = self.before_yield(**options)
+        inner = {} if before is None else before.read(rest)
         signature, values = _signature(self.prepare).parameters, {}
         for name, value in options.items():
             if value is None and name in signature and signature[name].default in (None, _REQUIRED):
@@ -346,7 +366,7 @@ class Definition(NamedTuple):
 
         "hertz" of laws of rough contacts, the rule of its own of a law that has one, else "elastic".
         """
-        rule = self.default_unloading
+        rule = self.rules.default
         return rule if isinstance(rule, str) else rule(**options)
 
     @property
@@ -356,24 +376,29 @@ class Definition(NamedTuple):
 
     def offered(self) -> dict[str, Rule]:
         """Name → rule: the general ones but those that the law refuses, then its own."""
-        general = {name: rule for name, rule in RULES.items() if name not in self.refused}
-        return general | {rule.name: rule for rule in self.rules}
+        general = {name: rule for name, rule in RULES.items() if name not in self.rules.refused}
+        return general | {rule.name: rule for rule in self.rules.own}
 
     def rule(self, name: str) -> Rule:
         """The rule of this name; DemlawsError where the law does not take it."""
         available = self.offered()
         if isinstance(name, str) and name in available:
             return available[name]
-        if isinstance(name, str) and name in self.refused:
-            raise DemlawsError(f"law {self.name!r} does not take {name!r} unloading: {self.refused[name]}")
+        if isinstance(name, str) and name in self.rules.refused:
+            raise DemlawsError(f"law {self.name!r} does not take {name!r} unloading: {self.rules.refused[name]}")
         named = [rule for rule in available if rule != GIVEN]
         rules = f"{did_you_mean(name, named)} The rules are {', '.join(named)} (law {self.name!r})"
         raise DemlawsError(f"unknown unloading rule {name!r}{rules}, or a law or table to unload along")
 
     def bulk_radius(self, contact: Contact, **options: Any) -> Any:
         """R [m] of the shape that yields and unloads, one per contact: the contact's, unless an option gives another."""
-        own = None if self.unloading_radius is None else self.unloading_radius(contact, **options)
+        radius = None if self.bulk is None else self.bulk.radius
+        own = None if radius is None else radius(contact, **options)
         return contact.radius if own is None else own
+
+    def before_yield(self, **options: Any) -> tuple:
+        """(Definition, its options) of the law that holds before the bulk yields; (None, options) of other laws."""
+        return (None, options) if self.bulk is None or self.bulk.before is None else self.bulk.before(**options)
 
     def option_lines(self) -> Iterator[str]:
         """A line for each option: name, unit, range, default, meaning."""
@@ -388,7 +413,7 @@ class Definition(NamedTuple):
 
     def needed(self, **options: Any) -> tuple[str, ...]:
         """Names of Contact fields that must be given, those of the law before yield included."""
-        if self.before_yield is None:
-            return self.needs
         definition, rest = self.before_yield(**options)
+        if definition is None:
+            return self.needs
         return tuple(dict.fromkeys((*self.needs, *definition.needed(**rest))))

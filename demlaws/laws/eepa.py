@@ -17,6 +17,7 @@ from demlaws.laws.definition import (
     Numbers,
     Option,
     Parameter,
+    Rules,
     no_limits,
     plastic_from_the_start,
 )
@@ -185,13 +186,8 @@ LAW = Definition(
     description="powder: plastic from the first load",
     limits=no_limits,
     length="radius",
-    example={"stiffness_ratio": 3.0},
-    example_curve={"softness": 4.0},
     unloading=("elastic", "eepa"),
-    rules=(EEPA,),
-    rule_numbers=_numbers,
-    default_unloading="eepa",
-    refused=_ONLY_OWN,
+    rules=Rules(default="eepa", own=(EEPA,), numbers=_numbers, refused=_ONLY_OWN),
     options={
         "stiffness_ratio": Option("", Numbers(1.0, 1e6, True), "k2/k1"),
         "softness": Option("", Numbers(0.0, 1e3), "k1 over Hertz's (4/3) E* √R"),
@@ -205,5 +201,5 @@ LAW = Definition(
         free=("softness", "stiffness_ratio"),
     ),
     advice=Advice(advise=plastic_from_the_start),
-    drawing=Drawing(colour="#01665e"),
+    drawing=Drawing(colour="#01665e", example={"stiffness_ratio": 3.0}, example_curve={"softness": 4.0}),
 )

@@ -75,8 +75,6 @@ LAW = Definition(
     description="blunt cone tips",
     kinks=lambda p, **_: [1.0 / p.inverse_threshold],
     length="radius",
-    example={"slope": 0.035},
-    example_curve={"slope": 0.03},
     options={
         "slope": Option("rad", Numbers(0.0, 1.0, True), "slope β of the tip's or the surface's flank", slope_softens),
     },
@@ -84,5 +82,5 @@ LAW = Definition(
         parameters={"slope": Parameter("rad", True, lambda c: (1e-4, 0.9), lambda c: [0.003, 0.01, 0.03, 0.1], option=True)},
         free=("slope",),
     ),
-    drawing=Drawing(colour="#8c564b"),
+    drawing=Drawing(colour="#8c564b", example={"slope": 0.035}, example_curve={"slope": 0.03}),
 )

@@ -1,6 +1,18 @@
 """Greenwood & Tripp 1967: elastic Gaussian asperities on an elastic bulk, the reference for roughness."""
 
-from demlaws.laws.definition import ROUGHNESS, SEATING, Definition, Drawing, Fitting, Numbers, Option, Parameter, bulk_yield
+from demlaws.laws.definition import (
+    CELLS,
+    ROUGHNESS,
+    SEATING,
+    Definition,
+    Drawing,
+    Fitting,
+    Numbers,
+    Option,
+    Parameter,
+    Rules,
+    bulk_yield,
+)
 from demlaws.laws.family import SEATING_SHARE, CurveNumber, prepare, seating_limit
 from demlaws.solvers.master_curves import ELASTIC_LAYER
 
@@ -24,11 +36,9 @@ LAW = Definition(
     description="elastic Gaussian asperities, solved",
     limits=_limits,
     collapses=False,
-    implicit=True,
-    solved=True,
+    computed=CELLS,
     needs=("roughness",),
-    default_unloading="hertz",
-    example={"mu": MU},
+    rules=Rules(default="hertz"),
     options={
         "mu": Option("", Numbers(0.05, 1e5, True), "μ = (8/3) η σ √(2Rβ), from `demlaws surface summits`"),
         "seating_share": SEATING,
@@ -37,5 +47,5 @@ LAW = Definition(
         parameters={"roughness": ROUGHNESS, "mu": Parameter("", True, lambda c: (0.05, 1e3), lambda c: [MU], option=True)},
         free=("roughness",),
     ),
-    drawing=Drawing(colour="#17becf", line=":"),
+    drawing=Drawing(colour="#17becf", line=":", example={"mu": MU}),
 )

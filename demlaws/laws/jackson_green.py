@@ -16,7 +16,7 @@ import numpy as np
 from demlaws.contact import pressure_of
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import exp2, hertz_coefficient, hertz_overlap, kernel, log2, sqrt
-from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, no_limits, yielding_bulk
+from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, Rules, no_limits, yielding_bulk
 from demlaws.laws.etsion import ETSION, JACKSON, NOT_THORNTON, rule_numbers
 from demlaws.laws.kogut_etsion import POISSON_OPTION, STRENGTH, STRENGTH_OPTION
 
@@ -157,12 +157,8 @@ LAW = Definition(
     kinks=lambda p, **_: [p.joint * p.critical_overlap],
     length="radius",
     collapses=False,
-    example={"yield_strength": 1.0375e9},
     unloading=("elastic", "etsion"),
-    rules=(ETSION, JACKSON),
-    rule_numbers=_numbers,
-    default_unloading="etsion",
-    refused=NOT_THORNTON,
+    rules=Rules(default="etsion", own=(ETSION, JACKSON), numbers=_numbers, refused=NOT_THORNTON),
     options={"yield_strength": STRENGTH_OPTION, "poisson": POISSON_OPTION},
     fitting=Fitting(identifiable=False, parameters={"yield_strength": STRENGTH}, free=("yield_strength",)),
     advice=Advice(
@@ -170,5 +166,5 @@ LAW = Definition(
         advise=yielding_bulk,
         smooth=True,
     ),
-    drawing=Drawing(colour="#de77ae", line="-."),
+    drawing=Drawing(colour="#de77ae", line="-.", example={"yield_strength": 1.0375e9}),
 )

@@ -16,6 +16,7 @@ from demlaws.laws.definition import (
     Numbers,
     Option,
     Parameter,
+    Rules,
     no_limits,
     plastic_from_the_start,
 )
@@ -56,13 +57,8 @@ LAW = Definition(
     kinks=lambda p, **_: [p.limit],
     length="radius",
     collapses=False,
-    example={"loading_stiffness": 3e6, "stiffness_ratio": 5.0, "plasticity_depth": 0.005},
-    example_curve={"loading_stiffness": 1.5e7},
     unloading=("elastic", "linear"),
-    rules=(LINEAR,),
-    rule_numbers=numbers,
-    default_unloading="linear",
-    refused=ONLY_STRAIGHT,
+    rules=Rules(default="linear", own=(LINEAR,), numbers=numbers, refused=ONLY_STRAIGHT),
     options={
         "loading_stiffness": K1,
         "stiffness_ratio": Option("", Numbers(1.0, 1e6), "k̂2/k1, of the stiffest unloading"),
@@ -78,5 +74,9 @@ LAW = Definition(
         free=("loading_stiffness", "stiffness_ratio", "plasticity_depth"),
     ),
     advice=Advice(advise=plastic_from_the_start),
-    drawing=Drawing(colour="#c51b7d"),
+    drawing=Drawing(
+        colour="#c51b7d",
+        example={"loading_stiffness": 3e6, "stiffness_ratio": 5.0, "plasticity_depth": 0.005},
+        example_curve={"loading_stiffness": 1.5e7},
+    ),
 )

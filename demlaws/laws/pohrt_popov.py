@@ -20,6 +20,7 @@ from demlaws.laws.definition import (
     Drawing,
     Fitting,
     Limit,
+    Rules,
     bulk_yield,
     elastic_asperities,
 )
@@ -134,7 +135,7 @@ LAW = Definition(
     limits=_limits,
     kinks=lambda p: [1.0 / p.inverse_threshold],
     needs=("roughness", "fractal_dimension"),
-    default_unloading="hertz",
+    rules=Rules(default="hertz"),
     fitting=Fitting(
         parameters={"roughness": ROUGHNESS, "fractal_dimension": DIMENSION}, free=("roughness", "fractal_dimension")
     ),

@@ -7,7 +7,17 @@ import numpy as np
 
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, sqrt
-from demlaws.laws.definition import ROUGHNESS, Advice, Definition, Drawing, Fitting, Limit, bulk_yield, elastic_asperities
+from demlaws.laws.definition import (
+    ROUGHNESS,
+    Advice,
+    Definition,
+    Drawing,
+    Fitting,
+    Limit,
+    Rules,
+    bulk_yield,
+    elastic_asperities,
+)
 
 
 class RmsShape(NamedTuple):
@@ -122,7 +132,7 @@ LAW = Definition(
     description="rough metal surfaces, fitted",
     limits=_limits,
     needs=("roughness",),
-    default_unloading="hertz",
+    rules=Rules(default="hertz"),
     fitting=Fitting(parameters={"roughness": ROUGHNESS}, free=("roughness",)),
     advice=Advice(advise=_advise, rank=2, candidate=True),
     drawing=Drawing(colour="#1f77b4"),

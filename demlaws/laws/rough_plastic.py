@@ -31,10 +31,12 @@ from demlaws.laws.definition import (
     PRESSURE,
     ROUGHNESS,
     Advice,
+    Bulk,
     Definition,
     Drawing,
     Fitting,
     Option,
+    Rules,
     pressure_option,
 )
 
@@ -168,7 +170,7 @@ def _bulk_radius(contact, bulk_radius=None, **_):
 _BULK_OPTIONS = ("yield_pressure", "yield_at", "bulk_radius")
 
 
-def _of_loading(options):
+def _before(**options):
     """Definition of the rough law, and its options among all that were given."""
     rest = {name: value for name, value in options.items() if name not in (*_BULK_OPTIONS, "loading")}
     return _loading_definition(options.get("loading", "pohrt-popov")), rest
@@ -176,18 +178,18 @@ def _of_loading(options):
 
 def _default_unloading(**options):
     """Hertz's, unless the rough law, as bahrami, cannot take it."""
-    definition, rest = _of_loading(options)
+    definition, rest = _before(**options)
     return "elastic" if definition.needs and definition.default_rule(**rest) == "elastic" else "hertz"
 
 
 def _kinks(p, **options):
-    definition, rest = _of_loading(options)
+    definition, rest = _before(**options)
     return [*(k for k in definition.kinks(p.loading, **rest) if k < p.yield_overlap), p.yield_overlap]
 
 
 def _limits(contact, **options):
     # The upper limits of the rough law are those of bulk yield, which this law includes.
-    definition, rest = _of_loading(options)
+    definition, rest = _before(**options)
     limits = definition.limits(contact, **rest)
     return [limit._replace(maximum_force=math.inf) for limit in limits if limit.minimum_force > 0.0]
 
@@ -205,12 +207,9 @@ LAW = Definition(
     description="any rough law, then bulk yield",
     limits=_limits,
     kinks=_kinks,
-    bulk=lambda p: (p.yield_overlap, p.yield_area, p.area_slope),
-    unloading_radius=_bulk_radius,
+    bulk=Bulk(lambda p: (p.yield_overlap, p.yield_area, p.area_slope), radius=_bulk_radius, before=_before),
     collapses=False,
-    before_yield=lambda **options: _of_loading(options),
-    default_unloading=_default_unloading,
-    example={"yield_pressure": GRANITE_YIELD_PRESSURE},
+    rules=Rules(default=_default_unloading),
     unloading=("elastic", "hertz", "thornton"),
     options={
         "yield_pressure": Option(
@@ -231,5 +230,5 @@ LAW = Definition(
         free=("roughness", "fractal_dimension", "yield_pressure"),
     ),
     advice=Advice(advise=_advise),
-    drawing=Drawing(colour="#ff7f0e", line="-."),
+    drawing=Drawing(colour="#ff7f0e", line="-.", example={"yield_pressure": GRANITE_YIELD_PRESSURE}),
 )

@@ -17,6 +17,7 @@ from demlaws.laws.definition import (
     Fitting,
     Numbers,
     Option,
+    Rules,
     no_limits,
     plastic_from_the_start,
 )
@@ -61,13 +62,8 @@ LAW = Definition(
     limits=no_limits,
     length="radius",
     collapses=False,
-    example={"loading_stiffness": 3e6, "stiffness_ratio": 2.0},
-    example_curve={"loading_stiffness": 6e6},
     unloading=("elastic", "linear"),
-    rules=(LINEAR,),
-    rule_numbers=numbers,
-    default_unloading="linear",
-    refused=ONLY_STRAIGHT,
+    rules=Rules(default="linear", own=(LINEAR,), numbers=numbers, refused=ONLY_STRAIGHT),
     options={
         "loading_stiffness": K1,
         "stiffness_ratio": Option("", Numbers(1.0, 1e6, True), "k2/k1; this or growth is needed"),
@@ -79,5 +75,7 @@ LAW = Definition(
         free=("loading_stiffness", "stiffness_ratio"),
     ),
     advice=Advice(advise=plastic_from_the_start),
-    drawing=Drawing(colour="#7b3294"),
+    drawing=Drawing(
+        colour="#7b3294", example={"loading_stiffness": 3e6, "stiffness_ratio": 2.0}, example_curve={"loading_stiffness": 6e6}
+    ),
 )

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from demlaws.laws.definition import (
+    CELLS,
     HARDNESS,
     ROUGHNESS,
     SEATING,
@@ -13,6 +14,7 @@ from demlaws.laws.definition import (
     Drawing,
     Fitting,
     Limit,
+    Rules,
     plastic_asperities,
 )
 from demlaws.laws.family import SEATING_SHARE, SMOOTH, CurveNumber, prepare, seating_limit
@@ -51,10 +53,9 @@ LAW = Definition(
     description="plastic crust of Gaussian asperities, solved",
     limits=_limits,
     collapses=False,
-    implicit=True,
-    solved=True,
+    computed=CELLS,
     needs=("roughness", "hardness"),
-    default_unloading="hertz",
+    rules=Rules(default="hertz"),
     options={
         "seating_share": SEATING,
     },

@@ -155,7 +155,7 @@ def _yade_check(law, contact, options):
     if definition.needs_map or (registry.is_user_defined(definition) and not loaded):
         why = "the law is that of one map" if definition.needs_map else "only laws of a file can be: dl.load_laws(FILE)"
         return Check(what, 0, 0, note=f"not compared: {why}")
-    options = {**definition.example, **options}
+    options = {**definition.drawing.example, **options}
     rule = definition.default_rule(**options)
     paths, asked, expected = [], [], []
     try:

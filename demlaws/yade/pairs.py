@@ -16,6 +16,7 @@ from demlaws.curves.closed import ClosedForm
 from demlaws.curves.unloading import Bound, Unloading, refuse_unless_passive
 from demlaws.errors import DemlawsError, MissingQuantity, did_you_mean, quiet
 from demlaws.laws import HERTZ
+from demlaws.laws.definition import HERTZ_CURVE
 from demlaws.laws.hertz import HertzShape
 from demlaws.laws.registry import find, laws
 from demlaws.units import number
@@ -447,7 +448,7 @@ class Pairs:
     @property
     def needs_no_judgement(self):
         """Whether materials that are not listed are known to be meant as they are served."""
-        only_hertz = all(source.definition.hertzian for source in self.sources)
+        only_hertz = all(source.definition.computed == HERTZ_CURVE for source in self.sources)
         return self.smooth or only_hertz or self.everywhere is not None
 
     @property

@@ -12,6 +12,7 @@ import numpy as np
 import demlaws as dl
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.errors import NotPassive
+from demlaws.laws import definition as laws_definition
 from demlaws.laws.registry import registry
 from demlaws.make import example, example_curve
 from making.formula import latex, lines, symbols_of
@@ -100,7 +101,7 @@ def rules():
     """Name → (rule, name of a law that takes it): the general rules on a yielding rough contact, a law's own on that law."""
     found = {name: (rule, "rough-plastic") for name, rule in RULES.items()}
     for name, definition in registry().items():
-        for rule in definition.rules:
+        for rule in definition.rules.own:
             found.setdefault(rule.name, (rule, name))
     return found
 
@@ -112,7 +113,7 @@ def cautions(definition, law):
         sentences.append("It neglects roughness: a rough contact is far softer at low load.")
     if definition.needs_map:
         sentences.append("It needs a measured height map; with a roughness alone, use another law.")
-    if definition.implicit and not definition.needs_map and not definition.solved:
+    if definition.computed == laws_definition.ROOT:
         sentences.append("Its force is the root of an equation, solved at each call: for many contacts use its table.")
     if definition.needs_map:
         sentences.append(

@@ -56,7 +56,7 @@ class Case(NamedTuple):
     @property
     def options(self):
         """Options that the law is made with."""
-        return registry()[self.law].example
+        return registry()[self.law].drawing.example
 
     @property
     def one_contact(self):

@@ -21,7 +21,7 @@ from demlaws.laws.registry import find, registry
 def test_an_option_is_refused_outside_its_range(name, option):
     """Junk; a strength without its unit, of 1.66 GPa the number alone; nothing where a value is needed."""
     definition = find(name)
-    example, record = definition.example, definition.options[option]
+    example, record = definition.drawing.example, definition.options[option]
     wrong = [example | {option: value} for value in (math.nan, -1.0, "steep", object())]
     if option in example and record.unit == "Pa":
         wrong.append(example | {option: 1e-9 * example[option]})
@@ -38,7 +38,7 @@ def test_facts_agree_with_one_another(name):
     assert definition.unloading[0] == "elastic"
     assert set(definition.unloading) <= set(definition.offered())
     assert definition.default_rule() in definition.unloading
-    assert not set(definition.refused) & set(definition.offered())
+    assert not set(definition.rules.refused) & set(definition.offered())
     assert set(definition.fitting.free) <= {"modulus", *definition.fitting.parameters}
     assert re.fullmatch(r"#[0-9a-f]{6}", definition.drawing.colour)
     taken = [p.name for p in inspect.signature(definition.prepare).parameters.values() if p.kind is not p.VAR_KEYWORD]
@@ -48,7 +48,9 @@ def test_facts_agree_with_one_another(name):
         assert all(low <= start <= high for start in np.atleast_1d(one.starts(GRANITE)))
         assert one.option == (parameter not in OF_CONTACT)
         if one.option:  # the law takes it
-            shape = definition.shape(GRANITE, **{**definition.example, parameter: float(np.atleast_1d(one.starts(GRANITE))[0])})
+            shape = definition.shape(
+                GRANITE, **{**definition.drawing.example, parameter: float(np.atleast_1d(one.starts(GRANITE))[0])}
+            )
             assert type(shape) is type(make(name).shape)
 
 
@@ -87,11 +89,14 @@ def test_colours_and_ranks_differ():
     assert len(set(ranks)) == len(ranks) >= 4
 
 
-@pytest.mark.parametrize("name", [n for n, d in registry().items() if d.before_yield is not None])
+@pytest.mark.parametrize("name", [n for n, d in registry().items() if d.before_yield()[0] is not None])
 def test_a_yielding_law_needs_what_its_rough_law_needs(name):
     definition = find(name)
     for loading in ("pohrt-popov", "yip-venart", "hertz"):
-        assert set(definition.needed(**definition.example, loading=loading)) == {*definition.needs, *find(loading).needs}
+        assert set(definition.needed(**definition.drawing.example, loading=loading)) == {
+            *definition.needs,
+            *find(loading).needs,
+        }
 
 
 @pytest.mark.parametrize("name", [n for n, d in registry().items() if not d.solved and not d.needs_map])
@@ -121,7 +126,7 @@ BAD_OPTIONS = {  # what is more than one option's range
     "rough-plastic": [
         YIELD | {"loading": "rms", "steepness": 0.2},
         # laws that yield by themselves
-        *(YIELD | find(name).example | {"loading": name} for name in registry() if find(name).unloads_its_own_way),
+        *(YIELD | find(name).drawing.example | {"loading": name} for name in registry() if find(name).unloads_its_own_way),
         YIELD | {"loading": "rough-plastic"},
     ],
     "conical-damage": [{"strength": 1e9, "angle": 1.6}],

@@ -118,7 +118,7 @@ def test_slopes_of_straight_unloading_beside_a_table(name):
     """Over E* √(R length), larger by the table's error, so that no table is stiffer in loading than in unloading."""
     law, length = make(name), 3e-6
     p, unit = law.params, GRANITE.modulus * math.sqrt(GRANITE.radius * length)
-    found = law.definition.rule_numbers(p, length, 0.25)
+    found = law.definition.rules.numbers(p, length, 0.25)
     expected = p.first_stiffness, p.stiffening * length, p.largest_stiffness
     assert list(found.values()) == pytest.approx([1.25 * value / unit for value in expected], rel=1e-14)
 

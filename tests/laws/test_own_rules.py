@@ -83,7 +83,7 @@ def test_one_file_by_two_names_is_one_law(tmp_path, monkeypatch, how):
         again = find("twice")
         assert again is not first
         for definition in (first, again):
-            assert rule_of(type(definition.rules[0].tag)) is definition.rules[0]
+            assert rule_of(type(definition.rules.own[0].tag)) is definition.rules.own[0]
 
 
 def test_no_other_law_is_offered_it():

@@ -43,7 +43,7 @@ BULK = [("hertz", YIELDED), ("thornton", {"yield_pressure": 3e8, "yield_at": "lo
 
 @pytest.mark.parametrize(("name", "rule", "more"), [*EVERY_LAW, *(("rough-plastic", *one) for one in BULK)])
 def test_two_spheres_every_law(omega, name, rule, more):
-    wanted = options = find(name).example | more
+    wanted = options = find(name).drawing.example | more
     given = name, rule
     if rule == GIVEN or find(name).needs_map:  # a law that has its curve with it, or the map of one contact
         pair = GRANITE.combined(GRANITE)

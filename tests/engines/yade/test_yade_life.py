@@ -313,7 +313,7 @@ def test_a_measured_map_beside_a_wall(omega):
     stone, steel = material(), material("steel")
     omega.bodies.append([sphere((0, 0, 0.01 - 2e-6), 0.01, fixed=True, material=stone), wall(0, 2, material=steel)])
     pair = dl.Contact(0.01, MODULUS, GRANITE.roughness, GRANITE.fractal_dimension, GRANITE.hardness)
-    given = dl.law("asperity", pair, "elastic", **find("asperity").example)
+    given = dl.law("asperity", pair, "elastic", **find("asperity").drawing.example)
     law = functor(given, None, {"granite": GRANITE, "steel": dl.Surface(0)})
     set_engines(law, 1e-9)
     advance(3)
@@ -329,7 +329,7 @@ def test_a_measured_map_is_refused_for_another_contact(omega):
 
     stone, pair = material(), GRANITE.combined(GRANITE)
     contact = dl.Contact(0.005, MODULUS, pair.roughness, pair.fractal_dimension, pair.hardness)
-    law = functor(dl.law("asperity", contact, "elastic", **find("asperity").example), None)
+    law = functor(dl.law("asperity", contact, "elastic", **find("asperity").drawing.example), None)
     omega.bodies.append([sphere((0, 0, z), 0.02, fixed=True, material=stone) for z in (0, 0.04 - 2e-6)])
     set_engines(law, 1e-9)
     stops("that of another contact")

@@ -16,7 +16,7 @@ from demlaws.core.slip import SAMPLES, slip_loop
 from demlaws.core.unloading import RULES, Hertz, Rule, own_rule
 from demlaws.driver import sheared
 from demlaws.laws import registry
-from demlaws.laws.definition import Advice
+from demlaws.laws.definition import Advice, Rules
 from demlaws.make import example
 from demlaws.yade.shear import SPRINGS
 from studies.validation import engines
@@ -347,7 +347,9 @@ class Twin(NamedTuple):
 def test_a_rule_of_ones_own_with_springs_slips(omega, registered_here):
     bind(Twin, **_KERNELS[Hertz])
     rule = own_rule(Rule("twin", Twin(), RULES["hertz"].state, "law", None, "as hertz", springs="hertz"))
-    law = registry.find("pohrt-popov")._replace(name="twins", unloading=("elastic", "twin"), rules=(rule,), advice=Advice())
+    law = registry.find("pohrt-popov")._replace(
+        name="twins", unloading=("elastic", "twin"), rules=Rules(own=(rule,)), advice=Advice()
+    )
     dl.register(law)
     overlaps, sideways = 1e-5 * np.array([1.0, 1.0, 0.9, 0.8, 0.95]), 1e-5 * np.array([0.0, 0.2, 0.1, 0.3, 0.0])
     found = []
