@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws import granite, regime
+from demlaws.contact import combined_roughness, effective_radius
 from demlaws.granite import MICRO, MODULI, STONES, bind, displacement_gained, find_test, run_test, stiffness_at
 from demlaws.laws import GODDARD, GREENWOOD_TRIPP, HERTZ, POHRT_POPOV, RMS, ROUGH_PLASTIC, YIP_VENART
 from demlaws.make import law
@@ -92,8 +93,8 @@ def pairs_of_stones(laws):
     found = {}
     for name, ((r1, s1, _), (r2, s2, _)) in STONES.items():
         test = laws.test(name)
-        found[f"{name} R"] = (1.0 / (1.0 / r1 + 1.0 / r2) - 1e3 * test.radius) / 0.01
-        found[f"{name} σ"] = (math.hypot(s1, s2) - test.roughness / MICRO) / 0.01
+        found[f"{name} R"] = (effective_radius(r1, r2) - 1e3 * test.radius) / 0.01
+        found[f"{name} σ"] = (float(combined_roughness(s1, s2)) - test.roughness / MICRO) / 0.01
     return found
 
 
@@ -206,7 +207,7 @@ def printed_kappa(laws):
         printed = t.modulus / t.contact.hardness * math.sqrt(t.radius / t.roughness)
         number = t.contact.hardness / t.modulus * math.sqrt(8.0 * t.radius / t.roughness)
         alpha = float(t.contact.roughness_parameter(100.0))
-        solved = float(master_curves.central_pressure("yip-venart", number, 4.0 / 3.0 * alpha**-1.5))
+        solved = float(master_curves.central_pressure(YIP_VENART, number, 4.0 / 3.0 * alpha**-1.5))
         return 1.0 / (1.0 + 1.22 * alpha * printed**-0.16) / solved
 
     return table(ratio, granite.ROUGH_SPHERES)
