@@ -252,7 +252,6 @@ def test_only_public_names_are_listed():
 
 
 def test_a_public_name_that_its_module_lacks_is_an_error():
-    """Before: the name was the module."""
     code = """
         import demlaws as dl
         dl._homes["lwa"] = "demlaws.make"

@@ -44,7 +44,6 @@ def test_both_radii_are_required():
 
 
 def test_a_rough_surface_is_named_as_it_was_given():
-    """Before: 2.40416 m, of the pair, for a typed 1.7."""
     radii = {"radius1": "8mm", "radius2": "8mm"}
     with pytest.raises(dl.DemlawsError, match=r"^roughness2 = 1\.7 m is 425 of the radius 0\.004 m"):
         dl.Contact.between(GRANITE, GRANITE, **radii, roughness1=1e-6, roughness2=1.7)

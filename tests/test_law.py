@@ -215,7 +215,6 @@ def test_parallel_is_equal_bit_for_bit(name, unloading, rng):
 )
 @pytest.mark.parametrize("beyond", [math.inf, 1.001 * GRANITE.radius, math.nan, 1e300])
 def test_what_cannot_be_answered_leaves_the_history_as_it_was(name, unloading, beyond):
-    """Before: an infinite overlap left inf and NaN in the state, and every later force of that contact was NaN."""
     law = make(name, unloading)
     state = law.new_state(3) if law.state_size else None
     law.evaluate(np.full(3, 5e-6), state)
@@ -271,7 +270,6 @@ def test_beyond_the_end_of_a_table_the_history_stays():
 
 
 def test_overlaps_beyond_a_tenth_of_the_radius_warn_and_beyond_the_radius_are_refused():
-    """Before: law.force(1.0) on R = 4.35 mm gave 2.8e9 N silently."""
 
     def fresh(**changes):
         return dl.law("hertz", dl.Contact(4.35e-3, 32e9).with_values(**changes))
@@ -314,7 +312,6 @@ def test_a_batch_takes_what_a_force_takes(overlap):
 
 
 def test_parallel_works_in_a_child_made_by_fork():
-    """Before: the child waited for ever for threads that only its parent has."""
     law, n = make("hertz"), 150_001
     overlap = np.linspace(0.0, 1e-5, n)
     expected = law.evaluate(overlap, parallel=True)[0]
@@ -329,7 +326,6 @@ def test_parallel_works_in_a_child_made_by_fork():
 
 
 def test_setting_a_quantity_of_a_state_sets_it():
-    """Before: `state.maximum_overlap = saved` was ignored silently."""
     law = make("pohrt-popov", "hertz")
     state = law.new_state(3)
     array = state.maximum_overlap
@@ -458,7 +454,6 @@ def test_passivity_is_measured_where_it_is_worst():
 
 @pytest.mark.parametrize("force", [-5.0, 0.0])
 def test_a_force_without_contact_has_no_overlap_and_no_warning(force):
-    """Before: -5 N warned that the bulk yields "below 0 N", and 0 N that it is below the range of Hertz's law."""
     contact = dl.Contact(radius=4e-3, modulus=32e9, roughness=2e-6, fractal_dimension=2.2, hardness=6e9)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -5,17 +5,16 @@ close fit" to SS(18-18) and SS(12-18), so that a law that differs from it there 
 """
 
 from collections.abc import Iterable
+from functools import partial as of
 
 from demlaws import granite
 from demlaws.errors import quiet
 from demlaws.granite import CONE_DIMENSION, MODULI, ROUGH_SPHERES
 from demlaws.granite import quantities as q
 from demlaws.granite.verdicts import NEAR, Claim, Criterion, Judged, built_in, judge, near, undecided
-from demlaws.laws import BAHRAMI, HERTZ, POHRT_POPOV, RMS, YIP_VENART
+from demlaws.laws import BAHRAMI, HERTZ, POHRT_POPOV, RMS, ROUGH_PLASTIC, YIP_VENART
 
-_SMOOTH, _CLOSE = ("VS(18-18)",), ("SS(18-18)", "SS(12-18)")
-_FIT = (POHRT_POPOV, RMS, YIP_VENART)
-"""The laws that the paper finds to fit rough spheres."""
+_SMOOTH = ("VS(18-18)",)
 _ROUGH, _OPEN = "rough spheres", ("SF(12)", "RS(18-18)")
 _SIGMA, _RULE, _FORMULA = "every rough law is softer for a larger σ", "true of the unloading rule", "true of the law's formula"
 _ORIGIN = "the sign depends on the load from which displacements count, which is not printed"
@@ -23,21 +22,21 @@ _SOFT = 1.0 - NEAR
 
 SPHERES = (
     Claim("§4", "all spheres", "field of view of 0.2 mm by Hertz, R = 4.4 mm at 100 N", "a_H (mm)",
-          q.hertz_radius(100.0, 4.4e-3), Criterion(0.195, 0.205, "0.20 to two digits")),
+          of(q.hertz_radius, (4.4e-3,), 100.0), Criterion(0.195, 0.205, "0.20 to two digits")),
     Claim("§4", "FC5", "Hertz's contact radius of the tip is below 0.09 mm at 100 N", "a_H (mm)",
-          q.hertz_radius(100.0, 0.31e-3, 0.35e-3), Criterion(high=0.09, reason="tips of 0.31 and 0.35 mm")),
+          of(q.hertz_radius, (0.31e-3, 0.35e-3), 100.0), Criterion(high=0.09, reason="tips of 0.31 and 0.35 mm")),
     Claim("Table 2", "all spheres", "R and σ of a pair follow from its two stones", "computed less printed (last digits)",
           q.pairs_of_stones, Criterion(-0.5, 0.5, "rounded to the printed digits")),
     Claim("§5", "VS(18-18)", "good agreement with Hertz", "K/K_H",
-          q.stiffness((POHRT_POPOV, RMS), HERTZ, _SMOOTH, (2.0, 10.0, 100.0)),
+          of(q.stiffness, (POHRT_POPOV, RMS), HERTZ, _SMOOTH, (2.0, 10.0, 100.0)),
           Criterion(_SOFT, 1.0 + NEAR, "by both laws, from 2 N")),
     Claim("§5", "RS, SS, VS(18-18)", "softness in the order RS > SS > VS", "µm to 100 N", q.softness,
           built_in(_SIGMA)),
     Claim("§5", "SS(18-18)", "displacement differs from that of VS by more than σ", "difference (σ)",
-          q.beyond_smooth("SS(18-18)"),
+          of(q.beyond_smooth, "SS(18-18)"),
           built_in("above the crossover Pohrt-Popov's overlap exceeds Hertz's by 1.7 σ at any load")),
     Claim("§5", "RS(18-18)", "displacement differs from that of VS by more than σ", "difference (σ)",
-          q.beyond_smooth("RS(18-18)"), Criterion(low=1.0)),
+          of(q.beyond_smooth, "RS(18-18)"), Criterion(low=1.0)),
     Claim("§5", "a*/a_H", "for α below 0.05 Hertz underestimates it by up to 7 %", "a*/a_H at α = 0.05",
           q.underestimate, Criterion(1.0, 1.07)),
     Claim("§5, Fig. 4", _ROUGH, "Eq. 5 overestimates the contact radius at larger α", "a* of Pohrt-Popov over Eq. 5",
@@ -49,19 +48,19 @@ SPHERES = (
     Claim("Eq. 13", "a_L", "branches 1.605 √p0' and 3.51 - 2.51 p0' at p0' = 0.47", "first branch over second at 0.47",
           q.printed_branches, near(1.0)),
     Claim("§8", _ROUGH, "Hertz is significantly too stiff", "displacement to 100 N, Pohrt-Popov over Hertz",
-          q.displacement((POHRT_POPOV,), HERTZ, ROUGH_SPHERES, ((0.1, 100.0),)), undecided()),
+          of(q.displacement, (POHRT_POPOV,), HERTZ, ROUGH_SPHERES, ((0.1, 100.0),)), undecided()),
     Claim("§8", _ROUGH, "RMS and Pohrt-Popov agree with the data to about 70 N", "", None, undecided()),
-    Claim("§8", "SS(18-18), SS(12-18)", "RMS is too stiff above 70 N, not below", "K over Yip-Venart's", q.onset(RMS),
+    Claim("§8", "SS(18-18), SS(12-18)", "RMS is too stiff above 70 N, not below", "K over Yip-Venart's", of(q.onset, RMS),
           Criterion(1.0, reason="too stiff at 70 and 100 N, more than from 10 to 40 N")),
     Claim("§8", "SS(18-18), SS(12-18)", "Pohrt-Popov is too stiff above 70 N, not below", "K over Yip-Venart's",
-          q.onset(POHRT_POPOV), Criterion(1.0, reason="too stiff at 70 and 100 N, more than from 10 to 40 N")),
+          of(q.onset, POHRT_POPOV), Criterion(1.0, reason="too stiff at 70 and 100 N, more than from 10 to 40 N")),
     Claim("§8", "SF(12), RS(18-18)", "RMS and Pohrt-Popov are too stiff above 70 N", "", None, undecided()),
     Claim("§8", "SS(18-18), SS(12-18)", "Yip-Venart fits closely", "", None, undecided()),
     Claim("§8", "SF(12)", "Yip-Venart is too soft", "displacement to 100 N, over Pohrt-Popov's",
-          q.displacement((YIP_VENART,), POHRT_POPOV, ("SF(12)",), ((0.1, 100.0),)),
+          of(q.displacement, (YIP_VENART,), POHRT_POPOV, ("SF(12)",), ((0.1, 100.0),)),
           undecided("softer than Pohrt-Popov by displacement, stiffer by stiffness; the paper does not state which")),
     Claim("§8", _ROUGH, "Bahrami suits none of the tests", "displacement to 100 N, over Pohrt-Popov's",
-          q.displacement((BAHRAMI,), POHRT_POPOV, ROUGH_SPHERES, ((0.1, 100.0),)), undecided()),
+          of(q.displacement, (BAHRAMI,), POHRT_POPOV, ROUGH_SPHERES, ((0.1, 100.0),)), undecided()),
     Claim("§8, Fig. 7", "SS(12-18)", "unloading is stiffer, like Hertz's", "", None, built_in(_RULE)),
     Claim("§8, Fig. 7", "SS(12-18)", "of three elastic laws Pohrt-Popov agrees best with unloading", "", None,
           undecided()),
@@ -73,39 +72,40 @@ SPHERES = (
     Claim("§8, Fig. 9", "SS(18-18), RS(18-18)", "σ moves Pohrt-Popov's stiffness line, not its gradient",
           "K = c P^(0.2567 Df): σ is in c alone", None, built_in(_FORMULA)),
     Claim("§8, Fig. 9", "VS(18-18)", "of the three pairs the closest to the Hertz stiffness", "K/K_H at 10 N",
-          q.stiffness((POHRT_POPOV,), HERTZ, ("VS(18-18)", "SS(18-18)", "RS(18-18)"), (10.0,)), built_in(_SIGMA)),
+          of(q.stiffness, (POHRT_POPOV,), HERTZ, ("VS(18-18)", "SS(18-18)", "RS(18-18)"), (10.0,)), built_in(_SIGMA)),
     Claim("§8, Fig. 10", "RS(18-18)", "no change of the bulk form over the testing load range", "p(0)/H_m at 100 N",
           q.bulk_pressure, Criterion(high=0.56, reason="the bulk yields from 0.6 on, both deform from 0.56")),
     Claim("§9", _ROUGH, "Goddard's stiffness might be very similar to Pohrt-Popov's", "largest difference, 1 to 100 N",
           q.nearest_goddard, Criterion(high=NEAR, reason="with the nearest slope; RMS, without a free parameter, has 0.20")),
     Claim("§9", "ballast", "stiffness at small strain changes with Hertz unloading", "K/K_H at 1 N, first loading",
-          q.stiffness((POHRT_POPOV,), HERTZ, ROUGH_SPHERES, (1.0,)),
+          of(q.stiffness, (POHRT_POPOV,), HERTZ, ROUGH_SPHERES, (1.0,)),
           undecided("whether the probes precede a reversal is not printed; packings: page Small strain")),
     Claim("concl. 1", _ROUGH, "Pohrt-Popov and Yip-Venart fit best", "", None, undecided()),
     Claim("concl. 2", _ROUGH, "the effect of roughness is very significant at lower load", "K/K_H of Pohrt-Popov",
-          q.stiffness((POHRT_POPOV,), HERTZ, ROUGH_SPHERES, (1.0, 100.0)),
+          of(q.stiffness, (POHRT_POPOV,), HERTZ, ROUGH_SPHERES, (1.0, 100.0)),
           built_in("K/K_H of every rough law rises with the load")),
     Claim("concl. 2", _ROUGH, "up to 100 N the stiffness does not reach Hertz's", "K/K_H at 100 N",
-          q.stiffness(_FIT, HERTZ, ROUGH_SPHERES, (100.0,)),
+          of(q.stiffness, q.FITTING, HERTZ, ROUGH_SPHERES, (100.0,)),
           Criterion(high=_SOFT, reason="by all three laws that fit by the paper")),
     Claim("concl. 3", "SS(18-18), SS(12-18)", "RMS overestimates deformation at low load", "K at 1 N over Yip-Venart's",
-          q.stiffness((RMS,), YIP_VENART, _CLOSE, (1.0,)), Criterion(high=_SOFT, reason="softer than the law that fits")),
+          of(q.stiffness, (RMS,), YIP_VENART, q.FITTED, (1.0,)), Criterion(high=_SOFT, reason="softer than the law that fits")),
     Claim("concl. 3", "SF(12), RS(18-18)", "RMS overestimates deformation at low load", "displacement over Pohrt-Popov's",
-          q.displacement((RMS,), POHRT_POPOV, _OPEN, ((0.0, 0.5), (0.1, 2.0))), undecided(_ORIGIN)),
+          of(q.displacement, (RMS,), POHRT_POPOV, _OPEN, ((0.0, 0.5), (0.1, 2.0))), undecided(_ORIGIN)),
 )  # fmt: skip
 """Spheres, in the order of the paper."""
 
 CONES = (
-    Claim("§9, Fig. 11", "RFC10", "the elastic models hold to 20 N", "yield (N)", q.yield_load("RFC10"), near(20.0)),
-    Claim("§9, Fig. 14", "FC5", "the elastic models hold to 7 N", "yield (N)", q.yield_load("FC5"), near(7.0)),
+    Claim("§9, Fig. 11", "RFC10", "the elastic models hold to 20 N", "yield (N)", of(q.yield_load, "RFC10"), near(20.0)),
+    Claim("§9, Fig. 14", "FC5", "the elastic models hold to 7 N", "yield (N)", of(q.yield_load, "FC5"), near(7.0)),
     Claim("§9", "RFC10, FC5", "first loading follows Pohrt-Popov to 20 and 7 N", f"Df = {CONE_DIMENSION} and FC5's σ assumed",
           None, undecided()),
     Claim("§9, Fig. 14", "FC5", "Hertz is much stiffer than observed", "displacement, Hertz over Pohrt-Popov",
-          q.displacement((HERTZ,), POHRT_POPOV, ("FC5",), ((0.1, 7.0),)), undecided()),
+          of(q.displacement, (HERTZ,), POHRT_POPOV, ("FC5",), ((0.1, 7.0),)), undecided()),
     Claim("§9, Fig. 14", "FC5", "RMS overestimates deformation at low load", "displacement over Pohrt-Popov's",
-          q.displacement((RMS,), POHRT_POPOV, ("FC5",), ((0.0, 0.5), (0.1, 7.0))), undecided(_ORIGIN)),
+          of(q.displacement, (RMS,), POHRT_POPOV, ("FC5",), ((0.0, 0.5), (0.1, 7.0))), undecided(_ORIGIN)),
     Claim("§9, Fig. 14", "FC5", "above 7 N much stiffer than Pohrt-Popov", "mean K from 7 to 20 N over Pohrt-Popov's",
-          q.small_cone_stiffer, Criterion(1.2, reason="the range of the figure")),
+          of(q.displacement, (POHRT_POPOV,), ROUGH_PLASTIC, ("FC5",), ((7.0, 20.0),)),
+          Criterion(1.2, reason="the range of the figure")),
     Claim("§9, Fig. 14", "FC5", "first and second stage are alike to 20 N", "", None,
           built_in("each stage begins on a new contact")),
     Claim("§9, Fig. 12", "RFC10", "reloading is nearly Hertz up to gross yield", "K/K_H", q.reload, built_in(_RULE)),

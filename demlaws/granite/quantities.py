@@ -8,12 +8,17 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws import granite, regime
+from demlaws.contact import combined_roughness, effective_radius
 from demlaws.granite import MICRO, MODULI, STONES, bind, displacement_gained, find_test, run_test, stiffness_at
 from demlaws.laws import GODDARD, GREENWOOD_TRIPP, HERTZ, POHRT_POPOV, RMS, ROUGH_PLASTIC, YIP_VENART
 from demlaws.make import law
 from demlaws.solvers import master_curves
 
 CONES = ("RFC10", "FC5")
+FITTED = ("SS(18-18)", "SS(12-18)")
+"""The tests that Yip-Venart fits by the paper."""
+FITTING = (POHRT_POPOV, RMS, YIP_VENART)
+"""The laws that fit rough spheres by the paper."""
 
 
 class GraniteLaws(NamedTuple):
@@ -29,9 +34,9 @@ class GraniteLaws(NamedTuple):
         """A law on a test of this name; "hertz" is Hertz on the test's R."""
         return bind(name, self.test(test))
 
-    def run(self, test, **changes):
-        """The rough-plastic law through the stages of a cone."""
-        return run_test(ROUGH_PLASTIC, self.test(test)._replace(**changes))[0]
+    def run(self, test):
+        """The rough-plastic law through the last stage of a cone before its tip failed."""
+        return run_test(ROUGH_PLASTIC, (cone := self.test(test))._replace(stages=cone.stages[:4][-1:]))[0]
 
 
 def table(value, *axes, number="{:g} N"):
@@ -49,37 +54,27 @@ def table(value, *axes, number="{:g} N"):
     }
 
 
-def stiffness(names, over, tests, loads):
+def stiffness(names, over, tests, loads, laws):
     """Tangent stiffness of laws over that of another law."""
-
-    def numbers(laws):
-        def ratio(test, name, load):
-            return stiffness_at(laws.law(name, test), load) / stiffness_at(laws.law(over, test), load)
-
-        return table(ratio, tests, names, loads)
-
-    return numbers
+    return table(
+        lambda test, name, load: stiffness_at(laws.law(name, test), load) / stiffness_at(laws.law(over, test), load),
+        *(tests, names, loads),
+    )
 
 
-def displacement(names, over, tests, spans):
+def displacement(names, over, tests, spans, laws):
     """Displacement gained between two loads, over that by another law."""
-
-    def numbers(laws):
-        def ratio(test, name, span):
-            return displacement_gained(laws.law(name, test), *span) / displacement_gained(laws.law(over, test), *span)
-
-        return table(ratio, tests, names, spans)
-
-    return numbers
+    return table(
+        lambda test, name, span: (
+            displacement_gained(laws.law(name, test), *span) / displacement_gained(laws.law(over, test), *span)
+        ),
+        *(tests, names, spans),
+    )
 
 
-def hertz_radius(load, *radii):
+def hertz_radius(radii, load, laws):
     """a_H = (3PR/(4E*))^(1/3) [mm] of granite."""
-
-    def numbers(laws):
-        return {f"R {1e3 * r:g} mm": 1e3 * (0.75 * load * r / MODULI[laws.modulus]) ** (1 / 3) for r in radii}
-
-    return numbers
+    return {f"R {1e3 * r:g} mm": 1e3 * (0.75 * load * r / MODULI[laws.modulus]) ** (1 / 3) for r in radii}
 
 
 def threshold(laws):
@@ -92,28 +87,21 @@ def pairs_of_stones(laws):
     found = {}
     for name, ((r1, s1, _), (r2, s2, _)) in STONES.items():
         test = laws.test(name)
-        found[f"{name} R"] = (1.0 / (1.0 / r1 + 1.0 / r2) - 1e3 * test.radius) / 0.01
-        found[f"{name} σ"] = (math.hypot(s1, s2) - test.roughness / MICRO) / 0.01
+        found[f"{name} R"] = (effective_radius(r1, r2) - 1e3 * test.radius) / 0.01
+        found[f"{name} σ"] = (float(combined_roughness(s1, s2)) - test.roughness / MICRO) / 0.01
     return found
 
 
-def beyond_smooth(*tests):
+def beyond_smooth(test, laws):
     """Displacement [σ] gained to 100 N more than in the very smooth contact, by three laws."""
-
-    def numbers(laws):
-        def more(test, name):
-            smooth = displacement_gained(laws.law(name, "VS(18-18)"))
-            return (displacement_gained(laws.law(name, test)) - smooth) / laws.test(test).roughness
-
-        return table(more, tests, (POHRT_POPOV, RMS, YIP_VENART))
-
-    return numbers
+    pairs = {name: [displacement_gained(laws.law(name, one)) for one in (test, "VS(18-18)")] for name in FITTING}
+    return {name: (rough - smooth) / laws.test(test).roughness for name, (rough, smooth) in pairs.items()}
 
 
 def softness(laws):
     """Displacement [µm] gained to 100 N."""
     tests = ("RS(18-18)", "SS(18-18)", "VS(18-18)")
-    return table(lambda name, test: displacement_gained(laws.law(name, test)) / MICRO, (POHRT_POPOV, RMS, YIP_VENART), tests)
+    return table(lambda name, test: displacement_gained(laws.law(name, test)) / MICRO, FITTING, tests)
 
 
 def bulk_pressure(laws):
@@ -126,20 +114,14 @@ def exponents(laws):
     return table(lambda test: 0.2567 * laws.test(test).fractal_dimension, granite.ROUGH_SPHERES)
 
 
-def onset(name):
+def onset(name, laws):
     """Smallest K over that of Yip-Venart at 70 and 100 N, and that over the largest one from 10 to 40 N."""
-
-    def numbers(laws):
-        found = {}
-        for test in ("SS(18-18)", "SS(12-18)"):
-            late, early = (
-                list(stiffness((name,), YIP_VENART, (test,), loads)(laws).values())
-                for loads in ((70.0, 100.0), (10.0, 20.0, 40.0))
-            )
-            found |= {f"{test} late": min(late), f"{test} late over early": min(late) / max(early)}
-        return found
-
-    return numbers
+    found = {}
+    for test in FITTED:
+        late = min(stiffness((name,), YIP_VENART, (test,), (70.0, 100.0), laws).values())
+        early = max(stiffness((name,), YIP_VENART, (test,), (10.0, 20.0, 40.0), laws).values())
+        found |= {f"{test} late": late, f"{test} late over early": late / early}
+    return found
 
 
 def nearest_goddard(laws):
@@ -206,7 +188,7 @@ def printed_kappa(laws):
         printed = t.modulus / t.contact.hardness * math.sqrt(t.radius / t.roughness)
         number = t.contact.hardness / t.modulus * math.sqrt(8.0 * t.radius / t.roughness)
         alpha = float(t.contact.roughness_parameter(100.0))
-        solved = float(master_curves.central_pressure("yip-venart", number, 4.0 / 3.0 * alpha**-1.5))
+        solved = float(master_curves.central_pressure(YIP_VENART, number, 4.0 / 3.0 * alpha**-1.5))
         return 1.0 / (1.0 + 1.22 * alpha * printed**-0.16) / solved
 
     return table(ratio, granite.ROUGH_SPHERES)
@@ -220,9 +202,9 @@ def printed_branches(laws):
 # --- tips of cones
 
 
-def yield_load(test):
+def yield_load(test, laws):
     """Load [N] at which the bulk yields."""
-    return lambda laws: {"": float(laws.run(test, stages=((20.0,),)).law.params.yield_force)}
+    return {"": float(laws.law(ROUGH_PLASTIC, test).params.yield_force)}
 
 
 def reload(laws):
@@ -247,9 +229,9 @@ def return_to_first_loading(laws):
 
 
 @functools.cache
-def _plastic(laws, test, **changes):
+def _plastic(laws, test):
     """Largest load [N] → cumulative plastic overlap [µm] of the last stages of a cone."""
-    rows = granite.stages_of(laws.run(test, stages=granite.find_test(test).stages[:4][-1:], **changes))
+    rows = granite.stages_of(laws.run(test))
     return {f"{s.maximum_force:.0f} N": (s.maximum_force, s.plastic_overlap / MICRO) for s in rows}
 
 
@@ -269,9 +251,3 @@ def two_cones(laws):
     """Plastic overlap of FC5 over that of RFC10 at the same loads."""
     cone, small = (_plastic(laws, test) for test in CONES)
     return {label: small[label][1] / cone[label][1] for label in small}
-
-
-def small_cone_stiffer(laws):
-    """Mean stiffness of FC5 from 7 to 20 N over Pohrt-Popov's."""
-    spans = displacement((POHRT_POPOV,), ROUGH_PLASTIC, ("FC5",), ((7.0, 20.0),))
-    return spans(laws)

@@ -196,7 +196,6 @@ GLASS = dl.Material(60e9, 0.25, hardness=6e9, density=2500.0)
 
 
 def test_glass_beads_have_a_reference_that_their_loads_can_meet():
-    """Before: the reference declared overlap 0 at 0.02 N, above the forces of a packing under 1 kPa, and nothing served."""
     beads = dl.Scene(radii=0.25e-3, materials=GLASS, surfaces=dl.Surface(0.3e-6), pressure=(1e3, 1e4), cyclic=True)
     smallest = min(float(np.min(beads.force_range(c)[0])) for c in beads.contacts(beads.effective_radii()[0]))
     assert smallest < 1e-4
@@ -217,8 +216,7 @@ def test_a_section_that_lacks_a_quantity_is_named(tmp_path):
 
 
 def test_the_template_names_every_key_and_reaches_yield(tmp_path, capsys):
-    """Every field of a scene, of its material and surface. Before: laws that do not yield were ruled out there, so that what
-    leaving yield out would cost was not seen."""
+    """Every field of a scene, of its material and surface."""
     pytest.importorskip("tomllib")
     assert main(["choose", "--template"]) == 0
     text = capsys.readouterr().out

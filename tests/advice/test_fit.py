@@ -54,7 +54,6 @@ def test_coverage(case):
 
 @pytest.mark.parametrize(("kind", "least"), [("drift", 34), ("force", 30)])
 def test_coverage_of_unequal_and_of_correlated_noise(kind, least):
-    """Before: 14 of 40 with drift (autoregression, 0.9), 28 of 40 with an unknown noise of the force of 0.3 N."""
     force = bench_fit.LOADING if kind == "drift" else CYCLE
     name, rule, key = ("hertz", "elastic", "modulus") if kind == "drift" else ("rms", "hertz", "roughness")
     law, held = dl.law(name, PAIR, rule), 0
@@ -73,7 +72,6 @@ def test_coverage_of_unequal_and_of_correlated_noise(kind, least):
 
 @pytest.mark.parametrize("name", shared(["pohrt-popov", "rough-plastic", "goddard"], lambda name: name != "rough-plastic"))
 def test_points_without_noise(name):
-    """Before: brentq's ValueError from the profile of a quantity at or near the end of its range."""
     contact = PAIR.with_values(fractal_dimension=2.0)
     rows = points(dl.law("pohrt-popov", contact, "hertz"), CYCLE, 0.0, 0)
     best = dl.fit(rows, contact, laws=name, unloading="hertz").best
@@ -82,7 +80,6 @@ def test_points_without_noise(name):
 
 
 def test_a_compliance_that_is_left_out_is_reported():
-    """Before: 0.01 µm/N made the modulus 14 % too small, and no warning was issued."""
     case = next(case for case in bench_fit.CASES if case.name == "compliance")
     data = bench_fit.made(case, 1)
     silent = dl.fit(data, PAIR, laws="hertz").best
@@ -98,7 +95,6 @@ def test_a_compliance_that_is_left_out_is_reported():
 
 
 def test_a_wrong_fixed_modulus_is_said():
-    """Before: the roughness took the blame, with an interval that did not hold the true one."""
     law = dl.law("rms", PAIR, "hertz")
     wrong = PAIR.with_values(modulus=40e9)
     best = dl.fit(points(law, CYCLE, 5e-8, 1), wrong, laws="rms", unloading="hertz").best
@@ -208,7 +204,6 @@ MISSED = {
 
 @pytest.mark.parametrize("name", shared(bench_fit.fitted_rules(), lambda name: name not in ("yip-venart", "rough-plastic")))
 def test_a_law_finds_itself(name):
-    """Before: misfits of up to 213 times the noise, parameters left at their starts; 200 truths: `bench_fit.py --recovery`."""
     misfits = {}
     for rule in bench_fit.fitted_rules()[name]:
         for number, misfit in bench_fit.recovery(name, rule, MISSED.get((name, rule), (0,))):
@@ -217,7 +212,6 @@ def test_a_law_finds_itself(name):
 
 
 def test_the_law_that_made_the_points_is_not_rejected():
-    """Before: weight 0.99994 for hertz with a misfit of 233 nm, and p_y = 22.7 GPa "without effect" for rough-plastic."""
     law, force = dl.law("rough-plastic", PAIR, yield_pressure=0.8e9), np.linspace(1.5, 148.0, 50)  # yields at 52 N
     rows = points(law, force, 2e-8, 1)
     ranking = dl.fit(rows, PAIR, laws=["hertz", "goddard", "rough-plastic"])

@@ -63,7 +63,6 @@ def test_rules_that_are_named_are_accepted(capsys):
 
 
 def test_a_closed_output_is_one_line():
-    """Before: AttributeError of None."""
     command = f'exec "{sys.executable}" -m demlaws laws >&-'
     ended = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)
     assert ended.returncode == 2 and ended.stderr.count("\n") == 1 and "standard output is closed" in ended.stderr

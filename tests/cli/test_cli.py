@@ -119,7 +119,6 @@ def test_the_laws_are_listed(capsys):
 
 
 def test_quantities_have_units(capsys):
-    """Before: of a contact's arguments only some of `surface` and `regime` took a unit."""
     for contact, overlaps in (
         (["--effective-radius", "4mm", "--modulus", "30GPa", "--combined-roughness", "2.4um"], ["1um", "0.2um"]),
         (["--effective-radius", "4e-3", "--modulus", "3e10", "--combined-roughness", "2.4e-6"], ["1e-6", "2e-7"]),
@@ -145,7 +144,6 @@ def run_alone(code, **more):
 
 
 def test_output_that_cannot_be_written_is_one_line():
-    """Before: OSError at the end of the process, and UnicodeEncodeError at the first µ."""
     with open("/dev/full", "w") as full:
         result = run_alone(FULL_OR_ASCII, stdout=full)
     assert result.returncode == 2

@@ -59,7 +59,6 @@ LAWS = ["--law", "hertz", "--law", "goddard", "--law", "rough-plastic", "--law",
 
 
 def test_the_table_of_a_fit(file, capsys):
-    """Before: rows of up to 315 characters, a footnote per row, no contact; 4.5e+08 Pa was printed beside GPa."""
     assert main(["fit", str(file), *CONTACT, "--fractal-dimension", "2.22", *LAWS]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == ECHO
@@ -101,7 +100,6 @@ ERRORS = [
 
 @pytest.mark.parametrize(("words", "options"), ERRORS)
 def test_errors_name_options(words, options, file, capsys, tmp_path, monkeypatch):
-    """Before: they named Python's arguments, force_noise and Contact(..., fractal_dimension=...)."""
     monkeypatch.chdir(tmp_path)
     assert main([str(file) if word == "FILE" else word for word in words]) == 2
     text = capsys.readouterr().err
@@ -127,7 +125,6 @@ fractal_dimension = 2.22
 
 
 def test_choose_writes_no_table_that_cannot_serve(tmp_path, capsys):
-    """Before: a table of the largest grains, beside the answer that one table cannot serve a range of radii."""
     scene, table = tmp_path / "scene.toml", tmp_path / "law.tbl"
     scene.write_text(SCENE)
     assert main(["choose", str(scene), "--out", str(table)]) == 2

@@ -30,7 +30,6 @@ def test_unknown_material(capsys):
 
 
 def test_json_has_the_unit_of_its_values(capsys):
-    """Before: 6.06e10 with "GPa"."""
     assert main(["materials", "granite", "--json"]) == 0
     values = json.loads(capsys.readouterr().out)["granite"]
     for quantity, value in typical("granite").items():

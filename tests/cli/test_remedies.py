@@ -57,21 +57,18 @@ def folder(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(("line", "words"), MISTAKES, ids=lambda value: value if isinstance(value, str) else "")
 def test_a_mistake_is_named_with_its_remedy(line, words, capsys):
-    """Before: --factor 0.1 stiffened silently, and options of laws were written as in Python."""
     assert main(line.split()) == 2
     text = capsys.readouterr().err
     assert text.startswith("demlaws: error: ") and all(word in text for word in words), text
 
 
 def test_a_warning_is_shown_once(capsys):
-    """Before: choose repeated the same line for each candidate."""
     assert main(["choose", "rough.toml"]) == 0
     lines = [line for line in capsys.readouterr().err.splitlines() if "warning" in line]
     assert lines and len(lines) == len(set(lines))
 
 
 def test_descriptions_are_wrapped_at_words(capsys):
-    """Before: one line of 700 characters, which a terminal cuts within words."""
     with pytest.raises(SystemExit):
         main(["timestep", "--help"])
     assert max(map(len, capsys.readouterr().out.split("example:")[0].splitlines())) <= 110

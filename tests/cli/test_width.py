@@ -84,7 +84,6 @@ def kinds(parser):
 
 
 def test_a_kind_of_value_has_one_name():
-    """Before: N was newton or a number."""
     shown = list(kinds(cli.build_parser()))
     names = {arguments.length: "LENGTH", arguments.force: "FORCE", arguments.pressure: "PRESSURE", arguments.plain: "NUMBER"}
     for command, name, kind in shown:

@@ -28,7 +28,6 @@ def measured(bound, turning_points, steps=40, noise=0.0):
 
 @pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 def test_a_loop_of_unloading_is_no_first_loading(bound):
-    """Before: the loop counted, and the law that made the points missed them by 0.94 µm; without the loop by 0.10."""
     loop = measured(bound, [40.0, 0.0, 100.0])
     first = loop.loading_mask()
     path_of_forces = loop.force[first]
@@ -54,7 +53,6 @@ DATA = Path(__file__).parents[1] / "data" / "points"
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
 @pytest.mark.parametrize("path", sorted((DATA / "good").iterdir()), ids=lambda path: path.stem)
 def test_files(tmp_path, path, encoding):
-    """Before: commas alone were read, a comment was an error, and "force (MN)" was taken for mN, 10⁹ times too small."""
     file = tmp_path / "points.txt"
     file.write_bytes(path.read_bytes().decode().encode(encoding))
     points = read_points(file)
@@ -82,7 +80,6 @@ TITLES = {
 
 @pytest.mark.parametrize("title", TITLES)
 def test_titles_of_exports(title, tmp_path):
-    """Before: an error for half of them."""
     for force, unit in (("Load (gf)", 9.80665e-3), ("Force [kgf]", 9.80665), ("load (lbf)", 4.4482216152605)):
         (tmp_path / "a.txt").write_text(f"{title};{force}\n1;1\n2;2.5\n3;4\n", encoding="utf-8")
         points = read_points(tmp_path / "a.txt")
@@ -101,14 +98,12 @@ def test_increments_and_errors_are_no_displacement(tmp_path):
 
 
 def test_an_error_names_the_line_of_the_first_number(tmp_path):
-    """Before: line 1, a sentence that precedes the numbers by any number of lines."""
     (tmp_path / "a.csv").write_text("Report, page 1\nby nobody\n\nWeg (mm);Kraft (N)\n1;2\n2;3\n3;4\n")
     with pytest.raises(DemlawsError, match=r"line 5.*Weg"):
         read_points(tmp_path / "a.csv")
 
 
 def test_a_pull_is_no_noise_of_the_load_cell():
-    """Before: forces to -2 N in unloading were a noise of 1.2 N, and points of loading below 3.6 N went."""
     loading, unloading = np.linspace(0.1, 20.0, 40), np.linspace(19.0, 0.2, 30)
     pull = -2.0 * np.sin(np.linspace(0.1, 3.0, 12))
     keep, skipped = in_contact(np.concatenate([loading, unloading, pull]), 0.0)
@@ -139,7 +134,6 @@ TITLED = {
 @pytest.mark.parametrize("kind", ["dict", "frame"])
 @pytest.mark.parametrize("titles", TITLED)
 def test_titles_of_a_table_give_its_units(titles, kind):
-    """Before: a DataFrame titled "(nm)" was taken for metres, or for a wrong shape."""
     table = TITLED[titles]
     if kind == "frame":
         table = pytest.importorskip("pandas").DataFrame(table)
@@ -160,6 +154,5 @@ def test_titles_without_a_meaning_are_refused():
 
 
 def test_a_file_is_read_by_its_name(tmp_path):
-    """Before: a path was refused, as if it were one number."""
     (tmp_path / "test.csv").write_text("displacement (um),force (N)\n1,0.5\n2,1.5\n3,3\n")
     np.testing.assert_allclose(columns_of(tmp_path / "test.csv"), [[1e-6, 2e-6, 3e-6], [0.5, 1.5, 3.0]])

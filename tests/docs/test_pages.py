@@ -77,3 +77,14 @@ def test_page_with_engines(page, tmp_path):
         assert not os.environ.get("CI"), said
         pytest.skip(said)
     follow(page, tmp_path)
+
+
+def test_quickstart_has_the_script_of_readme():
+    """Pages show one bounce.py."""
+    scripts = [
+        listing["text"]
+        for page in (PROJECT / "README.md", PROJECT / "docs/tutorials/first.md")
+        for listing in listings.LISTING.finditer(page.read_text())
+        if "O.run(" in listing["text"]
+    ]
+    assert len(scripts) == 2 and scripts[0] == scripts[1]

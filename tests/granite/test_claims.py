@@ -111,7 +111,7 @@ def test_verdicts_with_both_moduli():
 
 def test_numbers_of_hertz():
     for name, modulus in (("text", 32.32e9), ("figures", 40.4e9)):
-        numbers = q.hertz_radius(100.0, 4.4e-3, 0.35e-3)(q.GraniteLaws(name))
+        numbers = q.hertz_radius((4.4e-3, 0.35e-3), 100.0, q.GraniteLaws(name))
         assert numbers == {
             f"R {1e3 * r:g} mm": pytest.approx(1e3 * (3 * 100 * r / (4 * modulus)) ** (1 / 3)) for r in (4.4e-3, 0.35e-3)
         }
@@ -121,11 +121,11 @@ def test_numbers_of_hertz():
 
 def test_numbers_of_laws():
     """K of RMS by its derivative over K of Yip-Venart, and displacements."""
-    numbers = q.stiffness(("rms",), "yip-venart", ("SS(18-18)", "SS(12-18)"), (1.0,))(TEXT)
+    numbers = q.stiffness(("rms",), "yip-venart", ("SS(18-18)", "SS(12-18)"), (1.0,), TEXT)
     assert numbers == {"SS(18-18)": pytest.approx(0.995, abs=6e-4), "SS(12-18)": pytest.approx(1.162, abs=6e-4)}
     contact = granite.find_test("SF(12)").contact
     law, hertz = (dl.law(name, contact) for name in ("pohrt-popov", "hertz"))
-    gained = q.displacement(("hertz",), "pohrt-popov", ("SF(12)",), ((1.0, 50.0),))(TEXT)
+    gained = q.displacement(("hertz",), "pohrt-popov", ("SF(12)",), ((1.0, 50.0),), TEXT)
     expected = (hertz.overlap(50.0) - hertz.overlap(1.0)) / (law.overlap(50.0) - law.overlap(1.0))
     assert gained == {"": pytest.approx(expected, rel=1e-12)}
     axes = q.table(lambda test, span: len(test) * span[1], ("a", "bb"), ((0.1, 2.0), (1.0, 5.0)))
@@ -139,14 +139,14 @@ def test_only_one_pair_contradicts_its_stones():
 
 def test_onset_of_too_stiff_behaviour():
     """RMS is as much stiffer than Yip-Venart from 10 to 40 N as at 70 and 100 N, Pohrt-Popov is not."""
-    ratio = {p: q.stiffness(("rms",), "yip-venart", ("SS(18-18)",), (p,))(TEXT)[""] for p in (10.0, 20.0, 40.0, 70.0, 100.0)}
+    ratio = {p: q.stiffness(("rms",), "yip-venart", ("SS(18-18)",), (p,), TEXT)[""] for p in (10.0, 20.0, 40.0, 70.0, 100.0)}
     late = min(ratio[70.0], ratio[100.0])
-    numbers = q.onset("rms")(TEXT)
+    numbers = q.onset("rms", TEXT)
     assert numbers["SS(18-18) late"] == pytest.approx(late) and late > 1.0
     assert numbers["SS(18-18) late over early"] == pytest.approx(late / max(ratio[10.0], ratio[20.0], ratio[40.0])) and (
         numbers["SS(18-18) late over early"] < 1.0
     )
-    assert min(q.onset("pohrt-popov")(TEXT).values()) > 1.0
+    assert min(q.onset("pohrt-popov", TEXT).values()) > 1.0
 
 
 def test_real_area_of_elastic_asperities():

@@ -74,12 +74,19 @@ def test_warnings_begin_where_their_reasons_state():
     assert limit.maximum_force == pytest.approx(quiet(law.force, law.params.yield_overlap), rel=1e-12)
 
 
+REFUSED = {"bahrami": {"hertz"}}
+"""Rules of a law that its example's contact would return work with."""
+
+
 @pytest.mark.parametrize("name", dl.laws())
 def test_an_offered_rule_is_taken_or_not_passive(name):
-    """Measurements and self-tests pass over what an example refuses: that must not be for another reason."""
+    """Examples are refused as NotPassive only: none with "elastic" and the law's default, with its other rules those named."""
+    taken = {make(name).unloading}
     for rule in find(name).offered():
         with contextlib.suppress(NotPassive):
-            quiet(make, name, rule)
+            taken.add(quiet(make, name, rule).unloading)
+    assert {"elastic", find(name).default_rule(**find(name).example)} <= taken
+    assert set(find(name).unloading) - taken == REFUSED.get(name, set())
 
 
 def test_colours_and_ranks_differ():

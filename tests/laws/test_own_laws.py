@@ -186,16 +186,6 @@ def test_a_file_is_run_once(tmp_path):
     assert again == ["ran False", "ran True", force]
 
 
-def test_no_law_comes_from_the_environment_or_from_installed_packages(tmp_path):
-    file = write(tmp_path, POWER, "their_package.py")
-    info = tmp_path / "theirs-1.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: theirs\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text("[demlaws.laws]\nfirst = their_package\n")
-    code = "import demlaws as dl; print('power' in dl.laws())"
-    assert python(code, PYTHONPATH=f"{PACKAGE.parent}:{tmp_path}", DEMLAWS_LAWS=file) == "False"
-
-
 # --- machine code follows the file
 
 
@@ -250,7 +240,7 @@ def law(force, stiffness=slope, **functions):
     return dl.define("bad", force, stiffness, **functions)
 
 
-BAD = {  # faults of values alone: tests/test_given.py
+BAD = {  # faults of values alone: tests/curves/test_given.py
     "NaN somewhere": law(lambda p, d: 3e9 * d**1.7 if d < 1e-5 else math.nan),
     "derivative": law(power, lambda p, d: 5.3e9 * d**0.7),
     "NaN stiffness": law(power, lambda p, d: math.nan),

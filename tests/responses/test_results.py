@@ -60,7 +60,6 @@ def test_a_path_is_a_data_frame(path):
 
 
 def test_results_as_text(path):
-    """Before: a ranking printed 8,989 characters."""
     ranking = dl.fit(np.column_stack([path.overlap, path.force]), PAIR, laws=["hertz", "rms", "pohrt-popov"])
     for result in (path, ranking):
         assert len(str(result).splitlines()) <= 13

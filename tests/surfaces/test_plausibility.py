@@ -112,7 +112,6 @@ def test_plausible_from_both_sides(tmp_path):
 
 @pytest.mark.parametrize("corner", ["0,", ""])
 def test_axes_are_no_heights(tmp_path, corner):
-    """Before: an axis of 0 to 12.7 was the first row and column of heights."""
     axis = np.arange(128) * 0.1
     rows = [",".join(f"{v:.6g}" for v in row) for row in ROUGH.heights * 1e6]
     first = ",".join(f"{v:.1f}" for v in axis)
@@ -130,7 +129,6 @@ def test_axes_are_no_heights(tmp_path, corner):
 
 @pytest.mark.parametrize("shape", [(3, 64, 64), (64,), ()])
 def test_a_stack_is_no_map(tmp_path, shape):
-    """Before: a traceback."""
     np.save(tmp_path / "map.npy", np.zeros(shape))
     with pytest.raises(dl.DemlawsError, match="not one map"):
         surface.read(tmp_path / "map.npy", "1um")
@@ -146,7 +144,6 @@ def test_interlaced_lines():
 
 
 def test_arrays_of_an_npz_file(tmp_path):
-    """Before: read by SurfaceTopography, transposed, or an error without it."""
     np.savez(tmp_path / "two.npz", z=ROUGH.heights[:40], quality=ROUGH.heights[:40])
     assert np.array_equal(surface.read(tmp_path / "two.npz", "1um", channel="z").heights, ROUGH.heights[:40])
     for channel in (None, "y"):
