@@ -441,6 +441,8 @@ def refuse_rough(name: str, roughness: Any, radius: Any) -> None:
     if roughness is None:
         return
     pairs = np.broadcast_arrays(np.atleast_1d(roughness), radius)
+    if pairs[0].size == 0:
+        return  # an empty array is refused where contacts are made
     worst = int(np.argmax(pairs[0] / pairs[1]))
     for finding in judge(roughness=float(pairs[0][worst]), radius=float(pairs[1][worst])):
         if not finding.admissible:

@@ -171,7 +171,8 @@ def functions():
         for name, thing in vars(module).items():
             own = inspect.isfunction(thing) and thing.__module__ == module.__name__ and not hasattr(thing, "py_func")
             exported = module is regime and name in regime.__all__ and inspect.isfunction(thing)
-            if (own or exported) and not name.startswith("_") and name not in LEFT_OUT:
+            listed = name in dl.__all__  # as dl.regime
+            if (own or exported) and not (listed or name.startswith("_") or name in LEFT_OUT):
                 yield f"{module.__name__.rpartition('.')[2]}.{name}", thing
     for owner in (LAW, TABLE, PAIR, dl.Surface(1e-6), MAP, LAW.new_state(2)):
         for name in dir(type(owner)):

@@ -129,7 +129,8 @@ def claim_lines(judged, verbose, other=""):
                 yield from (wrapped(text, "      ", "        ") for text in texts)
     yield f"{len(judged)} claims: {counts(claim.verdict for claim in judged)}"
     if other:
-        yield f"* with {other} another verdict: {counts(claim.other_verdict or claim.verdict for claim in judged)}"
+        yield f"* another verdict with {other}:"
+        yield f"  {counts(claim.other_verdict or claim.verdict for claim in judged)}"
 
 
 def write_csv(out, tests, runs, notes, judged):

@@ -6,6 +6,8 @@ The tests compare these lists with those that the engines print and document; a 
 import re
 from typing import NamedTuple
 
+from demlaws.laws import EEPA, LUDING, THORNTON_NING, WALTON_BRAUN
+
 
 class Normal(NamedTuple):
     """A normal model: the law whose table may replace it, and what that law lacks; any: every law's, "": none."""
@@ -16,7 +18,7 @@ class Normal(NamedTuple):
 
 
 _ADHESION = "is adhesive, and no law of demlaws is"
-_LINEAR = Normal("walton-braun", "", "--option loading_stiffness=K_N --option stiffness_ratio=1")
+_LINEAR = Normal(WALTON_BRAUN, "", "--option loading_stiffness=K_N --option stiffness_ratio=1")
 NORMALS = {
     "liggghts": {
         "hertz": Normal("any"),
@@ -28,30 +30,30 @@ NORMALS = {
         "hooke": _LINEAR,
         "hooke/stiffness": _LINEAR,
         "hooke/hysteresis": Normal(
-            "luding",
+            LUDING,
             "the adhesive branch (coefficientAdhesionStiffness)",
             "--option loading_stiffness=K_N --option stiffness_ratio=coefficientMaxElasticStiffness "
             "--option plasticity_depth=coefficientPlasticityDepth",
         ),
         "luding": Normal(
-            "luding",
+            LUDING,
             "the adhesive branch and the pull-off force",
             "--option loading_stiffness=LoadingStiffness --option stiffness_ratio=UnloadingStiffness "
             "--option plasticity_depth=coefficientPlasticityDepth",
         ),
         "edinburgh": Normal(
-            "eepa", "adhesion, and overlapExponent other than 1.5", "--option stiffness_ratio=UnloadingStiffness"
+            EEPA, "adhesion, and overlapExponent other than 1.5", "--option stiffness_ratio=UnloadingStiffness"
         ),
         "edinburgh/stiffness": Normal(
-            "eepa",
+            EEPA,
             "adhesion, and overlapExponent other than 1.5",
             "--option stiffness_ratio=UnloadingStiffness --option softness=LoadingStiffness/(4/3 E* sqrt(R))",
         ),
         "thornton_ning": Normal(
-            "thornton-ning", "adhesion (surfaceEnergy)", "--option yield_pressure=2 E* coefficientYieldRatio r/(pi R)"
+            THORNTON_NING, "adhesion (surfaceEnergy)", "--option yield_pressure=2 E* coefficientYieldRatio r/(pi R)"
         ),
         "jkr": Normal("", f"{_ADHESION}: write `model hertz` here first if the grains may lose their adhesion"),
-        "hysteretic/nonlinear1": Normal("eepa", "exponents other than 1.5", "--option stiffness_ratio=K2/K1"),
+        "hysteretic/nonlinear1": Normal(EEPA, "exponents other than 1.5", "--option stiffness_ratio=K2/K1"),
     },
     "lammps": {
         "hertz/material": Normal("any"),

@@ -255,6 +255,7 @@ def test_the_uncertainty_of_knots_holds_the_truth(known, noise, count):
     assert abs(np.mean(deviations)) < 0.35
 
 
+@pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 @pytest.mark.parametrize("relative", [False, True])
 def test_the_uncertainty_of_few_points_holds_the_truth(relative):
     """Six to twenty points of a bending curve: also between the points ± 1.96 u held 59 to 79 % of the true forces."""
@@ -271,6 +272,7 @@ def test_the_uncertainty_of_few_points_holds_the_truth(relative):
         assert np.mean(inside) > 0.88, count
 
 
+@pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 @pytest.mark.parametrize(("share", "constant", "allowed"), [(0.01, 0.0, 0.04), (0.0, 1.0, 0.1)])
 def test_stiffness_of_a_thousand_noisy_points(share, constant, allowed):
     """95th percentile of the error; with 1 N it was 0.18, and 6.2 for a smoothing spline of ln P by cross-validation."""

@@ -85,7 +85,7 @@ def test_an_offered_rule_is_taken_or_not_passive(name):
     for rule in find(name).offered():
         with contextlib.suppress(NotPassive):
             taken.add(quiet(make, name, rule).unloading)
-    assert {"elastic", find(name).default_rule(**find(name).example)} <= taken
+    assert {"elastic", find(name).default_rule(**find(name).drawing.example)} <= taken
     assert set(find(name).unloading) - taken == REFUSED.get(name, set())
 
 
