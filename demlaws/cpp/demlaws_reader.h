@@ -353,7 +353,7 @@ inline void Table::read_row(int line, const std::string &body) {
       fail(line, "the force grows faster than overlap^10 from the row before");
     if (std::max(section.stiffness / sqrt(before.s), stiffness / root) * (u - before.u) >
         2. * (3. * (s - before.s) + ROUNDING * s))
-      fail(line, "a stiffness here or before is above three times that of the straight line between: the curve falls");
+      fail(line, "a stiffness here or before is above three times the slope between them: the curve falls");
   }
   section.rows.push_back({u, s, stiffness / (2. * root)}); // s = (3f/4)^(2/3), ds/du = k / (2 sqrt(s))
   section.force = force;
@@ -363,8 +363,7 @@ inline void Table::read_row(int line, const std::string &body) {
 inline void Table::build(Curve &curve, const Section &section, int end, double until) {
   const std::vector<Row> &rows = section.rows;
   if (rows.size() < 2)
-    fail(end,
-         "a curve of at least two rows is missing; an unloading curve belongs to 'unloading: table', and only to it");
+    fail(end, "two or more rows of a curve are missing; 'unloading: table', and only it, has a second curve");
   if (rows.size() > (size_t)MOST_ROWS) fail(end, "more than " + std::to_string(MOST_ROWS) + " rows");
   const int bits = (int)section.number("bits"), wrong = Curve::off_grid(rows, bits);
   if (wrong >= 0)

@@ -9,7 +9,7 @@ import numpy as np
 
 from demlaws.contact import Contact, contact_at
 from demlaws.core.grid import shape_from_nodes
-from demlaws.core.loops import FINITE, UNBOUNDED, batch_loop, energies_loop
+from demlaws.core.loops import FINITE, UNBOUNDED, batch_loop, energies_loop, loading_part
 from demlaws.core.table_types import NO_YIELD, BulkYield
 from demlaws.curves import table_grammar
 from demlaws.curves.closed import Certificate
@@ -18,8 +18,8 @@ from demlaws.curves.table import TableCurve
 from demlaws.curves.table_grammar import OF_CONTACT, ROUNDING
 from demlaws.curves.unloading import Bound, Unloading
 from demlaws.errors import DemlawsError
-from demlaws.files import as_path
-from demlaws.laws.definition import Definition, no_limits
+from demlaws.files import as_path, read_bytes
+from demlaws.laws.definition import Definition, Rules, no_limits
 from demlaws.laws.registry import find
 from demlaws.solvers.criterion import YIELD_RATIO
 
@@ -80,11 +80,7 @@ def _curve_keys(curve, contact):
 def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
     """Contact, curve and unloading of a table file; DemlawsError with the line where it is truncated, edited or foreign."""
     path = as_path(path)
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise DemlawsError(f"cannot read table {path}: {error.strerror or error}") from error
-    sections, _ = table_grammar.parse(data, path)
+    sections, _ = table_grammar.parse(read_bytes(path, "table "), path)
     values, given = sections[0].values, len(sections) == 2
     rule = table_grammar.rules()[values["unloading"]]
     collapses, over_radius = values["collapses"] == "yes", values["length"] == "radius"
@@ -98,9 +94,7 @@ def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
         definition, options = _definition(section, rule, collapses, values["length"])
         alike = collapses or (section is sections[0] and given and definition.collapses)
         knots = _knots(own) if "points" in own else None
-        return TableCurve(
-            definition, options, shape, rows.nodes, certificate, values["rtol"], section.contact, alike, knots
-        )
+        return TableCurve(definition, options, shape, rows.nodes, certificate, values["rtol"], section.contact, alike, knots)
 
     bulk, contact = NO_YIELD, sections[0].contact
     if values.get("yield_area", math.inf) < sections[0].content.nodes.curve()[1][-1]:
@@ -128,10 +122,10 @@ def _refuse_unless_passive(sections, law):
     width = np.diff(u)
     aside = 1e-12 * (np.append(0.0, width == 0.0) - np.append(width == 0.0, 1.0))  # of kinks, and before the last row
     place = np.concatenate([u[0] * 0.5 ** np.arange(_OCTAVES_BELOW, 0, -1), u * (1.0 + aside)])
-    overlap = place * float(_loading(law.params).length)
+    overlap = place * float(loading_part(law.params).length)
     state = tuple(np.zeros(overlap.size) for _ in rule.state)
-    batch_loop(rule.tag, law.params, overlap, state, UNBOUNDED, FINITE, *np.empty((2, overlap.size)))
-    stored, dissipated = energies_loop(rule.tag, law.params, overlap, state)
+    batch_loop(rule.tag, law.shape, law.params, overlap, state, UNBOUNDED, FINITE, *np.empty((2, overlap.size)))
+    stored, dissipated = energies_loop(rule.tag, law.shape, law.params, overlap, state)
     work = stored + dissipated
     share = ROUNDING + 2.0 * sum(one.values["force_error"] + one.values["stiffness_error"] for one in sections)
     with np.errstate(invalid="ignore"):
@@ -141,13 +135,9 @@ def _refuse_unless_passive(sections, law):
         row = max(int(np.argmin(good)) + 1 - _OCTAVES_BELOW, 0)
         section.fail(
             section.first_row + row,
-            f"unloading {rule.name!r} returns more work from here than loading took from the row before: this table cannot take "
-            "that rule",
+            f"unloading {rule.name!r} returns more work from here than loading took from the row before: this table "
+            "cannot take that rule",
         )
-
-
-def _loading(params):
-    return getattr(params, "loading", params)
 
 
 def _limits(curve, contact):
@@ -167,7 +157,7 @@ def _limits(curve, contact):
 
 def _definition(section, rule, collapses, length):
     """(`Definition`, options) of a file's law, or of a law that is not installed, as the file describes it."""
-    name, rules = section.values["law"], (rule,) if rule.curve == "law" else ()
+    name, rules = section.values["law"], Rules(own=(rule,) if rule.curve == "law" else ())
     options = {key.removeprefix("option_"): _option(v) for key, v in section.values.items() if key.startswith("option_")}
     try:
         definition = find(name)
@@ -177,7 +167,7 @@ def _definition(section, rule, collapses, length):
         description = section.values.get("description", "")
         return definition_of_table(name, "", description, length, collapses, rules=rules), options
     if rule.name not in definition.offered():
-        definition = definition._replace(rules=rules, refused={})
+        definition = definition._replace(rules=rules)
     return definition, options
 
 

@@ -92,7 +92,9 @@ OF_CONTACT = {
 def keys():
     """Keys that do not depend on the law, but options and limits."""
     of_rules = [  # the second number of a rule is a growth, which may be 0
-        Key(name, _NOT_NEGATIVE if n == 1 else _SCALE, rule.name) for rule in rules().values() for n, name in enumerate(rule.keys)
+        Key(name, _NOT_NEGATIVE if number == 1 else _SCALE, rule.name)
+        for rule in rules().values()
+        for number, name in enumerate(rule.keys)
     ]
     return (
         Key("law", TEXT, both=True),
@@ -270,12 +272,12 @@ class Section:
         roots = np.cbrt(0.75 * f0), np.cbrt(0.75 * f1)  # √s
         rise = 3.0 * (roots[1] ** 2 - roots[0] ** 2) + ROUNDING * roots[1] ** 2
         if max(k0 / roots[0], k1 / roots[1]) * (u1 - u0) > 2.0 * rise:
-            self.fail(line, "a stiffness here or before is above three times that of the straight line between: the curve falls")
+            self.fail(line, "a stiffness here or before is above three times the slope between them: the curve falls")
 
     def finish(self, end):
         """Whether the rows are a curve. end: the file's last line."""
         if len(self.rows) < 2:
-            self.fail(end, "a curve of at least two rows is missing; an unloading curve belongs to 'unloading: table', and only to it")
+            self.fail(end, "two or more rows of a curve are missing; 'unloading: table', and only it, has a second curve")
         if len(self.rows) > MOST_ROWS:
             self.fail(end, f"more than {MOST_ROWS} rows")
         wrong = off_grid(np.array(self.rows)[:, 0], int(self.values["bits"]))

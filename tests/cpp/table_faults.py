@@ -69,7 +69,10 @@ def of_hertz(rows, curve_rows=None, **keys):
     lines += [" ".join(map(repr, values)) for values in rows]
     if curve_rows is not None:
         second = {key: header[key] for key in ("law", "radius", "modulus", *curve)}
-        lines += [*(f"{key}: {value}" for key, value in second.items()), *(" ".join(map(repr, values)) for values in curve_rows)]
+        lines += [
+            *(f"{key}: {value}" for key, value in second.items()),
+            *(" ".join(map(repr, values)) for values in curve_rows),
+        ]
     return [line.encode() for line in lines]
 
 
@@ -166,7 +169,10 @@ FAULTS = {
     "eepa-stiffness-0": put("eepa-eepa", "eepa_stiffness: 0"),
     "jackson-without-its-overlap": without("jackson-green-jackson", "jackson_overlap"),
     "table-without-curve": (sealed([line.replace(b"unloading: elastic", b"unloading: table") for line in _whole]), _end),
-    "curve-of-another-rule": (sealed([line.replace(b"unloading: table", b"unloading: hertz") for line in _given]), len(_given) + 1),
+    "curve-of-another-rule": (
+        sealed([line.replace(b"unloading: table", b"unloading: hertz") for line in _given]),
+        len(_given) + 1,
+    ),
     "curve-of-one-row": (sealed([*_given[: place(_given, "row", True) + 1]]), place(_given, "row", True) + 2),
     "curve-with-a-rule": put(GIVEN, "law: x\nunloading: hertz", second=True)[:1] + (place(_given, "law", True) + 2,),
     **{
@@ -201,14 +207,18 @@ FAULTS = {
     # stiffnesses that do not fit
     "steep-first-row": first_row(of_hertz([(U, 1e-5, 1e5), (1.5 * U, 2e-5, 1e-5)])),
     "steep-unloading": (sealed(of_hertz(HERTZ, [(U, 1e-5, 1e5), (1.5 * U, 2e-5, 1e-5)], unloading="table")), 22),
-    "steep-unloading-bits-12": (sealed(of_hertz(FINE, [(U, 1e-5, 1e5), (FINE[1][0], 2e-5, 1e-5)], unloading="table", bits="12")), 22),
+    "steep-unloading-bits-12": (
+        sealed(of_hertz(FINE, [(U, 1e-5, 1e5), (FINE[1][0], 2e-5, 1e-5)], unloading="table", bits="12")),
+        22,
+    ),
     "force-that-leaps-in-a-cell": first_row(of_hertz([(U, 1e-50, 1e-50), (FINE[1][0], 1e50, 1e50)], bits="12"), 1),
     "force-that-falls-in-a-cell": first_row(of_hertz([(U, 1e-5, 0.05), (1.5 * U, 1.1e-5, 0.05)]), 1),
     "flat-row-after-a-steep-one": first_row(of_hertz([HERTZ[0], (1.5 * U, 4.1e-5, 0.25)]), 1),
     # energy
     "work-from-hertz": put("kinks-in-one-cell", "unloading: hertz")[:1] + (24,),
     "work-from-thornton": first_row(of_hertz(LONG, unloading="thornton", yield_area="0.0012", yield_slope="0.001"), 1),
-    "work-from-linear": put("luding-linear", "linear_first: 0.005", "linear_largest: 0.005")[:1] + (place(lines_of("luding-linear"), "row") + 1,),
+    "work-from-linear": put("luding-linear", "linear_first: 0.005", "linear_largest: 0.005")[:1]
+    + (place(lines_of("luding-linear"), "row") + 1,),
     "work-from-eepa": put("eepa-eepa", "eepa_plastic: 0")[:1] + (place(lines_of("eepa-eepa"), "row") + 1,),
     "work-from-a-softer-curve": (sealed(of_hertz(HERTZ, [(u, 0.5 * f, 0.5 * k) for u, f, k in LONG], unloading="table")), 13),
     "unloading-curve-too-short": (sealed(of_hertz(LONG, HERTZ, unloading="table")), 25),
