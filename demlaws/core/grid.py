@@ -78,8 +78,8 @@ def _hermite(t0, t1, width, s0, s1, slope0, slope1):
 def _below(u0, s0, exponent, first, bits_per_octave, straight, floor):
     """Rows of cells below the first node and the u where they begin: one linear from 0, then the power law s0 (u/u0)^p.
 
-    floor: s about where the power law ends, or None: 40 octaves of u or of s down, the fewer. straight: a curve that starts from a force
-    (p < 1) goes on straight, with the slope of the first node; a power law would have a stiffness without bound.
+    floor: s about where the power law ends, or None: 40 octaves of u or of s down, the fewer. straight: a curve that starts
+    from a force (p < 1) goes on straight, with the slope of the first node; a power law would have a stiffness without bound.
     """
     octaves = _OCTAVES_BELOW if straight else _OCTAVES_BELOW / max(exponent, 1.0)
     if floor is not None and not straight:

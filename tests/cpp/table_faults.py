@@ -88,6 +88,7 @@ FINE = [(u, 4 / 3 * u**1.5, 2 * u**0.5) for u in (U, U * (1 + 2.0**-12))]
 _text = (GOOD / f"{KINKS}.tbl").read_bytes()
 _whole = lines_of(KINKS)
 _end = len(_whole) + 1
+_linear = place(lines_of("luding-linear"), "row")
 _kinks, _given = place(_whole, "row") + 1, lines_of(GIVEN)
 _yip = of_hertz(HERTZ, length="sigma", sigma="1e-310")
 
@@ -144,7 +145,7 @@ FAULTS = {
     "yield-slope-alone": without(BULK, "yield_area", line=place(lines_of(BULK), "yield_slope")),
     "yield-area-alone": without(BULK, "yield_slope"),
     "points-x": put(KINKS, "points: x"),
-    "points-without-knots": put(KINKS, "smoothing: spline", "departure: 0.1", "points: 5")[:1] + (_kinks + 3,),
+    "points-without-knots": (*put(KINKS, "smoothing: spline", "departure: 0.1", "points: 5")[:1], _kinks + 3),
     "knots-of-two-numbers": put(KINKS, "points: 5", "departure: 0.1", "smoothing: spline", "knots: 1 2"),
     "knots-with-a-word": put(KINKS, "points: 5", "departure: 0.1", "smoothing: spline", "knots: 1 2 x"),
     "limit-without-reason": put("rms-limits", "limit_1: above 5"),
@@ -153,7 +154,19 @@ FAULTS = {
     "limit-2-first": put(KINKS, "limit_2: above 5 because"),
     **{
         f"without-{key}": without(KINKS, key)
-        for key in "law radius modulus unloading collapses length below bits force_error stiffness_error rtol".split()
+        for key in [
+            "law",
+            "radius",
+            "modulus",
+            "unloading",
+            "collapses",
+            "length",
+            "below",
+            "bits",
+            "force_error",
+            "stiffness_error",
+            "rtol",
+        ]
     },
     # laws of demlaws
     "option-unknown": put("rms-limits", "option_a: 1"),
@@ -174,10 +187,10 @@ FAULTS = {
         len(_given) + 1,
     ),
     "curve-of-one-row": (sealed([*_given[: place(_given, "row", True) + 1]]), place(_given, "row", True) + 2),
-    "curve-with-a-rule": put(GIVEN, "law: x\nunloading: hertz", second=True)[:1] + (place(_given, "law", True) + 2,),
+    "curve-with-a-rule": (*put(GIVEN, "law: x\nunloading: hertz", second=True)[:1], place(_given, "law", True) + 2),
     **{
         f"curve-without-{key}": without(GIVEN, key, second=True)
-        for key in "law radius modulus sigma bits below force_error stiffness_error".split()
+        for key in ["law", "radius", "modulus", "sigma", "bits", "below", "force_error", "stiffness_error"]
         if key != "sigma"
     },
     "curve-without-sigma": without(GIVEN, "sigma", second=True),
@@ -202,7 +215,7 @@ FAULTS = {
     "first-row-twice": (sealed([*_whole[:_kinks], _whole[_kinks - 1], *_whole[_kinks:]]), _kinks + 1),
     "row-that-ends-with-a-kink": (sealed([*_whole, _whole[-1]]), _end),
     "kinks-33": row("most-kinks", *_twice("most-kinks")),
-    "bits-finer": put(KINKS, "bits: 2")[:1] + (_kinks + 1,),
+    "bits-finer": (*put(KINKS, "bits: 2")[:1], _kinks + 1),
     "straight-from-below-0": put("pohrt-popov-hertz", "below: straight"),
     # stiffnesses that do not fit
     "steep-first-row": first_row(of_hertz([(U, 1e-5, 1e5), (1.5 * U, 2e-5, 1e-5)])),
@@ -215,11 +228,13 @@ FAULTS = {
     "force-that-falls-in-a-cell": first_row(of_hertz([(U, 1e-5, 0.05), (1.5 * U, 1.1e-5, 0.05)]), 1),
     "flat-row-after-a-steep-one": first_row(of_hertz([HERTZ[0], (1.5 * U, 4.1e-5, 0.25)]), 1),
     # energy
-    "work-from-hertz": put("kinks-in-one-cell", "unloading: hertz")[:1] + (24,),
+    "work-from-hertz": (*put("kinks-in-one-cell", "unloading: hertz")[:1], 24),
     "work-from-thornton": first_row(of_hertz(LONG, unloading="thornton", yield_area="0.0012", yield_slope="0.001"), 1),
-    "work-from-linear": put("luding-linear", "linear_first: 0.005", "linear_largest: 0.005")[:1]
-    + (place(lines_of("luding-linear"), "row") + 1,),
-    "work-from-eepa": put("eepa-eepa", "eepa_plastic: 0")[:1] + (place(lines_of("eepa-eepa"), "row") + 1,),
+    "work-from-linear": (
+        *put("luding-linear", "linear_first: 0.005", "linear_largest: 0.005")[:1],
+        place(lines_of("luding-linear"), "row") + 1,
+    ),
+    "work-from-eepa": (*put("eepa-eepa", "eepa_plastic: 0")[:1], place(lines_of("eepa-eepa"), "row") + 1),
     "work-from-a-softer-curve": (sealed(of_hertz(HERTZ, [(u, 0.5 * f, 0.5 * k) for u, f, k in LONG], unloading="table")), 13),
     "unloading-curve-too-short": (sealed(of_hertz(LONG, HERTZ, unloading="table")), 25),
 }
