@@ -31,7 +31,7 @@ CONTACTS = {"granite": GRANITE, "smoother": SMOOTHER, "soft": SOFT}
 
 def options_of(name, contact=GRANITE):
     """What the law's definition asks to be made with; a yield pressure follows the contact's hardness."""
-    options = dict(registry()[name].example)
+    options = dict(registry()[name].drawing.example)
     if "yield_pressure" in options:
         options["yield_pressure"] = 0.265 * contact.hardness
     strengths = {"strength": 0.265 * contact.hardness, "yield_strength": 0.265 / 1.6 * contact.hardness}
