@@ -112,12 +112,9 @@ each_law_and_rule = pytest.mark.parametrize(
 
 
 def sealed(lines):
-    """A table file of these lines, with check marks that fit, as a program that edits tables would write it."""
-    data = lines[0] + b"\n"
-    for line in lines[1:]:
-        data += line
-        data += b" %08x\n" % zlib.crc32(data)
-    return data
+    """A table file of these lines with a checksum that fits, as a program that edits tables would write it."""
+    data = b"".join(line + b"\n" for line in lines)
+    return data + b"crc: %08x\n" % zlib.crc32(data)
 
 
 def work_along(law, corners):

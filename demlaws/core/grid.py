@@ -13,9 +13,9 @@ MOST_BITS = 12
 MOST_KINKS = 32
 """Kinks of one curve: each costs a look-up one comparison more, but the first two, which every look-up makes."""
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
-_OCTAVES_BELOW, _MOST_OCTAVES_BELOW = 40, 200
-"""Octaves of cells that continue the power law below the first node, so that reading it takes no power; the second for
-an unloading curve, which goes as far down in force as its law's."""
+_OCTAVES_BELOW, _MOST_OCTAVES_BELOW, _MOST_OF_S = 40.0, 200.0, 100.0
+"""Octaves of u, and of s, of cells that continue the power law below the first node, so that reading it takes no power; the
+others for an unloading curve, which goes as far down in force as its law's."""
 
 
 def node_number(u, bits_per_octave):
@@ -78,12 +78,12 @@ def _hermite(t0, t1, width, s0, s1, slope0, slope1):
 def _below(u0, s0, exponent, first, bits_per_octave, straight, floor):
     """Rows of cells below the first node and the u where they begin: one linear from 0, then the power law s0 (u/u0)^p.
 
-    floor: s about where the power law ends, or None: 40 octaves of u down. straight: a curve that starts from a force
-    (p < 1) goes on straight, with the slope of the first node; a power law would have a stiffness without bound.
+    floor: s about where the power law ends, or None: 40 octaves of u or of s down, the fewer. straight: a curve that starts
+    from a force (p < 1) goes on straight, with the slope of the first node; a power law would have a stiffness without bound.
     """
-    octaves = float(_OCTAVES_BELOW)
+    octaves = _OCTAVES_BELOW if straight else _OCTAVES_BELOW / max(exponent, 1.0)
     if floor is not None and not straight:
-        octaves = min(max(1.0, math.log2(s0 / floor) / exponent), _MOST_OCTAVES_BELOW)
+        octaves = min(max(1.0, min(math.log2(s0 / floor), _MOST_OF_S) / exponent), _MOST_OCTAVES_BELOW)
     u = node(np.arange(first - round(octaves * 2**bits_per_octave), first + 1), bits_per_octave)
     if straight:
         seat, slope = s0 * (1.0 - exponent), exponent * s0 / u0

@@ -20,14 +20,12 @@ struct Pair {
   double sigma = 0.;       // roughness [m]; of the table's contact by default
 
   Pair() {}
-  // roughness: combined rms roughness sigma [m]; without it the length of the file is taken.
+  // roughness: combined rms roughness sigma [m]; without it that of the file is taken.
   Pair(const Table &t, double effective_modulus, double roughness = 0.)
       : table(&t), rule(t.unloading()), modulus(effective_modulus),
-        sigma(roughness > 0. ? roughness : t.of_contact("roughness", 0.)) {
-    const double over_roughness = t.number("length_over_roughness", 0.);
-    if (t.number("length_over_radius", 0.) > 0.) length_per_radius = t.number("length_over_radius", 0.);
-    else if (roughness > 0. && over_roughness > 0.) length = over_roughness * roughness;
-    else length = t.number("length", 0.);
+        sigma(roughness > 0. ? roughness : t.number("sigma", 0.)) {
+    if (t.scales_with_sigma()) length = sigma;
+    else length_per_radius = 1.;
     inverse_length = 1. / (length > 0. ? length : length_per_radius);
   }
   inline double length_of(double radius) const { return length > 0. ? length : length_per_radius * radius; }
@@ -43,8 +41,8 @@ struct Pair {
     if (!wrong.str().empty()) throw std::runtime_error(wrong.str());
     Pair pair(t, effective_modulus, t.collapses() ? roughness : 0.);
     if (t.collapses()) return pair;
-    const double made_for = t.of_contact("modulus", 0.);
-    pair.only_radius = t.of_contact("radius", 0.);
+    const double made_for = t.number("modulus", 0.);
+    pair.only_radius = t.number("radius", 0.);
     std::ostringstream what;
     what << t.path() << " holds for one contact only, since law " << t.text("law") << " does not collapse";
     if (!(fabs(effective_modulus - made_for) <= 1e-6 * made_for))
@@ -263,6 +261,34 @@ inline void stored_and_dissipated(const Pair &pair, double radius, double overla
   if (overlap > 0. && overlap > state[1]) stored = std::max(0., given_back(pair, radius, overlap, state));
   dissipated =
       scale * pair.table->loading_curve().energy(state[0] / length) - given_back(pair, radius, state[0], state);
+}
+
+// That no cell of loading makes less heat than none: after it, unloading would return more work than loading took.
+inline void Table::refuse_unless_passive() const {
+  if (unloads_ == ELASTIC) return;
+  const Pair pair(*this, number("modulus", 0.));
+  const std::vector<Row> &rows = sections_[0].rows;
+  const double radius = number("radius", 0.), length = pair.length_of(radius);
+  double share = ROUNDING, work_before = 0., heat_before = 0.;
+  for (const Section &section : sections_)
+    share += 2. * (section.number("force_error") + section.number("stiffness_error"));
+  for (int i = -40; i < (int)rows.size(); i++) { // from 40 octaves below the first row
+    double u = i < 0 ? rows[0].u * ldexp(1., i) : rows[i].u, stored, heat;
+    const bool behind = i > 0 && rows[i - 1].u == u,
+               before = i + 1 == (int)rows.size() || (i >= 0 && rows[i + 1].u == u);
+    if (behind || before) u *= behind ? 1. + 1e-12 : 1. - 1e-12; // beside a kink, and where the last row is
+    State state;
+    step(pair, radius, u * length, state);
+    stored_and_dissipated(pair, radius, u * length, &state.maximum_overlap, stored, heat);
+    const double work = stored + heat;
+    if (i > -40 && !behind && !(heat - heat_before >= -share * (work - work_before) - ROUNDING * work))
+      fail(sections_[0].first_row + std::max(i, 0),
+           "unloading '" + text("unloading") +
+               "' returns more work from here than loading took from the row before: this "
+               "table cannot take that rule");
+    work_before = work;
+    heat_before = heat;
+  }
 }
 
 } // namespace demlaws

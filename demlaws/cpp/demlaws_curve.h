@@ -104,8 +104,8 @@ public:
 
   // Number of the first row that the grid does not allow; -1: they are a curve.
   static int off_grid(const std::vector<Row> &rows, int bits);
-  // From rows on the grid. straight: below the first row; else a power law, for 40 octaves or about down to s =
-  // `until`.
+  // From rows on the grid. straight: below the first row; else a power law, for 40 octaves of u or s, or about down to
+  // s = `until`.
   void build(const std::vector<Row> &rows, int bits, bool straight, double until = 0.);
   // The reverse of a curve: u over s - seat, on a grid of its own that ends within the last cell of the curve.
   void build_reverse(const Curve &curve);
@@ -240,10 +240,10 @@ inline void Curve::build(const std::vector<Row> &rows, int bits, bool straight, 
 
 // Cells below the first row, so that reading there takes no pow(): a power law, or straight to a force at overlap 0.
 inline void Curve::below(std::vector<Cell> &cells, bool straight, double until) {
-  double octaves = 40.;
-  if (until > 0. && !straight) octaves = std::min(std::max(1., log2(s_first_ / until) / power_first_), 200.);
+  double octaves = straight ? 40. : 40. / std::max(power_first_, 1.);
+  if (until > 0. && !straight)
+    octaves = std::min(std::max(1., std::min(log2(s_first_ / until), 100.) / power_first_), 200.);
   const int64_t last = grid_number(u_first_, bits_);
-  octaves = std::min(octaves, std::max(1., log2(u_first_ / 1e-90))); // a cell's coefficients are finite numbers
   first_ = (uint64_t)(last - (int64_t)nearbyint(octaves * (double)(1 << bits_)));
   floor_ = grid_point((int64_t)first_, bits_);
   seat_ = straight ? s_first_ * (1. - power_first_) : 0.;

@@ -66,7 +66,7 @@ private:
 inline std::string judge_modulus(const Table &table, double modulus) {
   std::ostringstream what;
   what << "modulus = " << modulus << " Pa";
-  const double made_for = table.of_contact("modulus", modulus);
+  const double made_for = table.number("modulus", modulus);
   if (modulus >= SOFTENED * made_for && modulus <= STIFFENED * made_for) return "";
   what << " is " << modulus / made_for << " times the effective modulus of " << table.path() << ", " << made_for
        << " Pa: check the units of Young's modulus and Poisson's ratio";
@@ -191,7 +191,7 @@ private:
   static std::string too_deep(const Pair &pair, double radius, double overlap) {
     const double ratio = overlap / radius;
     const bool undefined = ratio > LARGEST_OVERLAP;
-    const double softened = pair.modulus / pair.table->of_contact("modulus", HUGE_VAL);
+    const double softened = pair.modulus / pair.table->number("modulus", HUGE_VAL);
     std::ostringstream what;
     what << "overlap " << overlap << " m is ";
     what.precision(3);

@@ -10,7 +10,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
-#include <map>
 #include <sstream>
 #include <stdexcept>
 
@@ -65,26 +64,21 @@ public:
   static std::string contents(const std::string &path);
 
   const std::string &path() const { return path_; }
-  // CRC-32 of the text up to the mark of its last line: tables with one fingerprint are one table.
+  // CRC-32 of the text: tables with one fingerprint are one table.
   uint32_t fingerprint() const { return fingerprint_; }
-  bool has(const std::string &key) const { return header_.count(key) != 0; }
-  std::string text(const std::string &key) const {
-    std::map<std::string, std::string>::const_iterator it = header_.find(key);
-    return it == header_.end() ? std::string() : it->second;
-  }
-  // A header value as a number; `otherwise` when the key is absent or not one number.
+  // The text of a key of the loading curve; "" where it is absent.
+  std::string text(const std::string &key) const { return sections_[0].text(key); }
+  // The same as a number; `otherwise` where it is absent or not one number.
   double number(const std::string &key, double otherwise) const {
     double x;
     return plain_number(text(key), x) ? x : otherwise;
   }
-  // A number of the contact (SI) that the table was made for: "radius", "modulus", "roughness", ...
-  double of_contact(const std::string &name, double otherwise) const {
-    return number(name == "roughness" ? name : "effective_" + name, otherwise);
-  }
+  // Whether overlaps are divided by sigma; else by R.
+  bool scales_with_sigma() const { return text("length") == "sigma"; }
   // A law that collapses has one curve for every radius and modulus; another holds for its own contact only.
   bool collapses() const { return text("collapses") == "yes"; }
   Unloading unloading() const { return unloads_; }
-  // The lines limit_1, limit_2, ... of the header.
+  // The keys limit_1, limit_2, ... of the header.
   const std::vector<Limit> &limits() const { return limits_; }
 
   // The curve to unload along; empty unless unloading() is GIVEN.
@@ -106,7 +100,7 @@ public:
   // (a^2 = a_y^2 + (P - P_y)/(pi p_y)).
   inline double area(double s) const {
     if (s <= yield_s_) return s;
-    return yield_s_ + (s * sqrt(s) - yield_s_ * sqrt(yield_s_)) * yield_area_slope_;
+    return yield_s_ + (s * sqrt(s) - yield_s_ * sqrt(yield_s_)) * yield_slope_;
   }
 
   // The same of a law that has a contact radius of its own (rule ETSION): by the overlap, not by the force.
@@ -128,45 +122,57 @@ public:
   inline double eepa_plastic() const { return numbers_[1]; } // plastic over largest overlap
 
 private:
+  // Keys and rows of one curve; class Section of demlaws/curves/table_grammar.py has the same steps.
+  struct Entry {
+    std::string key, text;
+    int line;
+  };
+  struct Section {
+    std::vector<Entry> header;
+    std::vector<Row> rows;
+    double force = 0., stiffness = 0.; // of the last row
+    int first_row = 0;
+    const Entry *find(const std::string &key) const {
+      for (const Entry &one : header)
+        if (one.key == key) return &one;
+      return NULL;
+    }
+    std::string text(const std::string &key) const { return find(key) ? find(key)->text : std::string(); }
+    double number(const std::string &key) const { return strtod_of(text(key)); }
+    int line(const std::string &key) const { return find(key)->line; }
+  };
+
   std::string path_;
   uint32_t fingerprint_ = 0;
-  std::map<std::string, std::string> header_;
-  std::map<std::string, int> lines_; // where a key stands
+  Section sections_[2]; // loading, unloading
+  int last_ = 0;        // the one that is read
   Unloading unloads_ = ELASTIC;
   double numbers_[3]; // numbers of a single law's rule
   Curve loading_, unloading_, reverse_;
-  double yield_s_, yield_area_slope_;
+  double yield_s_, yield_slope_;
   std::vector<Limit> limits_;
 
   Table(const Table &); // a curve is not copied
   Table &operator=(const Table &);
 
+  static double strtod_of(const std::string &text) {
+    double x = 0.;
+    plain_number(text, x);
+    return x;
+  }
   void fail(int line, const std::string &what) const {
     std::ostringstream out;
     out << path_ << ", line " << line << ": ";
-    for (size_t i = 0; i < what.size(); i++) out << ((unsigned char)what[i] < 0x20 ? '?' : what[i]); // one line
+    for (size_t i = 0; i < what.size() && i < 400; i++) out << ((unsigned char)what[i] < 0x20 ? '?' : what[i]);
     throw std::runtime_error(out.str());
   }
-  // A whole number of at most 9 digits, without sign or leading zeros; -1: it is none.
-  static long whole(const std::string &text) {
-    const bool good = !text.empty() && text.size() <= 9 && text[0] != '0';
-    return good && text.find_first_not_of("0123456789") == std::string::npos ? strtol(text.c_str(), NULL, 10) : -1;
-  }
-  // The steps of reading; class Reader of demlaws/curves/table_grammar.py has the same.
-  struct Lines {
-    std::vector<Row> rows[2]; // of loading and unloading
-    double last_force = 0.;
-    int into = -1, first_line[2] = {0, 0}, titles = 0, end = 0;
-  };
-  void read_lines(const std::string &bytes, Lines &lines);
-  void read_line(int line, const std::string &body, Lines &lines);
-  void read_row(int line, const std::string &body, Lines &lines) const;
   void read_key(int line, const std::string &body);
-  void check_keys(const Lines &lines);
-  void check_key(const std::string &name, Kind kind, const Lines &lines);
-  void check_scales(const Lines &lines);
-  void check_limits();
-  void build(Curve &curve, int which, const Lines &lines, double until);
+  void read_row(int line, const std::string &body);
+  void check_header(int line);
+  void check_value(const Entry &entry, const Key *key) const;
+  void check_limit(const Entry &entry);
+  void build(Curve &curve, const Section &section, int end, double until);
+  void refuse_unless_passive() const; // demlaws_contact.h
 };
 
 inline std::string Table::contents(const std::string &path) {
@@ -182,195 +188,191 @@ inline std::string Table::contents(const std::string &path) {
 
 inline void Table::parse(const std::string &bytes, const std::string &path) {
   path_ = path;
-  header_.clear();
-  lines_.clear();
-  Lines lines;
-  read_lines(bytes, lines);
-  check_keys(lines);
-  check_scales(lines);
-  build(loading_, 0, lines, 0.);
-  if (yield_s_ >= loading_.last_s()) yield_s_ = HUGE_VAL;
-  if (unloads_ != GIVEN) return;
-  // its power law goes as far down in force as the other's, so that it stays the stiffer one
-  build(unloading_, 1, lines, loading_.seat() > 0. ? 0. : loading_.floor_s());
-  reverse_.build_reverse(unloading_);
-}
-
-// Header and rows of a file whose check marks fit.
-inline void Table::read_lines(const std::string &bytes, Lines &lines) {
-  std::string data; // a line may end in CR LF: the CR is no part of the text
-  data.reserve(bytes.size());
+  sections_[0] = sections_[1] = Section();
+  last_ = 0;
+  limits_.clear();
+  std::vector<std::string> lines(1);
   for (size_t i = 0; i < bytes.size(); i++)
-    if (bytes[i] != '\r' || i + 1 == bytes.size() || bytes[i + 1] != '\n') data += bytes[i];
-  const std::string format = FORMAT, head = data.substr(0, data.find('\n')) + "\n";
-  if (head != format + "\n")
-    fail(1, head.compare(0, format.size() - 1, format, 0, format.size() - 1) == 0
-                ? "a table of another format: write it again with this version of demlaws"
+    if (bytes[i] == '\n') lines.push_back("");
+    else if (bytes[i] != '\r' || i + 1 == bytes.size() || bytes[i + 1] != '\n') lines.back() += bytes[i];
+  if (lines.size() > 1 && lines.back().empty()) lines.pop_back();
+  const std::string format = FORMAT;
+  if (lines[0] != format)
+    fail(1, lines[0].compare(0, format.size() - 1, format, 0, format.size() - 1) == 0
+                ? "a table of another format: make it again with 'demlaws table --law NAME ... --out FILE'"
                 : "not a demlaws table (the first line must be '" + format + "')");
-  uint32_t crc = crc32(0, head.data(), head.size());
-  int line = 1;
-  for (size_t at = std::min(head.size(), data.size()), next; at < data.size(); at = next) {
-    line++;
-    const size_t newline = std::min(data.find('\n', at), data.size());
-    next = newline + 1;
-    if (lines.end) fail(line, "text follows the 'end:' line");
-    const size_t blank = newline - at < 9 ? newline : newline - 9; // before the mark
-    if (blank == newline || data[blank] != ' ') fail(line, "no checksum (a blank and 8 hex digits) ends this line");
-    crc = crc32(crc, data.data() + at, blank - at);
-    char mark[16];
-    snprintf(mark, sizeof mark, " %08x\n", (unsigned)crc);
-    if (data.compare(blank, 9, mark, 9) != 0)
-      fail(line, "checksum does not match: this line was changed after the table was written; write it again");
-    fingerprint_ = crc;
-    crc = crc32(crc, mark, 10);
-    read_line(line, data.substr(at, blank - at), lines);
+  const int end = (int)lines.size();
+  fingerprint_ = 0;
+  for (int i = 0; i + 1 < end || i == 0; i++)
+    fingerprint_ = crc32(crc32(fingerprint_, lines[i].data(), lines[i].size()), "\n", 1);
+  char mark[16];
+  snprintf(mark, sizeof mark, "crc: %08x", (unsigned)fingerprint_);
+  const std::string &last = lines.back();
+  if (last.compare(0, 5, mark, 5) != 0 || last.size() != 13 ||
+      last.find_first_not_of("0123456789abcdef", 5) != std::string::npos)
+    fail(end, "the last line is not the checksum, 'crc: ...': the file was cut short");
+  if (last != mark) fail(end, "the checksum does not match: the text above was changed; make the table again");
+  for (int i = 1; i + 1 < end; i++)
+    lines[i].find(": ") == std::string::npos ? read_row(i + 1, lines[i]) : read_key(i + 1, lines[i]);
+  const bool given = text("unloading") == RULE_NAMES[GIVEN];
+  if (given != (last_ == 1)) sections_[0].rows.clear();
+  build(loading_, sections_[0], end, 0.);
+  if (yield_s_ >= loading_.last_s()) yield_s_ = HUGE_VAL;
+  if (given) {
+    // its power law goes as far down in force as the other's, so that it stays the stiffer one
+    build(unloading_, sections_[1], end, loading_.seat() > 0. ? 0. : loading_.floor_s());
+    reverse_.build_reverse(unloading_);
+    if (loading_.last_s() - unloading_.seat() > reverse_.last())
+      fail(sections_[1].first_row, "the unloading curve ends below the last force of the loading");
   }
-  if (!lines.end) fail(line + (data[data.size() - 1] == '\n'), "the file stops before its 'end:' line");
+  refuse_unless_passive();
 }
 
-// A line without its mark: end, titles, row or key.
-inline void Table::read_line(int line, const std::string &body, Lines &lines) {
-  if (body.compare(0, 5, "end: ") == 0) {
-    const std::string read = std::to_string(lines.rows[0].size() + lines.rows[1].size()) + " rows";
-    if (body != "end: " + read) fail(line, "'" + body + "', but " + read + " were read");
-    lines.end = line;
-  } else if (body == (lines.into < 0 ? "" : "unloading ") + std::string("overlap force stiffness") && lines.into < 1) {
-    if (++lines.into == 0) lines.titles = line;
-    lines.first_line[lines.into] = line + 1;
-  } else if (lines.into >= 0) read_row(line, body, lines);
-  else read_key(line, body);
+inline void Table::read_key(int line, const std::string &body) {
+  if (!sections_[last_].rows.empty() && last_ == 0) last_ = 1;
+  Section &section = sections_[last_];
+  const size_t colon = body.find(": ");
+  const std::string key = body.substr(0, colon);
+  if (!section.rows.empty()) fail(line, "'" + key + "' follows the rows of the last curve");
+  if (section.find(key)) fail(line, "key '" + key + "' occurs twice");
+  section.header.push_back({key, body.substr(colon + 2), line});
 }
 
-// Three numbers with a blank between, within the limits of a table, which must follow the rows before.
-inline void Table::read_row(int line, const std::string &body, Lines &lines) const {
+// Values of the keys, all of which this curve needs or takes. line: that of the first row.
+inline void Table::check_header(int line) {
+  const Section &section = sections_[last_];
+  const std::string unloading = section.text("unloading");
+  std::vector<std::string> laws(1, section.text("law"));
+  for (const LawKey &one : LAW_KEYS)
+    if (one.law == laws[0] && std::string(one.key.name) == INNER[0])
+      laws.push_back(section.find(INNER[0]) ? section.text(INNER[0]) : INNER[1]);
+  const bool known = std::all_of(laws.begin(), laws.end(), [](const std::string &law) {
+    return std::find(LAWS, LAWS + LAW_COUNT, law) != LAWS + LAW_COUNT;
+  });
+  std::vector<const Key *> wanted;
+  for (const Key &key : KEYS)
+    if (last_ == 0 || key.both) wanted.push_back(&key);
+  for (const std::string &law : laws)
+    for (const LawKey &one : LAW_KEYS)
+      if (known && one.law == law) wanted.push_back(&one.key);
+  const Key any = {"", "", "", "", 0., 0., false, true};
+  for (const Entry &entry : section.header) {
+    if (last_ == 0 && entry.key == "limit_" + std::to_string(limits_.size() + 1)) {
+      check_limit(entry);
+      continue;
+    }
+    const Key *found = !known && entry.key.compare(0, 7, "option_") == 0 ? &any : NULL;
+    for (const Key *key : wanted) {
+      const std::string need = key->need;
+      if (entry.key == key->name && (need.empty() || need == "always" || need == unloading || section.find(need)))
+        found = key;
+    }
+    check_value(entry, found);
+  }
+  for (const Key *key : wanted) {
+    const std::string need = key->need;
+    if (!need.empty() && (need == "always" || need == unloading || section.find(need)) && !section.find(key->name))
+      fail(line, "the lines above lack '" + std::string(key->name) + "'");
+  }
+  if (scales_with_sigma() && !(section.number("sigma") >= SMALLEST_LENGTH))
+    fail(section.find("sigma") ? section.line("sigma") : line, "overlaps over sigma need a sigma from 1e-30 m on");
+  if (section.number("sigma") > LARGEST_ROUGHNESS * section.number("radius"))
+    fail(section.line("sigma"), "sigma is above half the radius");
+  if (section.find("hardness") && section.number("hardness") < LOWEST_HARDNESS * section.number("modulus"))
+    fail(section.line("hardness"), "hardness is far below the modulus: both are in Pa");
+  if (last_ == 1) return;
+  unloads_ = (Unloading)(std::find(RULE_NAMES, RULE_NAMES + RULES, unloading) - RULE_NAMES);
+  for (int i = 0; i < 3; i++) numbers_[i] = RULE_KEYS[unloads_][i] ? number(RULE_KEYS[unloads_][i], 0.) : 0.;
+  yield_s_ = number("yield_area", HUGE_VAL);
+  yield_slope_ = number("yield_slope", 0.);
+}
+
+inline void Table::check_value(const Entry &entry, const Key *key) const {
+  if (!key) fail(entry.line, "'" + entry.key + "' is not a key of this law and rule of unloading");
+  const std::string words = key->words;
+  double x;
+  bool good = !entry.text.empty();
+  if (words == "number")
+    good = plain_number(entry.text, x) && (key->included ? x >= key->low : x > key->low) && x <= key->high;
+  else if (words == "triples") {
+    size_t count = 0;
+    for (size_t p = 0, q; good && p <= entry.text.size(); p = q + 1, count++) {
+      q = std::min(entry.text.find(' ', p), entry.text.size());
+      good = plain_number(entry.text.substr(p, q - p), x);
+    }
+    good = good && count % 3 == 0;
+  } else if (!words.empty())
+    good = entry.text.find(' ') == std::string::npos &&
+           (" " + words + " ").find(" " + entry.text + " ") != std::string::npos;
+  if (!good) fail(entry.line, entry.key + ": '" + entry.text.substr(0, 60) + "' is not " + key->meaning);
+}
+
+// 'limit_1: above|below|pressure NUMBER REASON', and so on.
+inline void Table::check_limit(const Entry &entry) {
+  static const char *const kinds[] = {"above", "below", "pressure"};
+  const std::string &body = entry.text;
+  const size_t first = body.find(' '), second = body.find(' ', first + 1);
+  const size_t kind = std::find(kinds, kinds + 3, body.substr(0, first)) - kinds;
+  Limit limit = {(Limit::Kind)kind, 0., second == std::string::npos ? "" : body.substr(second + 1)};
+  if (kind == 3 || limit.reason.empty() || !plain_number(body.substr(first + 1, second - first - 1), limit.value) ||
+      !(limit.value > 0.))
+    fail(entry.line,
+         entry.key + ": '" + body.substr(0, 60) + "' is not above, below or pressure, a positive number, a reason");
+  limits_.push_back(limit);
+}
+
+// u, f, k of a line, which must continue the rows before it: order, growth, and a cubic between them that does not
+// fall.
+inline void Table::read_row(int line, const std::string &body) {
+  Section &section = sections_[last_];
+  if (section.rows.empty()) {
+    check_header(line);
+    section.first_row = line;
+  }
   double value[3];
   size_t p = 0;
   for (int i = 0; i < 3; i++) {
     const size_t q = i < 2 ? body.find(' ', p) : body.size();
     if (q == std::string::npos || !plain_number(body.substr(p, q - p), value[i]))
-      fail(line, "'" + body + "' is not three numbers with a blank between: overlap, force, stiffness");
+      fail(line, "'" + body.substr(0, 60) + "' is neither 'key: value' nor three numbers with a blank between");
+    p = q + 1;
+  }
+  for (int i = 0; i < 3; i++) {
     const double largest = i ? LARGEST_ROW_FORCE : LARGEST_ROW_OVERLAP;
     if (!(value[i] >= 1. / largest && value[i] <= largest))
       fail(line, "a value in '" + body + "' is too large or too small");
-    p = q + 1;
   }
-  const double force = value[1];
-  std::vector<Row> &rows = lines.rows[lines.into];
-  if (!rows.empty() && !(value[0] > rows.back().u && force > lines.last_force) &&
-      !(value[0] == rows.back().u && force >= lines.last_force))
-    fail(line, "overlap and force must increase from row to row");
-  const double root = cbrt(0.75 * force), s = root * root; // s = (3f/4)^(2/3), ds/du = k / (2 sqrt(s))
-  rows.push_back({value[0], s, value[2] / (2. * sqrt(s))});
-  lines.last_force = force;
-}
-
-inline void Table::read_key(int line, const std::string &body) {
-  size_t colon = body.find(": ");
-  const bool empty = colon == std::string::npos && body.size() > 1 && body[body.size() - 1] == ':';
-  if (empty) colon = body.size() - 1;
-  if (colon == std::string::npos || colon == 0) fail(line, "'" + body + "' is not 'key: value'");
-  const std::string key = body.substr(0, colon);
-  if (has(key)) fail(line, "key '" + key + "' occurs twice");
-  header_[key] = empty ? "" : body.substr(colon + 2);
-  lines_[key] = line;
-}
-
-// Values of the keys that this file needs.
-inline void Table::check_keys(const Lines &lines) {
-  for (const Key &key : CURVE_KEYS) check_key(key.name, key.kind, lines);
-  for (const Key &key : SHARED_KEYS) check_key(key.name, key.kind, lines);
-  unloads_ = (Unloading)(std::find(RULE_NAMES, RULE_NAMES + RULES, text("unloading")) - RULE_NAMES);
-  const bool yields = std::any_of(YIELD_KEYS, YIELD_KEYS + 4, [this](const Key &key) { return has(key.name); });
-  for (const Key &key : YIELD_KEYS)
-    if (yields) check_key(key.name, key.kind, lines);
-  std::fill(numbers_, numbers_ + 3, 0.);
-  for (int i = 0; RULE_KEYS[unloads_][i]; i++) {
-    // the second is a growth: it may be 0
-    check_key(RULE_KEYS[unloads_][i], i == 1 ? Kind::NOT_NEGATIVE : Kind::POSITIVE, lines);
-    numbers_[i] = number(RULE_KEYS[unloads_][i], 0.);
+  const double u = value[0], force = value[1], stiffness = value[2], root = cbrt(0.75 * force), s = root * root;
+  if (u * stiffness > STEEPEST * force)
+    fail(line, "the stiffness is that of a force that grows faster than overlap^10");
+  if (!section.rows.empty()) {
+    const Row &before = section.rows.back();
+    if (!(u > before.u && force > section.force) && !(u == before.u && force >= section.force))
+      fail(line, "overlap and force must increase from row to row");
+    if (log(force / section.force) > log(JUMP) + STEEPEST * log(u / before.u))
+      fail(line, "the force grows faster than overlap^10 from the row before");
+    if (std::max(section.stiffness / sqrt(before.s), stiffness / root) * (u - before.u) >
+        2. * (3. * (s - before.s) + ROUNDING * s))
+      fail(line, "a stiffness here or before is above three times the slope between them: the curve falls");
   }
-  for (const Key &key : CURVE_KEYS)
-    if (unloads_ == GIVEN) check_key(std::string("unloading_") + key.name, key.kind, lines);
-  for (const std::string key : {"roughness", "unloading_roughness"}) // not of a contact whose law does not need it
-    if (has(key) && (key == "roughness" || unloads_ == GIVEN)) check_key(key, Kind::NOT_NEGATIVE, lines);
-  check_limits();
+  section.rows.push_back({u, s, stiffness / (2. * root)}); // s = (3f/4)^(2/3), ds/du = k / (2 sqrt(s))
+  section.force = force;
+  section.stiffness = stiffness;
 }
 
-inline void Table::check_key(const std::string &name, Kind kind, const Lines &lines) {
-  if (!has(name)) fail(lines.titles ? lines.titles : lines.end, "the lines above lack '" + name + "'");
-  const std::string value = text(name);
-  const long count = whole(value);
-  const bool good = kind == Kind::NAME           ? !value.empty()
-                    : kind == Kind::BITS         ? count >= 1 && count <= MOST_BITS
-                    : kind == Kind::ROWS         ? count >= 2 && count <= MOST_ROWS
-                    : kind == Kind::POSITIVE     ? number(name, -1.) > 0.
-                    : kind == Kind::NOT_NEGATIVE ? number(name, -1.) >= 0.
-                    : kind == Kind::BELOW        ? value == "power" || value == "straight"
-                    : kind == Kind::RULE         ? std::count(RULE_NAMES, RULE_NAMES + RULES, value) > 0
-                                                 : value == "yes" || value == "no";
-  if (!good) fail(lines_[name], name + ": '" + value + "' is not " + KIND_NAMES[(int)kind]);
-}
-
-// 'limit_1: above|below|pressure NUMBER REASON', and so on.
-inline void Table::check_limits() {
-  static const char *const kinds[] = {"above", "below", "pressure"};
-  limits_.clear();
-  for (;;) {
-    const std::string key = "limit_" + std::to_string(limits_.size() + 1), body = text(key);
-    if (!has(key)) return;
-    const size_t first = body.find(' '), second = body.find(' ', first + 1);
-    const size_t kind = std::find(kinds, kinds + 3, body.substr(0, first)) - kinds;
-    Limit limit = {(Limit::Kind)kind, 0., second == std::string::npos ? "" : body.substr(second + 1)};
-    if (kind == 3 || limit.reason.empty() || !plain_number(body.substr(first + 1, second - first - 1), limit.value) ||
-        !(limit.value > 0.))
-      fail(lines_[key], key + ": '" + body + "' is not above, below or pressure, a positive number, a reason");
-    limits_.push_back(limit);
-  }
-}
-
-// Values that depend on one another: lengths, contacts, bulk yield, the unloading curve.
-inline void Table::check_scales(const Lines &lines) {
-  if ((number("length_over_roughness", 0.) > 0.) == (number("length_over_radius", 0.) > 0.))
-    fail(lines_["length_over_radius"], "one of length_over_roughness and length_over_radius is positive, the other 0");
-  for (const std::string prefix : {"", "unloading_"}) {
-    if (!prefix.empty() && unloads_ != GIVEN) continue;
-    const std::string roughness = prefix + "roughness", radius = prefix + "effective_radius";
-    if (!has(roughness) && number("length_over_roughness", 0.) > 0.)
-      fail(lines_["length_over_roughness"], "overlaps over the roughness, but no " + roughness + " is given");
-    if (number(roughness, 0.) > LARGEST_ROUGHNESS * number(radius, 0.) ||
-        !(number(prefix + "effective_modulus", 0.) > LEAST_MODULUS))
-      fail(lines_[has(roughness) ? roughness : radius],
-           roughness + " is above half the effective radius, or the modulus not above 1e3 Pa");
-  }
-  yield_s_ = HUGE_VAL;
-  yield_area_slope_ = 0.;
-  if (has("yield_area")) {
-    const double area = number("yield_area", 0.), expected = pow(0.75 * number("yield_force", 0.), 2. / 3.);
-    if (!(fabs(area - expected) <= 1e-9 * expected))
-      fail(lines_["yield_area"], "yield_area does not go with yield_force");
-    yield_s_ = area;
-    yield_area_slope_ = number("yield_area_slope", 0.) / 0.75; // by s^1.5, not by f
-  }
-  if ((unloads_ == GIVEN) != (lines.into == 1))
-    fail(lines_["unloading"], "rows of an unloading curve belong to 'unloading: table', and only to it");
-}
-
-inline void Table::build(Curve &curve, int which, const Lines &lines, double until) {
-  const std::string prefix = which ? "unloading_" : "", count = text(prefix + "rows");
-  const std::vector<Row> &rows = lines.rows[which];
-  const std::string held = std::to_string(rows.size());
-  if (count != held) fail(lines_[prefix + "rows"], prefix + "rows: " + count + ", but the table has " + held);
-  const int bits = (int)whole(text(prefix + "bits"));
-  const int wrong = Curve::off_grid(rows, bits);
+inline void Table::build(Curve &curve, const Section &section, int end, double until) {
+  const std::vector<Row> &rows = section.rows;
+  if (rows.size() < 2)
+    fail(end, "two or more rows of a curve are missing; 'unloading: table', and only it, has a second curve");
+  if (rows.size() > (size_t)MOST_ROWS) fail(end, "more than " + std::to_string(MOST_ROWS) + " rows");
+  const int bits = (int)section.number("bits"), wrong = Curve::off_grid(rows, bits);
   if (wrong >= 0)
-    fail(lines.first_line[which] + wrong,
-         "a row is missing before this one, or its overlap is neither on the grid of the header's bits nor one of at "
-         "most " +
+    fail(section.first_row + wrong,
+         "a row is missing before this one, or its overlap is neither on the grid of 'bits' nor one of at most " +
              std::to_string(MOST_KINKS) + " kinks, an overlap in two rows, between other rows");
-  const bool straight = text(prefix + "below_first_row") == "straight";
+  const bool straight = section.text("below") == "straight";
   if (straight && Curve::exponent(rows[0]) > 1. + 1e-9)
-    fail(lines_[prefix + "below_first_row"],
-         "straight below the first row, this curve would have a force below 0 at overlap 0");
+    fail(section.line("below"), "straight below the first row, this curve would have a force below 0 at overlap 0");
   curve.build(rows, bits, straight, until);
 }
 

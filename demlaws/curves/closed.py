@@ -52,10 +52,7 @@ class ClosedForm:
         overlap, area, slope = self.definition.bulk.point(p)
         if not overlap / length < highest:
             return NO_YIELD
-        slope = slope * p.hertz_coefficient * math.sqrt(length)
-        while 0.75 * slope / 0.75 != slope:  # a file holds three quarters of it, and gives back the same
-            slope = math.nextafter(slope, 0.0)
-        return BulkYield(area / length, slope)
+        return BulkYield(area / length, slope * p.hertz_coefficient * math.sqrt(length))
 
     def unloading_shape(self) -> Any:
         """The Shape with which this curve serves as an unloading curve: one whose inverse costs no search."""

@@ -1,7 +1,6 @@
 """A curve of first loading from measured points, checked before it becomes a table (`Table.from_points`)."""
 
 import itertools
-import json
 import math
 from typing import Any, NamedTuple
 
@@ -33,18 +32,6 @@ class Knots(NamedTuple):
     points: int
     departure: float  # largest distance of a point's force from the curve [N]
     smoothing: str
-
-    def text(self) -> str:
-        """As one line of a table file."""
-        columns = {name: getattr(self, name).tolist() for name in ("overlap", "force", "uncertainty")}
-        return json.dumps({**self._asdict(), **columns})
-
-    @classmethod
-    def from_text(cls, text: str) -> "Knots":
-        """The reverse of `text`."""
-        content = json.loads(text)
-        overlap, force, uncertainty = (np.array(content[n], float) for n in ("overlap", "force", "uncertainty"))
-        return cls(overlap, force, uncertainty, content["points"], content["departure"], content["smoothing"])
 
 
 class MeasuredCurve:

@@ -9,12 +9,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from demlaws.contact import Contact, as_contact
+from demlaws.contact import Contact, as_contact, contact_at
+from demlaws.core.dispatch import scale
 from demlaws.core.grid import Nodes, with_reverse
-from demlaws.core.loops import (
-    bind_params,
-    params_at,
-)
+from demlaws.core.loops import clamped_roughness
 from demlaws.core.table_types import BulkYield, TableShape
 from demlaws.core.unloading import Rule
 from demlaws.curves.closed import Certificate
@@ -24,6 +22,12 @@ from demlaws.laws.definition import Definition
 
 if TYPE_CHECKING:
     from demlaws.curves.points import Knots
+
+
+def plain_params(shape: Any, contact: Contact) -> Any:
+    """Params of one contact as Python computes them: each sum and product rounded by itself, on every processor alike."""
+    with np.errstate(all="ignore"):
+        return scale(shape, float(contact.radius), float(contact.modulus), clamped_roughness(contact.sigma, contact.radius))
 
 
 class Rows(NamedTuple):
@@ -121,8 +125,8 @@ class TableCurve:
         shape = self.definition.shape(contact, **self.options)
         if rule.shape is None:
             return shape  # the law itself
-        length = float(np.ravel(bind_params(self.shape, contact).length)[0])
-        params = params_at(bind_params(shape, contact), 0)
+        one = contact_at(contact, 0)
+        length, params = plain_params(self.shape, one).length, plain_params(shape, one)
         return self.numbers_beside(rule, self.definition.rules.numbers(params, length, sum(self.certificate)))
 
     @property

@@ -9,105 +9,139 @@ import numpy as np
 
 from demlaws.contact import Contact, contact_at
 from demlaws.core.grid import shape_from_nodes
+from demlaws.core.loops import FINITE, UNBOUNDED, batch_loop, energies_loop, loading_part
 from demlaws.core.table_types import NO_YIELD, BulkYield
 from demlaws.curves import table_grammar
 from demlaws.curves.closed import Certificate
 from demlaws.curves.points import Knots
 from demlaws.curves.table import TableCurve
-from demlaws.curves.table_grammar import UNLOADING
-from demlaws.curves.unloading import Unloading
+from demlaws.curves.table_grammar import OF_CONTACT, ROUNDING
+from demlaws.curves.unloading import Bound, Unloading
 from demlaws.errors import DemlawsError
 from demlaws.files import as_path, read_bytes
 from demlaws.laws.definition import Definition, Rules, no_limits
 from demlaws.laws.registry import find
 from demlaws.solvers.criterion import YIELD_RATIO
 
+_OCTAVES_BELOW = 40
+"""Of overlaps below the first row at which it is checked that no work is returned."""
+
 
 def compose(contact: Contact, curve: TableCurve, unloading: Unloading, collapses: bool) -> tuple:
-    """(bytes of the file, fingerprint) of a law of tables."""
-    from demlaws import __version__
-
+    """(bytes of the file, fingerprint) of a law of tables; DemlawsError where `read` would refuse it."""
     shape, rule = curve.shape, unloading.rule
     if rule.number is None:
         raise DemlawsError(
             f"a table file of law {curve.definition.name!r} with its user-defined unloading rule {rule.name!r}: files contain "
             "tables and rules of demlaws only; take elastic or hertz, or an unloading curve (unloading=...)"
         )
-    length = shape.length_over_roughness * np.asarray(contact.sigma) + shape.length_over_radius * np.asarray(contact.radius)
     header = {
-        "law": curve.definition.name,
-        "description": _about(curve.definition),
-        "source": curve.definition.source,
+        **_curve_keys(curve, contact),
         "unloading": rule.name,
-        "options": json.dumps(curve.options, default=lambda value: value.record()),
-        **table_grammar.describe_contact(contact),
         "collapses": "yes" if collapses else "no",
-        "scales": "overlap/length, force/(E* sqrt(R) length^1.5), stiffness/(E* sqrt(R length)), R and E* effective",
-        "length": repr(float(np.ravel(length)[0])),
-        "length_over_roughness": repr(shape.length_over_roughness),
-        "length_over_radius": repr(shape.length_over_radius),
-        **table_grammar.describe_rows(curve.rows, curve.certificate),
-        "rtol": repr(curve.rtol),
-        **({} if curve.knots is None else {"points": curve.knots.text()}),
+        "length": "sigma" if shape.length_over_roughness else "radius",
+        "rtol": curve.rtol,
         **_limits(curve, contact),
-        "demlaws": __version__,
     }
     if math.isfinite(shape.bulk.area):
-        u, s, _ = curve.nodes.curve()
-        header["yield_overlap"] = repr(float(u[np.argmin(np.abs(s - shape.bulk.area))]))  # a kink of these laws: a row
-        header["yield_force"] = repr(4.0 / 3.0 * shape.bulk.area**1.5)
-        header["yield_area"] = repr(shape.bulk.area)
-        header["yield_area_slope"] = repr(0.75 * shape.bulk.slope)  # by f, not by s^1.5
+        header |= {"yield_area": shape.bulk.area, "yield_slope": shape.bulk.slope}
     if rule.keys:
-        header |= {key: repr(value) for key, value in zip(rule.keys, unloading.rule_parameters, strict=False)}
-    along = unloading.curve
-    if along is not None:
-        about = {
-            "law": along.definition.name,
-            "description": _about(along.definition),
-            "source": along.definition.source,
-            "options": json.dumps(along.options, default=lambda value: value.record()),
-            **table_grammar.describe_contact(along.made_for),
-            **table_grammar.describe_rows(along.rows, along.certificate),
-        }
-        header |= {UNLOADING + key: value for key, value in about.items()}
-    return table_grammar.compose(header, curve.rows, None if along is None else along.rows)
+        header |= dict(zip(rule.keys, unloading.rule_parameters, strict=False))
+    if curve.knots is not None:
+        knots = curve.knots
+        columns = np.column_stack([knots.overlap, knots.force, np.nan_to_num(knots.uncertainty)])  # 0: unknown
+        header |= {"points": knots.points, "departure": knots.departure, "smoothing": knots.smoothing}
+        header["knots"] = columns.ravel().tolist()
+    sections = [(header, curve.rows)]
+    if unloading.curve is not None:
+        sections.append((_curve_keys(unloading.curve, unloading.curve.made_for), unloading.curve.rows))
+    composed = table_grammar.compose(sections)
+    table_grammar.parse(composed[0], f"table of {curve.definition.name}")
+    return composed
+
+
+def _curve_keys(curve, contact):
+    """Keys that describe a curve, for the contact that it was made for: of an array of contacts the first rough one."""
+    definition = curve.definition
+    one = contact_at(contact, int(np.argmax(np.ravel(contact.sigma) > 0.0)))
+    keys = {"law": definition.name}
+    if definition.name not in table_grammar.law_keys() and definition.description:
+        keys["description"] = definition.description
+    keys |= {f"option_{name}": value for name, value in curve.options.items() if value is not None}
+    keys |= {key.name: getattr(one, field) for field, key in OF_CONTACT.items() if getattr(one, field) is not None}
+    return keys | {
+        "below": "straight" if curve.rows.straight else "power",
+        "bits": str(curve.rows.bits),
+        "force_error": curve.certificate.force_error,
+        "stiffness_error": curve.certificate.stiffness_error,
+    }
 
 
 def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
     """Contact, curve and unloading of a table file; DemlawsError with the line where it is truncated, edited or foreign."""
     path = as_path(path)
-    file = table_grammar.parse(read_bytes(path, "table "), path)
-    values = file.values
-    rule = table_grammar.rule_named(values["unloading"])
-    collapses = values["collapses"] == "yes"
+    sections, _ = table_grammar.parse(read_bytes(path, "table "), path)
+    values, given = sections[0].values, len(sections) == 2
+    rule = table_grammar.rules()[values["unloading"]]
+    collapses, over_radius = values["collapses"] == "yes", values["length"] == "radius"
 
-    def curve(prefix, rows, collapses, bulk=NO_YIELD, floor=None):
-        """The curve that the rows and the keys with this prefix describe."""
-        lengths = values["length_over_roughness"], values["length_over_radius"]
+    def curve(section, bulk=NO_YIELD, floor=None):
+        """The curve of a section."""
+        rows, own = section.content, section.values
+        lengths = float(not over_radius), float(over_radius)
         shape = shape_from_nodes(rows.nodes, rows.bits, *lengths, bulk=bulk, straight=rows.straight, floor=floor)
-        certificate = Certificate(values[f"{prefix}force_error"], values[f"{prefix}stiffness_error"])
-        definition = _definition(file, rule, prefix, collapses)
-        options = definition.read(values[f"{prefix}options"])
-        knots = _knots(file.header.get("points"), path) if prefix == "" else None
-        made_for = values[f"{prefix}contact"]
-        collapses = collapses or (prefix == "" and file.unloading is not None and definition.collapses)
-        return TableCurve(definition, options, shape, rows.nodes, certificate, values["rtol"], made_for, collapses, knots)
+        certificate = Certificate(own["force_error"], own["stiffness_error"])
+        definition, options = _definition(section, rule, collapses, values["length"])
+        alike = collapses or (section is sections[0] and given and definition.collapses)
+        knots = _knots(own) if "points" in own else None
+        return TableCurve(definition, options, shape, rows.nodes, certificate, values["rtol"], section.contact, alike, knots)
 
-    bulk, contact = NO_YIELD, values["contact"]
-    if values.get("yield_area", math.inf) < file.loading.nodes.curve()[1][-1]:
-        bulk = BulkYield(values["yield_area"], values["yield_area_slope"] / 0.75)
-    loading = curve("", file.loading, collapses, bulk)
+    bulk, contact = NO_YIELD, sections[0].contact
+    if values.get("yield_area", math.inf) < sections[0].content.nodes.curve()[1][-1]:
+        bulk = BulkYield(values["yield_area"], values["yield_slope"])
+    loading = curve(sections[0], bulk)
     unloading = Unloading(rule)
-    if file.unloading is not None:
-        unloading = Unloading(rule, curve(UNLOADING, file.unloading, collapses, floor=loading.floor), contact)
+    if given:
+        unloading = Unloading(rule, curve(sections[1], floor=loading.floor), contact)
     elif rule.curve == "law":
         unloading = Unloading(rule, rule_parameters=loading.numbers_beside(rule, values))
-    return contact, loading, loading.with_unloading(contact, unloading) if unloading.curve is None else unloading
+    _refuse_unless_passive(sections, Bound(contact, loading, unloading))
+    return contact, loading, unloading
+
+
+def _refuse_unless_passive(sections, law):
+    """DemlawsError with the line of the row up to which loading makes less heat than up to the one before."""
+    rule, section, u = law.unloading_parts.rule, sections[0], law.curve.nodes.u
+    if not rule.state:
+        return
+    if rule.curve == "given":
+        reverse, grid = law.shape.unloading.reverse.grid, law.curve.shape.grid
+        ratio, seat = law.params.equivalent_ratio, law.shape.unloading.curve.grid.seat
+        if float(grid.cells[-1, 0]) * ratio - seat > reverse.highest:
+            sections[1].fail(sections[1].first_row, "the unloading curve ends below the last force of the loading")
+    width = np.diff(u)
+    aside = 1e-12 * (np.append(0.0, width == 0.0) - np.append(width == 0.0, 1.0))  # of kinks, and before the last row
+    place = np.concatenate([u[0] * 0.5 ** np.arange(_OCTAVES_BELOW, 0, -1), u * (1.0 + aside)])
+    overlap = place * float(loading_part(law.params).length)
+    state = tuple(np.zeros(overlap.size) for _ in rule.state)
+    batch_loop(rule.tag, law.shape, law.params, overlap, state, UNBOUNDED, FINITE, *np.empty((2, overlap.size)))
+    stored, dissipated = energies_loop(rule.tag, law.shape, law.params, overlap, state)
+    work = stored + dissipated
+    share = ROUNDING + 2.0 * sum(one.values["force_error"] + one.values["stiffness_error"] for one in sections)
+    with np.errstate(invalid="ignore"):
+        good = np.diff(dissipated) >= -share * np.diff(work) - ROUNDING * work[1:]
+    good[_OCTAVES_BELOW:] |= width == 0.0
+    if not np.all(good):
+        row = max(int(np.argmin(good)) + 1 - _OCTAVES_BELOW, 0)
+        section.fail(
+            section.first_row + row,
+            f"unloading {rule.name!r} returns more work from here than loading took from the row before: this table "
+            "cannot take that rule",
+        )
 
 
 def _limits(curve, contact):
-    """Header lines of the range of force that the law's source supports, over E* √R length^1.5; of an array: the first."""
+    """Keys of the range of force that the law's source supports, over E* √R length^1.5; of an array: the first."""
     one = contact_at(contact, 0)
     length = curve.shape.length_over_roughness * one.sigma + curve.shape.length_over_radius * one.radius
     scale, lines = one.modulus * math.sqrt(one.radius * length) * length, []
@@ -121,26 +155,28 @@ def _limits(curve, contact):
     return {f"limit_{number}": line for number, line in enumerate(lines, start=1)}
 
 
-def _about(definition):
-    return "; ".join(filter(None, (definition.description, definition.equation)))
-
-
-def _definition(file, rule, prefix, collapses):
-    """`Definition` of a file's law, or of a law that is not installed, as the file describes it."""
-    name, header = file.values[f"{prefix}law"], file.header
-    rules = Rules(own=(rule,) if rule.curve == "law" else ())
+def _definition(section, rule, collapses, length):
+    """(`Definition`, options) of a file's law, or of a law that is not installed, as the file describes it."""
+    name, rules = section.values["law"], Rules(own=(rule,) if rule.curve == "law" else ())
+    options = {key.removeprefix("option_"): _option(v) for key, v in section.values.items() if key.startswith("option_")}
     try:
         definition = find(name)
-    except DemlawsError:
-        return definition_of_table(
-            name,
-            header.get(f"{prefix}source", ""),
-            header.get(f"{prefix}description", ""),
-            "radius" if file.values["length_over_radius"] > 0.0 else "roughness",
-            collapses,
-            rules=rules,
-        )
-    return definition if rule.name in definition.offered() else definition._replace(rules=rules)
+        options = definition.read(options)
+    except DemlawsError:  # also where the law that it takes before yield is not installed
+        length = "radius" if length == "radius" else "roughness"
+        description = section.values.get("description", "")
+        return definition_of_table(name, "", description, length, collapses, rules=rules), options
+    if rule.name not in definition.offered():
+        definition = definition._replace(rules=rules)
+    return definition, options
+
+
+def _option(value):
+    """The value of an option: a number, or a text that may be JSON."""
+    try:
+        return json.loads(value) if isinstance(value, str) else value
+    except (ValueError, RecursionError):
+        return value
 
 
 def definition_of_table(name: str, source: str, description: str, length: str, collapses: bool, **facts: Any) -> Definition:
@@ -162,8 +198,8 @@ def _not_here(contact, **options):
     raise DemlawsError("this law comes from a table without its definition: it cannot be made for another contact")
 
 
-def _knots(line, path):
-    try:
-        return None if line is None else Knots.from_text(line)
-    except (ValueError, KeyError, TypeError):
-        raise DemlawsError(f"{path}: the line 'points' does not contain the points of a table") from None
+def _knots(values):
+    """The `Knots` of a table that was made of points."""
+    overlap, force, uncertainty = np.reshape(values["knots"], (-1, 3)).T
+    uncertainty = np.where(uncertainty > 0.0, uncertainty, math.nan)
+    return Knots(overlap, force, uncertainty, round(values["points"]), values["departure"], values["smoothing"])

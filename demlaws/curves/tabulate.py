@@ -8,19 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from demlaws.contact import Contact, contact_at
+from demlaws.core.dispatch import first_loading
 from demlaws.core.grid import MOST_BITS, Nodes, grid, shape_from_nodes
-from demlaws.core.loops import (
-    bind_params,
-    clamped_roughness,
-    clamped_roughnesses,
-    force_loop,
-    inverse_loop,
-    params_at,
-)
+from demlaws.core.loops import bind_params, clamped_roughness, clamped_roughnesses, force_loop, inverse_loop
 from demlaws.core.table_types import NO_YIELD
 from demlaws.curves.closed import Certificate
 from demlaws.curves.soundness import refuse_unless_collapses
-from demlaws.curves.table import TableCurve
+from demlaws.curves.table import TableCurve, plain_params
 from demlaws.curves.unloading import Unloading, joined_shape
 from demlaws.errors import Argument, DemlawsError
 from demlaws.laws.definition import Definition
@@ -31,6 +25,7 @@ class CurveSampler(NamedTuple):
     """A curve to tabulate, of one contact, and the scales of the table."""
 
     exact: Callable  # overlaps [m] → force [N], stiffness [N/m]
+    rows: Callable  # the same, digit by digit on every processor
     length: float  # [m]
     hertz_coefficient: float  # [N/m^1.5]
     kinks: list  # u
@@ -51,12 +46,17 @@ class CurveSampler(NamedTuple):
             first, second = np.flatnonzero(u == kink)
             place[first] = kink * (1.0 - self.aside)
             place[second] = kink * (1.0 + self.aside)
-        s, slope = self.curve(place)
+        force, stiffness = self.rows(place * self.length)
+        scale = 0.75 * self.hertz_coefficient * math.sqrt(self.length)
+        force, stiffness = force / (scale * self.length), stiffness / scale
+        if self.solved:  # by numpy and scipy, whose last digits differ between processors
+            force, stiffness = (np.array([float(f"{x:.8g}") for x in values]) for values in (force, stiffness))
+        nodes = Nodes(u, force, stiffness)
         for kink in kinks:
             second = np.flatnonzero(u == kink)[1]
-            if abs(s[second] / s[second - 1] - 1.0) < 1e-10:  # no jump of force: one value for both sides
-                s[second] = s[second - 1]
-        return Nodes.from_curve(u, s, slope)
+            if abs(force[second] / force[second - 1] - 1.0) < 1e-10:  # no jump of force: one value for both sides
+                nodes.force[second] = nodes.force[second - 1]
+        return nodes
 
     def lowest(self, rtol, largest):
         """Largest u, but at least 2^-30, below which the curve is its own power law within a small part of rtol."""
@@ -81,7 +81,26 @@ class CurveSampler(NamedTuple):
         exact_force, exact_stiffness = self.exact(points)
         with np.errstate(divide="ignore", invalid="ignore"):
             errors = np.abs(force / exact_force - 1.0), np.abs(stiffness / exact_stiffness - 1.0)
-        return Certificate(float(np.max(errors[0])), float(np.max(errors[1])))
+        return Certificate(*(_rounded_up(float(np.max(error))) for error in errors))
+
+
+def _rounded_up(error):
+    """An error with two digits: the others, and those of rounding, differ between processors."""
+    digits = f"{max(error, 1e-13):.1e}"
+    return float(digits) if float(digits) >= error else float(f"{1.05 * error:.1e}")
+
+
+def _interpreted(shape, params):
+    """The curve of a Shape and Params as Python computes it: sums and products that each are rounded by themselves.
+
+    Compiled code may fuse them, where the processor can, and so differ in the last digits.
+    """
+
+    def curve(overlap):
+        with np.errstate(all="ignore"):
+            return np.array([first_loading(shape, params, x)[:2] for x in overlap]).T
+
+    return curve
 
 
 def _smallest_table(source, contact, lengths, *, rtol, name, span, first_bits=1, bulk=None, straight=False, floor=None):
@@ -120,7 +139,7 @@ def tabulate(contact: Contact, curve: Any, rtol: float, largest_overlap: float |
     _refuse_too_fine(definition, rtol)
     if is_user_defined(definition) and definition.collapses and not curve.tabulated:
         refuse_unless_collapses(curve, contact)
-    index, one = _one_contact(contact)
+    _, one = _one_contact(contact)
     lengths = (0.0, 1.0) if definition.length == "radius" or np.all(contact.is_smooth) else (1.0, 0.0)
     roughness = clamped_roughness(one.sigma, one.radius)
     length = lengths[0] * roughness + lengths[1] * one.radius
@@ -130,10 +149,11 @@ def tabulate(contact: Contact, curve: Any, rtol: float, largest_overlap: float |
         largest = 0.1 * np.max(radius / every) * (RADII_SERVED if curve.collapses else 1.0)
     else:
         largest = float(np.max(largest_overlap) / length) * (1.0 + 1e-9)
-    params = bind_params(curve.shape, one)
-    kinks = [k / length for k in curve.kinks(params_at(bind_params(curve.shape, contact), index))]
+    params, plain = bind_params(curve.shape, one), plain_params(curve.shape, one)
+    kinks = [k / length for k in curve.kinks(plain)]
     coefficient = 4.0 * float(one.modulus) * math.sqrt(one.radius) / 3.0  # a law's own may be that of a blunter bulk
-    source = CurveSampler(functools.partial(force_loop, curve.shape, params), length, coefficient, kinks, definition.solved)
+    exact, rows = functools.partial(force_loop, curve.shape, params), _interpreted(curve.shape, plain)
+    source = CurveSampler(exact, rows, length, coefficient, kinks, definition.solved)
     shape, nodes, certificate = _smallest_table(
         source,
         one,
@@ -141,7 +161,7 @@ def tabulate(contact: Contact, curve: Any, rtol: float, largest_overlap: float |
         rtol=rtol,
         name=definition.name,
         span=lambda bits: largest,
-        bulk=lambda highest: curve.bulk(params, coefficient, length, highest),
+        bulk=lambda highest: curve.bulk(plain, coefficient, length, highest),
         straight=curve.starts_from_force,
     )
     return TableCurve(definition, curve.options, shape, nodes, certificate, rtol, contact, curve.collapses)
@@ -153,17 +173,12 @@ def rescaled(table: TableCurve, contact: Contact, unloading: Unloading) -> Table
     _refuse_too_fine(curve.definition, table.rtol)
     index, one = _one_contact(contact)
     pair_shape = joined_shape(table.shape, contact, unloading)
-    params = bind_params(pair_shape, one)
-    length, coefficient = params.loading.length, params.hertz_coefficient
-    curve_params = params_at(bind_params(curve.shape, unloading.contact), index)
-    kinks = [k / length for k in curve.kinks(curve_params)]
-    source = CurveSampler(
-        functools.partial(force_loop, pair_shape.unloading, params.unloading),
-        length,
-        coefficient,
-        kinks,
-        curve.definition.solved,
-    )
+    params, plain = bind_params(pair_shape, one), plain_params(pair_shape, one)
+    length, coefficient = plain.loading.length, plain.hertz_coefficient
+    kinks = [k / length for k in curve.kinks(plain_params(curve.shape, contact_at(unloading.contact, index)))]
+    exact = functools.partial(force_loop, pair_shape.unloading, params.unloading)
+    rows = _interpreted(pair_shape.unloading, plain.unloading)
+    source = CurveSampler(exact, rows, length, coefficient, kinks, curve.definition.solved)
     end = 0.75 * coefficient * length**1.5 * table.nodes.force[-1]
 
     def span(bits):
@@ -199,7 +214,7 @@ def tabulate_given(curve: Any, definition: Definition, contact: Contact, rtol: f
     rough = definition.length == "roughness"
     length = float(contact.sigma if rough else contact.radius)
     coefficient = 4.0 * float(contact.modulus) * math.sqrt(contact.radius) / 3.0
-    source = CurveSampler(curve.evaluate, length, coefficient, [k / length for k in curve.kinks], False, 1e-10)
+    source = CurveSampler(curve.evaluate, curve.evaluate, length, coefficient, [k / length for k in curve.kinks], False, 1e-10)
     largest = curve.largest / length * (1.0 - 1e-12)
     smallest = source.lowest(rtol, largest)
     start, slope = (float(v[0]) for v in curve.evaluate(np.array([smallest * length])))

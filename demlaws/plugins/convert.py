@@ -121,10 +121,9 @@ def _read_table(path, folder):
 
     if not path.is_file():
         raise DemlawsError(f"table {path} does not exist; `demlaws table` writes one")
-    values = parse(path.read_bytes(), path).values
-    contact, rough = values["contact"], values["length_over_roughness"] > 0.0
-    sigma = contact.roughness if rough else None
-    return Table(os.path.relpath(path, folder), values["law"], contact.modulus, sigma, values["collapses"] == "yes")
+    values = parse(path.read_bytes(), path)[0][0].values
+    sigma = values["sigma"] if values["length"] == "sigma" else None
+    return Table(os.path.relpath(path, folder), values["law"], values["modulus"], sigma, values["collapses"] == "yes")
 
 
 def _commands(text):

@@ -1,27 +1,19 @@
 """demlaws/cpp/demlaws_facts.h from the records in Python: rules, keys of table files, limits. `make facts` writes it."""
 
+import math
 import sys
 from pathlib import Path
 
 import demlaws
 from demlaws import units
+from demlaws.contact import LOWEST_HARDNESS
 from demlaws.core import grid, shear
 from demlaws.core.unloading import LARGEST_STATE
 from demlaws.curves import table_grammar
 from demlaws.errors import page
+from demlaws.laws.definition import Numbers
 
 PATH = Path(demlaws.__file__).parent / "cpp" / "demlaws_facts.h"
-KINDS = {
-    table_grammar._name: ("NAME", "a name"),
-    table_grammar.bits: ("BITS", f"a whole number from 1 to {grid.MOST_BITS}"),
-    table_grammar.rows_of_file: ("ROWS", f"a whole number from 2 to {table_grammar.MOST_ROWS}"),
-    table_grammar._positive: ("POSITIVE", "a positive number"),
-    table_grammar._not_negative: ("NOT_NEGATIVE", "a number from 0"),
-    table_grammar.power_or_straight: ("BELOW", "power or straight"),
-    table_grammar._rule: ("RULE", "an unloading rule that is known here"),
-    table_grammar.yes_or_no: ("YES_OR_NO", "yes or no"),
-}
-"""Of the value of a key: name and meaning in C++; what Python alone reads has none."""
 TEXT = """\
 // demlaws_facts.h: unloading rules, keys of table files and limits. Written by `make facts` from the records in Python
 // (core/unloading.py, core/shear.py, curves/table_grammar.py, units.py and the laws): change them there.
@@ -30,6 +22,7 @@ TEXT = """\
 // clang-format off
 #ifndef DEMLAWS_FACTS_H
 #define DEMLAWS_FACTS_H
+#include <cmath>
 // Where a page of the documentation is.
 #define DEMLAWS_PAGE(NAME) {page}
 namespace demlaws {{
@@ -52,19 +45,24 @@ constexpr int LEVELS = {shear.DEFAULT_LEVELS}, MOST_LEVELS = {shear.MOST_LEVELS}
 constexpr double EMPTY_LEVEL = {shear.EMPTY}; // of K_t: a level of less stiffness counts as empty
 constexpr double LARGEST_SHEAR_RATIO = {shear.LARGEST_SHEAR_RATIO!r}; // K_t/K
 
-// First line of a table file, its keys and kinds of their values.
+// First line of a table file, and its keys. need: "always", "" (optional), or a rule or key with which it is needed.
+// words: a blank between, "number", "triples" of numbers, "" for any text. both: of an unloading curve, too.
 constexpr const char *const FORMAT = "{file.FORMAT}";
-enum class Kind {{ {kinds} }};
-constexpr const char *const KIND_NAMES[] = {{{kind_names}}};
-struct Key {{ const char *name; Kind kind; }};
-constexpr Key CURVE_KEYS[] = {{{curve}}};
-constexpr Key SHARED_KEYS[] = {{{shared}}};
-constexpr Key YIELD_KEYS[] = {{{bulk}}};
+struct Key {{ const char *name, *need, *words, *meaning; double low, high; bool included, both; }};
+constexpr Key KEYS[] = {{{keys}}};
+// Laws of demlaws, their options, the quantities that they need; the key and default of the law before yield.
+constexpr const char *const LAWS[] = {{{laws}}};
+constexpr int LAW_COUNT = {law_count};
+struct LawKey {{ const char *law; Key key; }};
+constexpr LawKey LAW_KEYS[] = {{{law_keys}}};
+constexpr const char *const INNER[] = {{{inner}}};
 
 constexpr int MOST_BITS = {grid.MOST_BITS}, MOST_KINKS = {grid.MOST_KINKS}; // of a curve
 constexpr long MOST_ROWS = {file.MOST_ROWS};
 constexpr double LARGEST_ROW_OVERLAP = {file.LARGEST_OVERLAP}, LARGEST_ROW_FORCE = {file.LARGEST_FORCE};
-constexpr double LEAST_MODULUS = {modulus}; // of E* [Pa]
+constexpr double STEEPEST = {file.STEEPEST}, JUMP = {file.JUMP}, ROUNDING = {file.ROUNDING}; // of rows
+constexpr double LEAST_MODULUS = {modulus}, LOWEST_HARDNESS = {hardness}; // of E* [Pa]; of hardness over E*
+constexpr double SMALLEST_LENGTH = {file._LENGTH.low}; // [m]
 // Over R: a warning beyond the first, an error beyond the second.
 constexpr double LARGE_ROUGHNESS = {units.LARGE_ROUGHNESS}, LARGEST_ROUGHNESS = {units.LARGEST_ROUGHNESS};
 constexpr double SMALL_OVERLAP = {units.SMALL_OVERLAP}, LARGEST_OVERLAP = {units.LARGEST_OVERLAP};
@@ -79,10 +77,20 @@ def words(values):
     return ", ".join(f'"{value}"' for value in values)
 
 
-def keys(records):
-    """C++ records of the keys that C++ reads."""
-    named = [(key.name, KINDS[key.read][0]) for key in records if key.read in KINDS]
-    return ", ".join(f'{{"{name}", Kind::{kind}}}' for name, kind in named)
+def key(record):
+    """C++ record of a key."""
+    values, low, high, included = record.values, 0.0, 0.0, False
+    if isinstance(values, Numbers):
+        low, high, included = values
+        text = meaning = "number"
+        meaning = f"a number {'from' if included else 'above'} {low:g} up to {high:g}"
+    elif values == table_grammar.TRIPLES:
+        text, meaning = "triples", "numbers three by three with a blank between"
+    else:
+        text, meaning = " ".join(values), f"one of {', '.join(values)}" if values else "a text"
+    low, high = ("HUGE_VAL" if end == math.inf else "-HUGE_VAL" if end == -math.inf else repr(end) for end in (low, high))
+    flags = ", ".join(str(flag).lower() for flag in (included, record.both))
+    return f"{{{words([record.name, record.need, text, meaning])}, {low}, {high}, {flags}}}"
 
 
 def header():
@@ -92,6 +100,7 @@ def header():
     states = max((rule.state for rule in rules), key=len)
     assert all(rule.state == states[: len(rule.state)] for rule in rules) and len(states) == LARGEST_STATE
     names = {"table": "GIVEN"}  # in C++
+    laws = table_grammar.law_keys()
     choices = [*shear.CHOICES, shear.SLIP]
     assert [choice.number for choice in shear.CHOICES.values()] == list(range(1, len(choices)))
     return TEXT.format(
@@ -105,11 +114,12 @@ def header():
         rule_keys=", ".join(f"{{{words(rule.keys)}}}" for rule in rules),
         shears=", ".join(f"{name.upper()}_SHEAR = {number}" for number, name in enumerate(choices, start=1)),
         shear_names=words(["", *choices]),
-        kinds=", ".join(name for name, _ in KINDS.values()),
-        kind_names=words(meaning for _, meaning in KINDS.values()),
-        curve=keys(table_grammar.CURVE),
-        shared=keys(table_grammar.SHARED),
-        bulk=keys(table_grammar.YIELD),
+        keys=", ".join(map(key, table_grammar.keys())),
+        laws=words(laws),
+        law_count=len(laws),
+        law_keys=", ".join(f'{{"{law}", {key(one)}}}' for law, its_own in laws.items() for one in its_own),
+        inner=words(table_grammar.INNER),
+        hardness=LOWEST_HARDNESS,
         modulus=units.RANGES["modulus"].low,
         shear=shear,
         grid=grid,

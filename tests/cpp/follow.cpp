@@ -4,8 +4,8 @@
 int main(int count, char **words) {
   try {
     const demlaws::Table table(words[1]);
-    const double R = table.of_contact("radius", 0.);
-    const demlaws::Pair pair = demlaws::Pair::checked(table, table.of_contact("modulus", 0.));
+    const double R = table.number("radius", 0.);
+    const demlaws::Pair pair = demlaws::Pair::checked(table, table.number("modulus", 0.));
     double state[3] = {0., 0., 0.};
     for (int i = 2; i < count; i++) {
       const double overlap = atof(words[i]);

@@ -5,10 +5,10 @@
 
 int main(int, char **words) {
   const demlaws::Table table(words[1]);
-  const double R = table.of_contact("radius", 0.), modulus = table.of_contact("modulus", 0.), ratio = atof(words[3]);
+  const double R = table.number("radius", 0.), modulus = table.number("modulus", 0.), ratio = atof(words[3]);
   const int springs = atoi(words[2]);
   demlaws::Law law;
-  law.set(table, modulus, table.of_contact("roughness", 0.), demlaws::SLIP_SHEAR);
+  law.set(table, modulus, table.number("sigma", 0.), demlaws::SLIP_SHEAR);
   std::vector<double> numbers(demlaws::SpringRow::size(springs));
   double state[3] = {0., 0., 0.}, overlap, slip[3] = {0., 0., 0.};
   const double normal[3] = {0., 0., 1.}, none[3] = {0., 0., 0.};

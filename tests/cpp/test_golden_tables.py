@@ -1,9 +1,8 @@
 """Table files of tests/data/tables, read by Python and by the C++ header: one verdict, one line, one force.
 
-Bad files differ from a good one in one thing each, with check marks that fit; bad.csv has the line.
+The files are those of tests/data/tables/good, and those of `table_faults` with one fault each.
 """
 
-import csv
 import re
 import subprocess
 from pathlib import Path
@@ -12,6 +11,7 @@ import facts
 import numpy as np
 import pytest
 from examples import sealed, shared
+from table_faults import FAULTS, lines_of
 
 import demlaws as dl
 
@@ -20,12 +20,8 @@ pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning"
 HERE = Path(__file__).parent
 TABLES = HERE.parent / "data" / "tables"
 GOOD = sorted(path.stem for path in (TABLES / "good").glob("*.tbl"))
-with open(TABLES / "bad.csv", newline="") as file:
-    BAD = {row["name"]: int(row["line"]) for row in csv.DictReader(file)}
 FEW = ("pohrt-popov-hertz", "rough-plastic-thornton")
 CHANGES = 300
-PYTHON_ONLY = tuple(prefix + key for prefix in (b"", b"unloading_") for key in (b"options", b"fractal_dimension", b"hardness"))
-"""Keys whose text C++ does not check."""
 STEPS = (1.0, 0.98, 0.6)  # of the largest overlap: first loading, then two points of unloading
 
 
@@ -64,7 +60,7 @@ def test_good_tables_are_read_alike(name, reader):
     asked = [f"overlap {float(x * step)!r}" for x in overlap for step in STEPS]
     asked = [line for n in range(overlap.size) for line in ("virgin", *asked[3 * n : 3 * n + 3])]
     first, *answers = reader(opening, *asked)
-    assert first == f"good {table_fingerprint(path)} {table.nodes.u.size}"
+    assert first == f"good {table_fingerprint(path)}"
     rows = np.array([answer.split() for answer in answers], float).reshape(-1, 3, 8)
     assert not rows[:, :, 7].any()
     state = table.new_state(overlap.size) if table.state_size else None
@@ -81,7 +77,7 @@ def test_good_tables_are_read_alike(name, reader):
 
 
 def table_fingerprint(path):
-    """The last check mark of the file."""
+    """The checksum of the file."""
     return int(path.read_text().split()[-1], 16)
 
 
@@ -97,24 +93,31 @@ def test_beyond_the_last_row_there_is_no_value(name, reader):
         table.force(beyond)
 
 
-def test_bad_tables_are_refused_alike(reader):
+def test_files_with_a_fault_are_refused_alike(reader, tmp_path):
     """The same line is named by both."""
-    names = list(BAD)
-    assert sorted(names) == sorted(path.stem for path in (TABLES / "bad").glob("*.tbl"))
-    paths = [TABLES / "bad" / f"{name}.tbl" for name in names]
+    paths = [tmp_path / f"{name}.tbl" for name in FAULTS]
+    for path, (data, _) in zip(paths, FAULTS.values(), strict=True):
+        path.write_bytes(data)
     answers = reader(*(f"table {path} 1e9 1e-3 1e-6" for path in paths))
     wrong = {}
-    for name, path, answer in zip(names, paths, answers, strict=True):
+    for path, answer in zip(paths, answers, strict=True):
         try:
             dl.Table.load(path)
-            told = "good"
+            message = "good"
         except dl.DemlawsError as error:
-            told = str(error)
-        for which, message in (("Python", told), ("C++", answer.removeprefix("refused "))):
-            found = re.match(f".*{re.escape(path.name)}" + r", line (\d+): \S", message)
-            if found is None or int(found[1]) != BAD[name]:
-                wrong[f"{name}, {which}: line {BAD[name]}"] = message
+            message = str(error)
+        for language, text in (("Python", message), ("C++", answer.removeprefix("refused "))):
+            found = re.match(f".*{re.escape(path.name)}" + r", line (\d+): \S", text)
+            line = FAULTS[path.stem][1]
+            if found is None or int(found[1]) != line:
+                wrong[f"{path.stem}, {language}: line {line}"] = text
     assert wrong == {}
+
+
+def test_a_former_version_is_refused_with_the_command_that_makes_the_table_again(tmp_path):
+    (tmp_path / "a.tbl").write_bytes(FAULTS["former-version"][0])
+    with pytest.raises(dl.DemlawsError, match="demlaws table --law NAME"):
+        dl.Table.load(tmp_path / "a.tbl")
 
 
 WORDS = (b"", *b"0 -1 1e400 1e-400 nan +3 2. .5 0x1 1_0 007 none {} yes table".split())
@@ -147,20 +150,13 @@ def changed(lines, rng):
 PRINTABLE = np.frombuffer(b' 0123456789.-+eE:,{}[]"abcxyz_\t\r\xc3\xff', np.uint8)
 
 
-def test_any_change_with_marks_that_fit_gives_one_verdict(reader, tmp_path, rng):
+def test_any_change_with_a_checksum_that_fits_gives_one_verdict(reader, tmp_path, rng):
     """What a program that writes tables wrongly would write: both readers take it, or name the same line."""
-    sources = [path for path in sorted((TABLES / "good").glob("*.tbl")) if path.stat().st_size < 6000]
+    sources = [name for name in GOOD if (TABLES / "good" / f"{name}.tbl").stat().st_size < 6000]
     verdicts, questions, contents = [], [], []
     for n in range(CHANGES):
-        first, *rest = sources[n % len(sources)].read_bytes().replace(b"\r\n", b"\n").splitlines()
-        original = [first, *(line.rpartition(b" ")[0] for line in rest)]
-        lines = changed(original, rng)
         path = tmp_path / f"{n}.tbl"
-        if [line for line in lines if line.startswith(PYTHON_ONLY)] != [
-            line for line in original if line.startswith(PYTHON_ONLY)
-        ]:
-            continue
-        path.write_bytes(sealed(lines))
+        path.write_bytes(sealed(changed(lines_of(sources[n % len(sources)]), rng)))
         contents.append(path.read_bytes())
         questions.append(f"table {path} 1e9 1e-3 1e-6")
         try:

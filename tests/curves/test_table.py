@@ -253,7 +253,7 @@ GOOD = Path(__file__).parents[1] / "data" / "tables" / "good"
 
 def test_a_law_that_is_not_here_is_its_table(tmp_path):
     """A table made with somebody's own law serves where that law is not installed, as it does in C++."""
-    own, data = dl.Table.load(GOOD / "law-and-keys-of-others.tbl"), small_file()
+    own, data = dl.Table.load(GOOD / "law-of-others.tbl"), small_file()
     (tmp_path / "known.tbl").write_bytes(data)
     known = dl.Table.load(tmp_path / "known.tbl")
     assert own.name == "coulombs" and own.collapses and own.limits() == []
@@ -262,11 +262,8 @@ def test_a_law_that_is_not_here_is_its_table(tmp_path):
     bound = own.joined("elastic").bound_to(SMOOTHER), known.joined("elastic").bound_to(SMOOTHER_ALIKE)
     assert bound[0].force(1e-8) == pytest.approx(bound[1].force(1e-8), rel=1e-14)
     # a file may say that its curve does not collapse
-    first, *lines = data.decode().splitlines()
-    lines = [line.rpartition(" ")[0] for line in lines]
-    (tmp_path / "a.tbl").write_bytes(
-        sealed([first.encode(), *(b"collapses: no" if "collapses" in line else line.encode() for line in lines)])
-    )
+    lines = data.splitlines()[:-1]
+    (tmp_path / "a.tbl").write_bytes(sealed([b"collapses: no" if b"collapses" in line else line for line in lines]))
     for table in (dl.Table.load(tmp_path / "a.tbl"), dl.Table.load(tmp_path / "a.tbl").joined("elastic")):
         with pytest.raises(dl.DemlawsError):
             table.bound_to(SMOOTHER_ALIKE)
@@ -395,7 +392,7 @@ def test_a_flat_power_law_is_no_seating_load(exponent, tmp_path):
     law = made_up_law(GRANITE, exponent)
     table = law.tabulate(rtol=1e-3, max_force=50.0)
     loaded = dl.Table.load(table.save(tmp_path / "flat.tbl"))
-    assert b"below_first_row: power " in (tmp_path / "flat.tbl").read_bytes()
+    assert b"below: power\n" in (tmp_path / "flat.tbl").read_bytes()
     overlap = table.nodes.u[0] * table.length * 10.0 ** np.linspace(-10, 0, 60)
     for one in (table, loaded):
         np.testing.assert_allclose(one.force(overlap), law.force(overlap), rtol=2e-3)

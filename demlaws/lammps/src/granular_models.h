@@ -152,7 +152,7 @@ template <class ABI> struct Granular {
 
     // Of numbers as they are typed: with eta and nu exchanged they would be those of the table, to its last digit.
     void check_order() const {
-      const double made_for = table_.of_contact("modulus", 0.), E = coeffs[YOUNG] / 2.;
+      const double made_for = table_.number("modulus", 0.), E = coeffs[YOUNG] / 2.;
       const double given = E / (1. - coeffs[POISSON] * coeffs[POISSON]), other = E / (1. - coeffs[ETA] * coeffs[ETA]);
       if (fabs(other - made_for) <= 1e-6 * made_for && !(fabs(given - made_for) <= 1e-6 * made_for))
         refuse("eta and nu are exchanged: the order is FILE E eta nu, and with nu = eta E* is that of the table");
