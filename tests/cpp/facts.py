@@ -5,7 +5,7 @@ from pathlib import Path
 
 import demlaws
 from demlaws import units
-from demlaws.core import grid, shear
+from demlaws.core import grid, shear, slip
 from demlaws.core.unloading import LARGEST_STATE
 from demlaws.curves import table_grammar
 from demlaws.errors import page
@@ -24,7 +24,7 @@ KINDS = {
 """Of the value of a key: name and meaning in C++; what Python alone reads has none."""
 TEXT = """\
 // demlaws_facts.h: unloading rules, keys of table files and limits. Written by `make facts` from the records in Python
-// (core/unloading.py, core/shear.py, curves/table_grammar.py, units.py and the laws): change them there.
+// (core/unloading.py, core/shear.py, core/slip.py, curves/table_grammar.py, units.py and the laws): change them there.
 //
 // Licence: GPL-2.0-or-later, as the package demlaws.
 // clang-format off
@@ -51,6 +51,9 @@ constexpr const char *const SHEAR_NAMES[] = {{{shear_names}}};
 constexpr int LEVELS = {shear.DEFAULT_LEVELS}, MOST_LEVELS = {shear.MOST_LEVELS}; // by default; at most
 constexpr double EMPTY_LEVEL = {shear.EMPTY}; // of K_t: a level of less stiffness counts as empty
 constexpr double LARGEST_SHEAR_RATIO = {shear.LARGEST_SHEAR_RATIO!r}; // K_t/K
+// Partial slip: springs by default, their ladder; see core/slip.py.
+constexpr int SPRINGS = {slip.SPRINGS};
+constexpr double LADDER[] = {{{ladder}}}, LADDER_SLACK = {slip.SLACK}, LADDER_FARTHEST = {slip.FARTHEST};
 
 // First line of a table file, its keys and kinds of their values.
 constexpr const char *const FORMAT = "{file.FORMAT}";
@@ -112,6 +115,8 @@ def header():
         bulk=keys(table_grammar.YIELD),
         modulus=units.RANGES["modulus"].low,
         shear=shear,
+        slip=slip,
+        ladder=", ".join(map(repr, slip.STEPS)),
         grid=grid,
         file=table_grammar,
         units=units,
