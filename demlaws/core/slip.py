@@ -217,11 +217,17 @@ def set_rest(top, depth, bound, rest):
 
 @kernel
 def shorten(stretch, limit):
-    """Shorten the stretches to at most their limits, without a branch: one vector of the processor has several springs."""
+    """Shorten the stretches to at most their limits, without a branch: one vector of the processor has several springs.
+
+    Returns how many were longer.
+    """
+    longer = 0
     for i in range(limit.size):
         u, v, most = stretch[0, i], stretch[1, i], limit[i]
         share = most / sqrt(max(max(u * u + v * v, most * most), TINY))
         stretch[0, i], stretch[1, i] = u * share, v * share
+        longer += share < 1.0
+    return longer
 
 
 @kernel
@@ -238,34 +244,41 @@ def force_of_springs(bound, stretch):
 
 
 @kernel
-def slip(hertzian, most, ratio, depth, du, dv, bound, rest, stretch, limit):
-    """Displace the springs by (du, dv) [m] under Coulomb's limit `most` [N] of the contact.
-
-    Returns both shear forces [N], work and stored energy [J], and the share of the contact's stiffness that sticks, from 0 to 1.
-    limit: (springs,), overwritten.
-    """
-    top = bound[bound.size - 1]
+def compressions(hertzian, depth, bound, rest, limit):
+    """Fill `limit` with the springs' compressions over the force [N] that they carry [m/N]; their share of Coulomb's limit."""
     if hertzian:
-        set_rest(top, depth, bound, rest)
+        set_rest(bound[bound.size - 1], depth, bound, rest)
     carried, below = 0.0, 0.0
     for i in range(bound.size):
         limit[i] = max(depth - rest[i], 0.0)
         carried += (bound[i] - below) * limit[i]
         below = bound[i]
-    scale = most / (ratio * carried) if carried > 0.0 else 0.0
+    scale = 1.0 / carried if carried > 0.0 else 0.0
     for i in range(bound.size):
         limit[i] *= scale
+
+
+@kernel
+def slip(most, ratio, du, dv, bound, stretch, limit):
+    """Displace the springs by (du, dv) [m] under Coulomb's limit `most` [N] of the contact.
+
+    limit: of `compressions`, overwritten. Returns both shear forces [N], work and stored energy [J], the share of the contact's
+    stiffness that sticks, from 0 to 1, and whether all springs slip.
+    """
+    top = bound[bound.size - 1]
+    for i in range(bound.size):
+        limit[i] *= most / ratio
     shorten(stretch, limit)  # the compression fell: slip without displacement
     before_u, before_v, _ = force_of_springs(bound, stretch)
     for i in range(bound.size):
         stretch[0, i] += du
         stretch[1, i] += dv
-    shorten(stretch, limit)
+    slides = shorten(stretch, limit) == bound.size
     first, second, energy = force_of_springs(bound, stretch)
     work = 0.5 * ratio * ((before_u + first) * du + (before_v + second) * dv)
     moved = top * (du * du + dv * dv)
     stuck = ((first - before_u) * du + (second - before_v) * dv) / moved if moved > 0.0 else 1.0
-    return ratio * first, ratio * second, work, ratio * energy, min(max(stuck, 0.0), 1.0)
+    return ratio * first, ratio * second, work, ratio * energy, min(max(stuck, 0.0), 1.0), slides
 
 
 # --- the curve of a rule
@@ -362,9 +375,8 @@ def slip_loop(rule, shape, p, overlap, along, across, ratio, friction, ladder, s
                 compress(curve, depth, bound, rest)
             du = along[n] - along[n - 1] if n > 0 else 0.0
             dv = across[n] - across[n - 1] if n > 0 else 0.0
-            first, second, step_work, stored, _ = slip(
-                hertzian, friction * force, ratio, depth, du, dv, bound, rest, stretch, limit
-            )
+            compressions(hertzian, depth, bound, rest, limit)
+            first, second, step_work, stored, _, _ = slip(friction * force, ratio, du, dv, bound, stretch, limit)
             work += step_work
         else:
             row[:] = 0.0
