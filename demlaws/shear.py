@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from demlaws.core.levels import levels_loop
 from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, LARGEST_SHEAR_RATIO, MOST_LEVELS, SLIP
-from demlaws.core.slip import SAMPLES, slip_loop
+from demlaws.core.slip import SAMPLES, ladder_of, slip_loop
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, as_law
 from demlaws.units import as_float, number, unmasked, whole
@@ -119,13 +119,11 @@ def sheared(
     state = law.new_state(1)
     first, second = np.ascontiguousarray(plane.T)
     results = np.empty((6, depth.size))
-    stiffness = np.atleast_1d(law.shear_stiffness(depth, 1.0, DEFAULT if shear == SLIP else shear))  # checks law and range
+    law.shear_stiffness(depth, 1.0, DEFAULT if shear == SLIP else shear)  # checks law and range
     if shear == SLIP:
-        rows = np.zeros((2, whole(springs, "springs", high=100_000))), np.empty((2, SAMPLES))
-        largest = max(float(stiffness.max()), 1e-300)
-        slip_loop(
-            law.rule_tag, law.shape, law.params, depth, first, second, ratio, limit, largest, state.arrays, *rows, results
-        )
+        ladder = ladder_of(whole(springs, "springs", high=100_000))
+        rows = np.zeros((9, ladder.size)), np.empty((2, SAMPLES))
+        slip_loop(law.rule_tag, law.shape, law.params, depth, first, second, ratio, limit, ladder, state.arrays, *rows, results)
     else:
         tag = CHOICES[shear].tag
         count = DEFAULT_LEVELS if levels is None else whole(levels, "levels", high=MOST_LEVELS)

@@ -127,19 +127,11 @@ inline uint32_t identity(const Table &table) {
   return crc32(0, text.data(), text.size());
 }
 
-// The springs of a curve of a loaded table, computed once: an engine sets its laws again in every `run`.
-inline std::shared_ptr<SpringCurve> spring_curve(const Curve &curve) {
-  static std::map<const Curve *, std::shared_ptr<SpringCurve>> curves;
-  std::shared_ptr<SpringCurve> &found = curves[&curve];
-  if (!found) found.reset(new SpringCurve(curve));
-  return found;
-}
-
 // The law of two materials.
 struct Law {
   Pair pair;
   Watch watch;
-  std::shared_ptr<SpringCurve> springs; // of partial slip
+  bool slips = false; // in parts
 
   // modulus: E*; roughness [m]. Returns a doubt about the modulus, or ""; throws for a pair that the table does not
   // serve.
@@ -148,22 +140,21 @@ struct Law {
     watch = Watch(pair);
     const float numbers[2] = {(float)modulus, (float)roughness}; // another computer may round a mixed modulus otherwise
     checksum_ = crc32(identity(table), (const char *)numbers, sizeof numbers);
-    springs.reset();
-    if (shear == SLIP_SHEAR && !HAS_SPRINGS[pair.rule])
+    slips = shear == SLIP_SHEAR;
+    if (slips && !HAS_SPRINGS[pair.rule])
       throw std::runtime_error("'shear slip' needs unloading elastic, hertz, thornton, table, etsion or jackson, " +
                                table.path() + " has " + table.text("unloading"));
-    if (shear == SLIP_SHEAR)
-      springs = spring_curve(pair.rule == GIVEN ? table.unloading_curve() : table.loading_curve());
     return judge_modulus(table, modulus);
   }
   // Of the contacts that begin under this law and keep so many values: never 0.
-  double mark(int values) const { return ONE_SHAPE * (2 * values + (springs ? 2 : 1)) + checksum_; }
+  double mark(int values) const { return ONE_SHAPE * (2 * values + (slips ? 2 : 1)) + checksum_; }
   // Whether a contact with another mark goes on: it keeps nothing that depends on the law, and as many values.
   static bool goes_on(double mark, double now, bool keeps) {
     return mark == 0. || (!keeps && std::floor(mark / ONE_SHAPE) == std::floor(now / ONE_SHAPE));
   }
-  Compression compression(double radius, double overlap, const double *state) const {
-    return Compression(pair, springs.get(), radius, overlap, state);
+  // After a step with this force [N].
+  UnloadingCurve unloading_curve(double force, double overlap, const double *state) const {
+    return {force, pair.rule == ELASTIC ? overlap : overlap - state[1], pair.rule != ELASTIC && pair.rule != GIVEN};
   }
 
 private:

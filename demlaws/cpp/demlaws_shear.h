@@ -106,10 +106,24 @@ inline bool changes_sign(int number, int scalars, int vectors) {
 struct ShearStep {
   double force[2];             // against the displacement, along the motion's unit vectors [N]
   double work, before, energy; // done on the contact; stored before the step and after it [J]
-  bool slides;                 // Coulomb's limit acts on the whole contact
+  double stuck;                // share of the stiffness that has not slipped, from 0 to 1
 
   // Taken by friction and by the parts of the contact that opened [J].
   double lost() const { return work - (energy - before); }
+  // Force of a dashpot on the surfaces, which move with a velocity: of the part that sticks, and not so much that with
+  // the springs it exceeds Coulomb's limit [our derivation].
+  DEMLAWS_INLINE void damp(double coefficient, double limit, const double *velocity, double *viscous) const {
+    double along = 0., square = 0., beyond = -limit * limit;
+    for (int k = 0; k < 2; k++) {
+      viscous[k] = -coefficient * stuck * velocity[k];
+      along -= force[k] * viscous[k];
+      square += viscous[k] * viscous[k];
+      beyond += force[k] * force[k];
+    }
+    if (square + 2. * along + beyond <= 0. || !(square > 0.)) return;
+    const double share = (std::sqrt(along * along - square * std::min(beyond, 0.)) - along) / square;
+    for (int k = 0; k < 2; k++) viscous[k] *= share;
+  }
 };
 
 inline bool may_have_levels(double count) { return count == (int)count && count >= 1. && count <= MOST_LEVELS; }
@@ -147,8 +161,8 @@ public:
       add(stiffness(i), moved[i], force);
     }
     const double square = dot(force, force);
-    step.slides = square > limit * limit;
-    const double scale = step.slides ? limit / std::sqrt(square) : 1.;
+    step.stuck = square > limit * limit ? 0. : 1.;
+    const double scale = step.stuck > 0. ? 1. : limit / std::sqrt(square);
     for (int i = 0; i < count(); i++)
       for (int k = 0; k < 2; k++) stretch(i)[k] = scale * moved[i][k];
     for (int k = 0; k < 2; k++) step.force[k] = scale * force[k];

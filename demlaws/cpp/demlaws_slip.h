@@ -1,224 +1,292 @@
-// demlaws_slip.h: partial slip of a contact, a row of springs sorted by normal stiffness. C++11, with demlaws_table.h.
+// demlaws_slip.h: partial slip of a contact, a row of springs sorted by normal stiffness. C++11, needs demlaws_shear.h.
 //
 // A contact is a row of springs, one for each stiffness that it had while it grew: the method of dimensionality
-// reduction of Popov and Hess. Twin of slip_loop in demlaws/core/slip.py, which explains it. The springs share the
-// stiffness equally; when the contact has become twice as stiff as the row, springs are joined in pairs.
+// reduction of Popov and Hess. Springs between two bounds of the stiffness are one spring; the bounds are a ladder,
+// graded towards the springs that touched last. Twin of demlaws/core/slip.py, which explains it.
 //
 // Licence: GPL-2.0-or-later, as the package demlaws.
 #ifndef DEMLAWS_SLIP_H
 #define DEMLAWS_SLIP_H
 #include "demlaws_shear.h"
-#include "demlaws_table.h"
+
+// The plugins are compiled without vectors; here one vector has several springs.
+#if defined(__GNUC__) && !defined(__clang__)
+#define DEMLAWS_VECTORS __attribute__((noinline, optimize("tree-vectorize")))
+#else
+#define DEMLAWS_VECTORS __attribute__((noinline))
+#endif
 
 namespace demlaws {
 
-// The integral of overlap over stiffness along a curve: G(k) = u k - f where the curve has the stiffness k (the
-// Legendre transform of the force), without units. G' = u, so that cubics between the nodes have exact slopes.
-class SpringCurve {
-public:
-  explicit SpringCurve(const Curve &curve) {
-    const double lowest = curve.last() * std::ldexp(1., -40);
-    double force;
-    const double least = stiffness(curve, lowest, force), most = stiffness(curve, curve.last(), force);
-    first_ = number(least) + 1;
-    for (int64_t n = first_; node(n) < most; n++) {
-      double low = lowest, high = curve.last();
-      for (int i = 0; i < 200 && high - low > 1e-15 * high; i++) {
-        const double middle = 0.5 * (low + high);
-        if (stiffness(curve, middle, force) < node(n)) low = middle;
-        else high = middle;
-      }
-      stiffness(curve, high, force);
-      const Node found = {node(n), high * node(n) - force, high, 0., 0.};
-      nodes_.push_back(found);
-    }
-    stiffness(curve, curve.last(), force);
-    const Node end = {most, curve.last() * most - force, curve.last(), 0., 0.};
-    nodes_.push_back(end);
-    for (size_t n = 0; n + 1 < nodes_.size(); n++) {
-      Node &a = nodes_[n];
-      const Node &b = nodes_[n + 1];
-      const double width = b.k - a.k, rise = b.integral - a.integral;
-      a.c2 = (3. * rise / width - 2. * a.overlap - b.overlap) / width;
-      a.c3 = (a.overlap + b.overlap - 2. * rise / width) / (width * width);
-    }
-  }
-  double integral(double k) const {
-    if (k <= nodes_[0].k) { // a power law
-      const double exponent = nodes_[0].integral > 0. ? nodes_[0].overlap * nodes_[0].k / nodes_[0].integral : 1.;
-      return nodes_[0].integral * pow(k / nodes_[0].k, exponent);
-    }
-    const size_t n = (size_t)(number(k) - first_);
-    if (n + 1 >= nodes_.size()) return nodes_.back().integral + nodes_.back().overlap * (k - nodes_.back().k);
-    const Node &a = nodes_[n];
-    const double t = k - a.k;
-    return a.integral + t * (a.overlap + t * (a.c2 + t * a.c3));
-  }
-
-private:
-  struct Node {
-    double k, integral, overlap, c2, c3; // to the next node: integral + t (overlap + t (c2 + t c3)), t from k on
-  };
-  static const int BITS = 4; // nodes for each doubling of the stiffness: 2^BITS
-  int64_t first_;
-  std::vector<Node> nodes_;
-
-  static double stiffness(const Curve &curve, double u, double &force) {
-    double s, slope;
-    curve.evaluate(u, s, slope);
-    force = (4. / 3.) * s * sqrt(s);
-    return 2. * sqrt(s) * slope;
-  }
-  static int64_t number(double k) { return grid_number(k, BITS); }
-  static double node(int64_t number) { return grid_point(number, BITS); }
+// The curve along which a contact would unload now: its force [N] and length up to here [m]; whether it is Hertz's.
+struct UnloadingCurve {
+  double force, depth;
+  bool hertzian;
 };
 
-// Compression of the springs of one contact, from the curve along which it would unload now.
-class Compression {
-public:
-  // curve: that of the pair's table, loading (ELASTIC) or unloading (GIVEN); not read for Hertz's curve.
-  Compression(const Pair &pair, const SpringCurve *curve, double radius, double overlap, const double *state)
-      : curve_(pair.rule == ELASTIC || pair.rule == GIVEN ? curve : NULL),
-        recoverable_(pair.rule == ELASTIC ? overlap : overlap - state[1]) {
-    if (curve_) {
-      const double length = pair.length_of(radius), stiffness = pair.modulus * sqrt(radius * length);
-      unit_ = 1. / stiffness;
-      scale_ = stiffness * length;
-    } else {
-      const double root = 2. * pair.modulus * sqrt(keeps_radius(pair.rule) ? radius * state[2] : radius);
-      scale_ = 1. / (3. * root * root); // K = root sqrt(z)
-    }
-  }
-  // Means of springs that share the stiffness equally, at least 0; returns their integral over the stiffness [N].
-  double means(double share, double stiffness, int count, double *mean) const {
-    double carried = 0., low = 0., below = 0., inverse = 1. / share;
-    for (int k = 0; k < count; k++) {
-      const bool last = k == count - 1;
-      const double high = last ? stiffness : (k + 1) * share;
-      double lacks; // mean overlap at which the spring touched
-      if (curve_) {
-        const double up_to = scale_ * curve_->integral(high * unit_);
-        lacks = last ? (up_to - below) / (high - low) : (up_to - below) * inverse;
-        below = up_to;
-      } else lacks = scale_ * (high * high + high * low + low * low);
-      mean[k] = std::max(recoverable_ - lacks, 0.);
-      carried += (high - low) * mean[k];
-      low = high;
-    }
-    return carried;
-  }
-
-private:
-  const SpringCurve *curve_;
-  double recoverable_, unit_, scale_;
-};
-
-// What a contact keeps: its stiffness, the share of each spring, their stretches, 2 numbers each, and the first unit
-// vector (Motion). All zeros: no shear force. The numbers are the caller's; MOST springs at most: LIGGGHTS has room for
-// 99 values per contact.
+// What a contact keeps: the bounds of the springs' stiffnesses [N/m], rising, the last one the contact's own; the mean
+// overlaps at which they touched [m], but for the last one; their stretches [m], the first components, then the second
+// ones; the first unit vector (Motion). All zeros: no shear force. The numbers are the caller's.
 class SpringRow {
 public:
-  static const int MOST = 30, MOST_SIZE = 2 + 2 * MOST + 3;
-  static int size(int springs) { return numbers_of_shear(2, springs); }
-  static bool may_have(double springs) {
-    return springs == 2 * (int)(0.5 * springs) && springs >= 2. && springs <= MOST;
+  static const int MOST = 22; // LIGGGHTS has room for 99 values per contact
+  static int size(int springs) { return 4 * springs + 2; }
+  static const int MOST_SIZE = 4 * MOST + 2;
+  static bool may_have(double springs) { return springs == (int)springs && springs >= 2. && springs <= MOST; }
+  // Whether a number has the other sign seen from the other body: see Motion.
+  static bool changes_sign(int number, int springs) {
+    return number >= 2 * springs - 1 && number < 3 * springs - 1;
   }
   SpringRow(double *numbers, int springs)
-      : stiffness_(numbers[0]), share_(numbers[1]), stretch_(numbers + 2), springs_(springs) {}
+      : bound_(numbers), rest_(numbers + springs), u_(numbers + 2 * springs - 1), v_(numbers + 3 * springs - 1),
+        springs_(springs), last_(springs - 1) {}
 
   double energy(double ratio) const {
     double force[2];
-    return sum(ratio, force);
+    return ratio * sum(force);
   }
 
-  // One step: the stiffness K with which the contact would unload, K_t / K, Coulomb's limit mu P [N] and the motion of
-  // the step, all of now.
-  ShearStep step(double stiffness, double ratio, double limit, const Compression &compression, const Motion &motion) {
-    const double *const displacement = motion.displacement;
+  // One step: the stiffness K with which the contact would unload along a curve, K_t / K, Coulomb's limit mu P [N] and
+  // the motion of the step, all of now.
+  ShearStep step(double stiffness, const UnloadingCurve &curve, double ratio, double limit, const Motion &motion) {
+    const double *const d = motion.displacement;
+    double before[2], after[2], kept[2];
     ShearStep step;
-    step.before = sum(ratio, step.force);
-    if (!(stiffness > 0.)) { // an overlap that carries no force: every spring has opened
-      std::fill(step.force, step.force + 2, step.work = step.energy = 0.);
-      step.slides = false;
-      stiffness_ = share_ = 0.;
-      std::fill(stretch_, stretch_ + 2 * springs_, 0.);
+    step.before = ratio * sum(before);
+    if (!(stiffness > 0.) || !(curve.force > 0.)) { // an overlap that carries no force: every spring has opened
+      std::fill(bound_, v_ + springs_, 0.);
+      step.force[0] = step.force[1] = step.work = step.energy = step.stuck = 0.;
       return step;
     }
-    step.work = 0.5 * dot(step.force, displacement);
-    grow(stiffness);
-    const int count = touch(stiffness);
-    double mean[MOST]; // compression of each spring
-    const double carried = compression.means(share_, stiffness, count, mean),
-                 scale = carried > 0. ? limit / (carried * ratio) : 0.;
-    for (int k = 0; k < count; k++) {
-      double *const u = stretch_ + 2 * k, most = scale * mean[k], square = most * most;
-      shorten(u, most, square);
-      for (int d = 0; d < 2; d++) u[d] += displacement[d];
-      shorten(u, most, square);
+    double rest[MOST], most[MOST];
+    if (!curve.hertzian) std::copy(rest_, rest_ + last_, rest);
+    set(stiffness, curve, rest);
+    if (!curve.hertzian) std::copy(rest, rest + last_, rest_);
+    slip(stiffness, curve, limit / ratio, d, rest, most, kept, after, step.energy);
+    step.energy *= ratio;
+    step.work = 0.;
+    double moved = 0., gained = 0.;
+    for (int k = 0; k < 2; k++) {
+      step.work += 0.5 * ratio * (kept[k] + after[k]) * d[k];
+      gained += (after[k] - kept[k]) * d[k];
+      moved += stiffness * d[k] * d[k];
+      step.force[k] = ratio * after[k];
     }
-    step.energy = sum(ratio, step.force);
-    step.work += 0.5 * dot(step.force, displacement);
-    step.slides = dot(step.force, step.force) >= limit * limit * (1. - 1e-9);
+    step.stuck = moved > 0. ? std::min(std::max(gained / moved, 0.), 1.) : 1.;
     return step;
   }
 
 private:
-  double &stiffness_, &share_, *const stretch_;
-  const int springs_;
+  double *const bound_, *const rest_, *const u_, *const v_;
+  const int springs_, last_;
 
-  // Part of spring k that a contact has whose stiffness is `filled` shares.
-  static double part(double filled, int k) { return std::min(std::max(filled - k, 0.), 1.); }
-  int touching() const {
-    const int whole = std::min((int)(stiffness_ / share_), springs_ - 1);
-    return whole * share_ < stiffness_ ? whole + 1 : whole;
-  }
-  // Force [N] of the springs that touch; returns their energy [J].
-  double sum(double ratio, double *force) const {
-    double energy = 0.;
-    force[0] = force[1] = 0.;
-    const int count = share_ > 0. ? touching() : 0;
-    for (int k = 0; k < count; k++) {
-      const double *const u = stretch_ + 2 * k, stiffness = k < count - 1 ? share_ : stiffness_ - k * share_;
-      for (int d = 0; d < 2; d++) force[d] += stiffness * u[d];
-      energy += stiffness * dot(u, u);
-    }
-    for (int d = 0; d < 2; d++) force[d] *= ratio;
-    return 0.5 * ratio * energy;
-  }
-  // The contact has this stiffness now; a spring that begins to touch is not stretched. Returns how many touch.
-  int touch(double stiffness) {
-    const double held = stiffness_ / share_, filled = stiffness / share_;
-    stiffness_ = stiffness;
-    const int count = touching();
-    for (int k = std::min((int)held, count - 1); k < count; k++) {
-      const double was = part(held, k), is = part(filled, k);
-      if (is > was) multiply(stretch_ + 2 * k, was / is);
-    }
-    return count;
-  }
-  // Joins springs in pairs, with the mean of their stretches, until the row is as stiff as the contact.
-  void grow(double stiffness) {
-    if (!(share_ > 0.)) share_ = stiffness / springs_;
-    while (stiffness > springs_ * share_) {
-      const double filled = stiffness_ / share_;
-      for (int k = 0; k < springs_; k++) {
-        const double first = 2 * k < springs_ ? part(filled, 2 * k) : 0.,
-                     second = 2 * k < springs_ ? part(filled, 2 * k + 1) : 0.;
-        for (int d = 0; d < 2; d++)
-          stretch_[2 * k + d] =
-              first > 0. ? (first * stretch_[4 * k + d] + second * stretch_[4 * k + 2 + d]) / (first + second) : 0.;
+  // Bounds over the stiffness of the contact.
+  static const double *ladder(int springs) {
+    if (springs == SPRINGS) return LADDER;
+    struct Ladders {
+      double values[MOST + 1][MOST];
+      Ladders() {
+        for (int n = 2; n <= MOST; n++) {
+          const double growth = 1. + 6.4 / n, whole = pow(growth, n);
+          for (int i = 0; i < n; i++) values[n][i] = (whole - pow(growth, n - 1 - i)) / (whole - 1.);
+        }
       }
-      share_ *= 2.;
+    };
+    static const Ladders ladders;
+    return ladders.values[springs];
+  }
+  double below(int i) const { return i > 0 ? bound_[i - 1] : 0.; }
+
+  // Force [N] and energy [J] for K_t / K = 1.
+  double sum(double *force) const {
+    double first = 0., second = 0., energy = 0., low = 0.;
+    for (int i = 0; i < springs_; i++) {
+      const double stiffness = bound_[i] - low, u = u_[i], v = v_[i];
+      first += stiffness * u;
+      second += stiffness * v;
+      energy += stiffness * (u * u + v * v);
+      low = bound_[i];
+    }
+    force[0] = first;
+    force[1] = second;
+    return 0.5 * energy;
+  }
+
+  // Displaces the springs under their limits, which together are `limit`. kept: force before the displacement.
+  DEMLAWS_VECTORS void slip(double top, const UnloadingCurve &curve, double limit, const double *d, double *rest,
+                            double *most, double *kept, double *force, double &energy) {
+    const int n = springs_;
+    const double depth = curve.depth, du = d[0], dv = d[1];
+    if (curve.hertzian) set_rest(top, depth, rest);
+    double carried = 0., low = 0.;
+    for (int i = 0; i < n; i++) most[i] = std::max(depth - rest[i], 0.);
+    for (int i = 0; i < n; i++) {
+      carried += (bound_[i] - low) * most[i];
+      low = bound_[i];
+    }
+    const double scale = carried > 0. ? limit / carried : 0.;
+    for (int i = 0; i < n; i++) most[i] *= scale;
+    shorten(n, most, u_, v_); // the compression fell: slip without displacement
+    sum(kept);
+    for (int i = 0; i < n; i++) {
+      u_[i] += du;
+      v_[i] += dv;
+    }
+    shorten(n, most, u_, v_);
+    energy = sum(force);
+  }
+  // Without a branch.
+  DEMLAWS_INLINE static void shorten(int n, const double *most, double *u, double *v) {
+    for (int i = 0; i < n; i++) {
+      const double square = std::max(u[i] * u[i] + v[i] * v[i], most[i] * most[i]),
+                   share = most[i] / std::sqrt(std::max(square, 1e-300));
+      u[i] *= share;
+      v[i] *= share;
     }
   }
-  static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1]; }
-  static void multiply(double *u, double factor) {
-    for (int d = 0; d < 2; d++) u[d] *= factor;
+  DEMLAWS_INLINE void set_rest(double top, double depth, double *rest) const {
+    const double unit = depth / (3. * top * top);
+    rest[0] = unit * bound_[0] * bound_[0];
+    for (int i = 1; i < springs_; i++)
+      rest[i] = unit * (bound_[i] * bound_[i] + bound_[i] * bound_[i - 1] + bound_[i - 1] * bound_[i - 1]);
   }
-  // To a length of at most `most`, of which this is the square.
-  static void shorten(double *u, double most, double most_square) {
-    const double square = dot(u, u);
-    if (square > most_square) multiply(u, most / sqrt(square));
+
+  // The contact has the stiffness `top` now.
+  DEMLAWS_INLINE void set(double top, const UnloadingCurve &curve, double *rest) {
+    const double held = bound_[last_], *const steps = ladder(springs_);
+    int edge = last_;
+    if (!(held > 0.)) return begin(top, curve, steps, rest);
+    if (top < held) {
+      if (top <= bound_[last_ - 1]) {
+        edge = 0;
+        for (int i = 0; i < last_; i++) edge += bound_[i] < top;
+        for (int i = edge; i < last_; i++) bound_[i] = top;
+      }
+      bound_[last_] = top;
+    } else if (top > held) {
+      const double low = bound_[last_ - 1], share = (held - low) / (top - low);
+      bound_[last_] = top;
+      u_[last_] *= share;
+      v_[last_] *= share;
+    }
+    if (!curve.hertzian) rest[edge] = curve.depth - outermost(top, curve, edge, rest);
+    if (edge < last_) {
+      if (curve.hertzian) set_rest(top, curve.depth, rest);
+      divide(top, curve.depth, steps, edge, rest);
+    } else if (top > held && bound_[last_ - 1] < top - LADDER_SLACK * (1. - steps[last_ - 1]) * top)
+      lift(top, curve, steps, rest);
+  }
+  // A new contact: its curve is taken as a power law.
+  __attribute__((noinline, cold)) void begin(double top, const UnloadingCurve &curve, const double *steps,
+                                             double *rest) {
+    const double power = curve.force / std::max(top * curve.depth - curve.force, 1e-12 * curve.force);
+    double low = 0., integral_below = 0.;
+    for (int i = 0; i < springs_; i++) {
+      const double integral = curve.depth * top * pow(steps[i], power + 1.) / (power + 1.);
+      bound_[i] = steps[i] * top;
+      rest[i] = (integral - integral_below) / (bound_[i] - low);
+      low = bound_[i];
+      integral_below = integral;
+      u_[i] = v_[i] = 0.;
+    }
+  }
+  // Mean compression of the outermost spring: what the others leave of the force.
+  __attribute__((noinline)) double outermost(double top, const UnloadingCurve &curve, int edge,
+                                             const double *rest) const {
+    double carried = 0., low = 0.;
+    for (int i = 0; i < edge; i++) {
+      carried += (bound_[i] - low) * std::max(curve.depth - rest[i], 0.);
+      low = bound_[i];
+    }
+    const double width = top - low, mean = width > 0. ? std::max(curve.force - carried, 0.) / width : 0.;
+    if (edge == 0) return mean;
+    const double straight =
+        std::max(curve.depth - rest[edge - 1], 0.) * 0.5 * width / (top - 0.5 * (low + below(edge - 1)));
+    return std::min(std::max(mean, straight / LADDER_FARTHEST), straight * LADDER_FARTHEST);
+  }
+  // Moves the bounds that are below their steps.
+  __attribute__((noinline)) void lift(double top, const UnloadingCurve &curve, const double *steps, double *rest) {
+    double bound[MOST], touched[MOST], u[MOST], v[MOST], start = 0., low = 0.;
+    std::copy(bound_, bound_ + springs_, bound);
+    if (!curve.hertzian) std::copy(rest, rest + springs_, touched);
+    std::copy(u_, u_ + springs_, u);
+    std::copy(v_, v_ + springs_, v);
+    for (int i = 0, j = 0; i < springs_; i++) {
+      const double high = std::max(steps[i] * top, bound[i]), from = low;
+      double sums = 0., first = 0., second = 0.;
+      while (low < high) {
+        const double end = std::min(bound[j], high);
+        if (end > low) {
+          if (!curve.hertzian)
+            sums += (end - low) * (touched[j] + 0.5 * slope(curve.depth, bound, touched, start, j) *
+                                                    (low + end - start - bound[j]));
+          first += (end - low) * u[j];
+          second += (end - low) * v[j];
+          low = end;
+        }
+        if (low < high) start = bound[j++];
+      }
+      const double width = high - from;
+      bound_[i] = high;
+      u_[i] = width > 0. ? first / width : u[j];
+      v_[i] = width > 0. ? second / width : v[j];
+      if (!curve.hertzian) rest[i] = width > 0. ? sums / width : touched[j];
+    }
+  }
+  // Of the overlap at touch over the stiffness, in spring j above `start`.
+  double slope(double depth, const double *bound, const double *touched, double start, int j) const {
+    const double width = bound[j] - start;
+    if (j == last_) return 2. * (depth - touched[j]) / width;
+    const double before = j > 0 ? start - (j > 1 ? bound[j - 2] : 0.) : -width;
+    return (touched[j + 1] - touched[std::max(j - 1, 0)]) / (0.5 * (before + bound[j + 1] - bound[j]) + width);
+  }
+  // Divides springs that contain the most steps of the ladder, while there are empty ones behind `edge`, the outermost.
+  __attribute__((noinline)) void divide(double top, double depth, const double *steps, int edge, double *rest) {
+    while (edge < last_) {
+      int most = 0, at = -1, step = last_ - 1;
+      double place = 0.;
+      for (int j = edge; j >= 0; j--) {
+        const int highest = step;
+        while (step >= 0 && steps[step] * top > below(j)) step--;
+        if (highest - step > most) {
+          most = highest - step;
+          at = j;
+          place = steps[(highest + step + 1) / 2] * top;
+        }
+      }
+      if (at < 0) break;
+      const double low = below(at), high = bound_[at], whole = (high - low) * rest[at],
+                   part = integral(at, place, low, high, whole, depth, top, rest);
+      for (int j = edge + 1; j > at; j--) {
+        bound_[j] = bound_[j - 1];
+        rest[j] = rest[j - 1];
+        u_[j] = u_[j - 1];
+        v_[j] = v_[j - 1];
+      }
+      bound_[at] = place;
+      rest[at] = part / (place - low);
+      rest[at + 1] = (whole - part) / (high - place);
+      edge++;
+    }
+    for (int j = edge + 1; j < springs_; j++) {
+      bound_[j] = top;
+      rest[j] = depth;
+      u_[j] = u_[edge];
+      v_[j] = v_[edge];
+    }
+  }
+  // Of the overlap at touch over the stiffness from `low` to `place`, taken as a power from 0 on; whole: to `high`.
+  double integral(int at, double place, double low, double high, double whole, double depth, double top,
+                  const double *rest) const {
+    double inside = 0., part;
+    for (int j = 0; j < at; j++) inside += (bound_[j] - below(j)) * rest[j];
+    if (inside > 0.) part = inside * pow(place / low, log1p(whole / inside) / log(high / low)) - inside;
+    else if (!(whole > 0.)) return 0.;
+    else if (high < top)
+      part =
+          whole * pow(place / high, log1p((bound_[at + 1] - high) * rest[at + 1] / whole) / log(bound_[at + 1] / high));
+    else part = whole * pow(place / high, depth * top / whole);
+    return std::min(std::max(part, 0.), whole);
   }
 };
 

@@ -121,13 +121,13 @@ def row_dtype(levels, floats, springs):
     if levels:
         fields += [("bound", "f8", (levels,)), ("stretch", "f8", (levels, 3))]
     if springs:
-        fields += [("tangent", "f8", (2, 3)), ("share", "f8"), ("scale", "f8"), ("end", "f8", (springs,))]
-        fields += [("compression", "f8", (springs,)), ("spring", "f8", (2, springs))]
+        fields += [("tangent", "f8", (2, 3)), *[(name, "f8", (springs,)) for name in ("bound", "rest", "limit")]]
+        fields += [("spring", "f8", (2, springs)), ("scratch", "f8", (4, springs))]
     return np.dtype([*fields, ("hertz", "f8")])
 
 
 SAVED = [name for name, *_ in _HISTORY]
-SAVED += ["lever", "bound", "stretch", "tangent", "share", "scale", "end", "compression", "spring"]
+SAVED += ["lever", "bound", "stretch", "tangent", "rest", "spring"]
 """Fields of a row that are saved with a scene."""
 
 

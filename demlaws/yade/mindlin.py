@@ -131,14 +131,31 @@ def approach_velocity(scene, geom, interaction, first, second):
 
 
 @kernel
-def damped_force(contact, law, geom, phys, row, first, second, size):
-    """Normal force [N] less its viscous part, which is at most as large; writes both. size: without damping [N]."""
-    scene = view(law.scene, objects.Scene)
-    interaction = view(contact.interaction, objects.Interaction)
+def damping_of_normal(context, contact, geom, phys, size):
+    """Viscous normal force [N], at most as large as the force without damping, `size` [N], and displacement [m]."""
+    law = view(contact.functor - context.functor_offset, objects.Functor)
+    scene, interaction = view(law.scene, objects.Scene), view(contact.interaction, objects.Interaction)
+    first, second = view(contact.first, objects.State), view(contact.second, objects.State)
     coefficient = 2.0 * sqrt(reduced_mass(first, second) * phys.kn) * phys.betan
-    velocity, normal = approach_velocity(scene, geom, interaction, first, second), vector(geom.normal)
-    viscous = min(coefficient * velocity, size)
-    row.viscous += viscous * velocity * scene.dt
+    velocity = approach_velocity(scene, geom, interaction, first, second)
+    return min(coefficient * velocity, size), velocity * scene.dt
+
+
+@kernel
+def shear_damping(context, contact, phys, increment):
+    """Viscous shear force [N] for a displacement [m] of the step."""
+    law = view(contact.functor - context.functor_offset, objects.Functor)
+    first, second = view(contact.first, objects.State), view(contact.second, objects.State)
+    coefficient = 2.0 * sqrt(reduced_mass(first, second) * phys.ks) * phys.betas
+    return scaled(coefficient / view(law.scene, objects.Scene).dt, increment)
+
+
+@kernel
+def damped_force(context, contact, geom, phys, row, size):
+    """Normal force [N] less its viscous part; writes both. size: without damping [N]."""
+    viscous, moved = damping_of_normal(context, contact, geom, phys, size)
+    normal = vector(geom.normal)
+    row.viscous += viscous * moved
     assign(phys.normalViscous, scaled(viscous, normal))
     assign(phys.normalForce, scaled(size - viscous, normal))
     return size - viscous
@@ -171,26 +188,19 @@ def own_step(mode, context, contact, geom, phys, row):
     assign(phys.normalForce, scaled(normal_force, vector(geom.normal)))
     damped = phys.betan != 0.0 or phys.betas != 0.0
     if damped:
-        normal_force = damped_force(contact, law, geom, phys, row, first, second, normal_force)
+        normal_force = damped_force(context, contact, geom, phys, row, normal_force)
     increment = vector(geom.shearInc)
-    shear_force = trial_force(mode, geom, phys, row, increment)
     stretch = minus_scaled(turned(geom, vector(phys.usElastic)), 1.0, increment)
     assign(phys.usTotal, minus_scaled(turned(geom, vector(phys.usTotal)), 1.0, increment))
-    limit, square = phys.tangensOfFrictionAngle * abs(normal_force), dot(shear_force, shear_force)
-    sliding = square > limit * limit
+    limit = phys.tangensOfFrictionAngle * abs(normal_force)
+    shear_force, share, stuck, slides = force_in_own_step(mode, geom, phys, row, increment, limit)
     viscous = (0.0, 0.0, 0.0)
-    if sliding:
-        share = limit / sqrt(square)
-        shear_force, stretch = scaled(share, shear_force), scaled(share, stretch)
-        slide(mode, row, share)
-    elif damped:
-        scene = view(law.scene, objects.Scene)
-        coefficient = 2.0 * sqrt(reduced_mass(first, second) * phys.ks) * phys.betas
-        viscous = scaled(coefficient / scene.dt, increment)
+    if damped and stuck > 0.0:
+        viscous = within_limit(mode, shear_force, scaled(stuck, shear_damping(context, contact, phys, increment)), limit)
         row.viscous += dot(viscous, increment)
-    phys.isSliding = sliding
+    phys.isSliding = slides
     assign(phys.shearElastic, shear_force)
-    assign(phys.usElastic, stretch)
+    assign(phys.usElastic, scaled(share, stretch))
     assign(phys.shearViscous, viscous)
     shear_force = minus_scaled(shear_force, 1.0, viscous)
     assign(phys.shearForce, shear_force)
@@ -223,6 +233,36 @@ def supports_options(context, contact, geom, phys, row):
 @generic(lambda *_: _force_of_one_spring)
 def trial_force(mode, geom, phys, row, increment):
     """Elastic shear force after the step's displacement `increment` [m], before Coulomb's limit: turned with the contact."""
+
+
+@generic(lambda *_: _force_with_limit)
+def force_in_own_step(mode, geom, phys, row, increment, limit):
+    """Elastic shear force [N] after the step's displacement [m], under Coulomb's limit [N]; the share of it that the limit has
+    left, the share of the contact's stiffness that sticks, and whether the contact slides."""
+
+
+def _force_with_limit(mode, geom, phys, row, increment, limit):
+    force = trial_force(mode, geom, phys, row, increment)
+    square = dot(force, force)
+    if square > limit * limit:
+        share = limit / sqrt(square)
+        slide(mode, row, share)
+        return scaled(share, force), share, 0.0, True
+    return force, 1.0, 1.0, False
+
+
+@generic(lambda *_: lambda mode, force, viscous, limit: viscous)
+def within_limit(mode, force, viscous, limit):
+    """Viscous shear force [N], which acts against the elastic one in YADE's signs: not so much that both exceed the limit."""
+
+
+@kernel
+def together_within_limit(mode, force, viscous, limit):
+    """As `ShearStep::damp` in demlaws/cpp/demlaws_shear.h."""
+    along, square, beyond = -dot(force, viscous), dot(viscous, viscous), dot(force, force) - limit * limit
+    if square + 2.0 * along + beyond <= 0.0 or not square > 0.0:
+        return viscous
+    return scaled((sqrt(along * along - square * min(beyond, 0.0)) - along) / square, viscous)
 
 
 def _force_of_one_spring(mode, geom, phys, row, increment):

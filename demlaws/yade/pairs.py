@@ -11,6 +11,7 @@ from demlaws.contact import Contact, Material, Surface, surface_of
 from demlaws.core.dispatch import leaves, refuse_other_values
 from demlaws.core.loops import clamped_roughness, loading_part, scale_contact
 from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, LARGEST_SHEAR_RATIO, MOST_LEVELS, SLIP
+from demlaws.core.slip import SPRINGS
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.curves.closed import ClosedForm
 from demlaws.curves.unloading import Bound, Unloading, refuse_unless_passive
@@ -22,7 +23,7 @@ from demlaws.laws.registry import find, laws
 from demlaws.units import number
 from demlaws.yade import kernel, layout, tuples
 from demlaws.yade.radii import Radii
-from demlaws.yade.shear import MODES, SPRINGS, Levels
+from demlaws.yade.shear import MODES, Levels
 
 ALL_LABELS = "*"
 """In place of a label: every material whose label is not listed."""

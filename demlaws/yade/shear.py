@@ -14,11 +14,8 @@ from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import kernel
 from demlaws.core.shear import EMPTY
 from demlaws.yade import layout, objects
-from demlaws.yade.mindlin import advance, turned, velocity_apart
+from demlaws.yade.mindlin import advance, together_within_limit, turned, velocity_apart
 from demlaws.yade.records import assign, cross, dot, minus_scaled, pointee, scaled, vector, view
-
-SPRINGS = 12
-"""Springs of a contact with partial slip."""
 
 
 class Levels(NamedTuple):
@@ -278,7 +275,8 @@ bind(
     relax_shear=_relax_levels,
     stored_energy=energy_of_levels,
     adopt=_adopt_as_one_level,
+    within_limit=together_within_limit,
 )
-bind(Slip, synchronise=_to_half_step)
+bind(Slip, synchronise=_to_half_step, within_limit=together_within_limit)
 MODES = {"elastic": Levels(), "loading": Levels(), "native": Native(), "slip": Slip()}
 """Choice of `shear=` → how the shear force follows K_t."""

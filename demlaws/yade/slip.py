@@ -1,138 +1,25 @@
-"""Partial slip at a contact, a row of springs: the twin of SpringRow in demlaws/cpp/demlaws_slip.h, with stretches as two
-components in a tangent frame. Compiled code, loaded for shear="slip" only."""
+"""Partial slip at a contact: the row of springs of demlaws.core.slip, whose stretches are components in a tangent frame. Compiled
+code, loaded for shear="slip" only."""
 
-from numba.extending import overload
-
-from demlaws.core.dispatch import bind, first_loading, unloading_curve
+from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import sqrt
-from demlaws.core.numba_compat import INLINED, kernel
-from demlaws.core.slip import stretched
-from demlaws.core.unloading import rule_of
+from demlaws.core.numba_compat import kernel
+from demlaws.core.slip import SPRINGS, compressions, depth_of, ladder_of, set_springs, slip, unloads_by_hertz
 from demlaws.yade import layout, objects
-from demlaws.yade.mindlin import advance, turned
+from demlaws.yade.mindlin import advance, damping_of_normal, shear_damping, supports_options, turned, within_limit
 from demlaws.yade.records import assign, cross, dot, minus_scaled, note, pointee, scaled, unit_perpendicular, vector, view
 from demlaws.yade.shear import Slip, account, is_changed
 
-SLACK = 1e-11
-"""Of Coulomb's limit: a contact within this is sliding."""
+LADDER = ladder_of(SPRINGS)
 
 
 @kernel
-def legendre_of_curve(shape, curve, reach, stiffness):
-    """G = k u - f [J/m · ...] where a curve of first loading has the stiffness k [N/m]; reach: an overlap beyond it [m]."""
-    low, high = 0.0, reach
-    for _ in range(100):
-        middle = 0.5 * (low + high)
-        if first_loading(shape, curve, middle)[1] < stiffness:
-            low = middle
-        else:
-            high = middle
-        if high - low <= 1e-15 * high:
-            break
-    return high * stiffness - first_loading(shape, curve, high)[0]
-
-
-@kernel
-def legendre_of_hertz(coefficient, stiffness):
-    """The same of P = coefficient u^1.5."""
-    return stiffness * stiffness * stiffness / (6.75 * coefficient * coefficient)
-
-
-def spring_end(rule, shape, p, ends, spring, reach, state, stiffness):
-    """G of the unloading curve where its stiffness is `stiffness`: the integral of overlap over stiffness."""
-
-
-@overload(spring_end, jit_options=INLINED)
-def _spring_end(rule, shape, p, ends, spring, reach, state, stiffness):
-    springs = rule_of(rule.instance_class).springs
-    if springs == "hertz":
-        return lambda rule, shape, p, ends, spring, reach, state, stiffness: legendre_of_hertz(p.hertz_coefficient, stiffness)
-    if springs == "thornton":
-        return lambda rule, shape, p, ends, spring, reach, state, stiffness: legendre_of_hertz(
-            p.hertz_coefficient * sqrt(state[2]), stiffness
-        )
-
-    def cached(shape, p, ends, spring, reach, stiffness):
-        value = ends[spring]
-        if value < 0.0:
-            value = max(legendre_of_curve(shape, p, reach, stiffness), 0.0)
-            ends[spring] = value
-        return value
-
-    cached = kernel(cached)
-    if springs == "given":
-        return lambda rule, shape, p, ends, spring, reach, state, stiffness: cached(
-            *unloading_curve(shape, p)[:2], ends, spring, reach, stiffness
-        )
-    return lambda rule, shape, p, ends, spring, reach, state, stiffness: cached(shape, p, ends, spring, reach, stiffness)
-
-
-def recoverable(rule, overlap, state):
-    """Overlap from the foot of the unloading curve [m]."""
-
-
-@overload(recoverable, jit_options=INLINED)
-def _recoverable(rule, overlap, state):
-    if rule_of(rule.instance_class).springs == "own":
-        return lambda rule, overlap, state: overlap
-    return lambda rule, overlap, state: overlap - state[1]
-
-
-@kernel
-def part_in_contact(stiffness, share, spring):
-    """Part of a spring that is in contact; stiffness: of the contact, share: of a spring [N/m]."""
-    return min(max(stiffness / share - spring, 0.0), 1.0)
-
-
-@kernel
-def join(row, previous, share):
-    """Join springs in pairs, with the mean of their stretches; previous: stiffness [N/m] of the contact in the last step."""
-    count = len(row.end)
-    for k in range(count):
-        first = part_in_contact(previous, share, 2 * k) if 2 * k < count else 0.0
-        second = part_in_contact(previous, share, 2 * k + 1) if 2 * k + 1 < count else 0.0
-        for axis in range(2):
-            mean = 0.0
-            if first > 0.0:
-                mean = first * row.spring[axis, 2 * k]
-                if second > 0.0:
-                    mean += second * row.spring[axis, 2 * k + 1]
-                mean /= first + second
-            row.spring[axis, k] = mean
-
-
-@kernel
-def write_compressions(mode, rule, shape, p, row, overlap, force, stiffness, state):
-    """`shear.compress` with springs: their mean compressions [m]."""
-    if not (stiffness > 0.0 and overlap > 0.0):
-        return
-    count, share = len(row.end), row.share
-    previous = row.shear / row.ratio if row.ratio > 0.0 else 0.0
-    old = share
-    if share == 0.0:
-        share = stiffness / count
-    while stiffness > count * share * (1.0 + 1e-12):
-        join(row, previous, share)
-        share *= 2.0
-    if share != old:
-        row.share = share
-        for k in range(count):
-            row.end[k] = -1.0
-    depth = recoverable(rule, overlap, state)
-    before, total = 0.0, 0.0
-    for k in range(count):
-        low, high = k * share, (k + 1) * share
-        if low >= stiffness:
-            break
-        if high < stiffness:
-            end = spring_end(rule, shape, p, row.end, k, depth, state, high)
-        else:
-            high, end = stiffness, stiffness * depth - force
-        mean = max(depth - (end - before) / (high - low), 0.0) if high > low else 0.0
-        row.compression[k] = mean
-        total += (high - low) * mean
-        before = end
-    row.scale = force / total if total > 0.0 else 0.0
+def place_springs(mode, rule, shape, p, row, overlap, force, stiffness, state):
+    """`shear.compress` with springs: their bounds and compressions."""
+    if stiffness > 0.0 and overlap > 0.0 and force > 0.0:
+        hertzian, depth = unloads_by_hertz(rule), depth_of(rule, overlap, state)
+        set_springs(hertzian, LADDER, stiffness, force, depth, row.bound, row.rest, row.spring, row.scratch)
+        compressions(hertzian, depth, row.bound, row.rest, row.limit)
 
 
 @kernel
@@ -150,64 +37,73 @@ def turned_tangent(geom, tangent, normal):
 def open_springs(phys, row):
     """A contact without stiffness has no shear force; the energy of its springs is lost."""
     assign(phys.shearElastic, (0.0, 0.0, 0.0))
-    for k in range(len(row.end)):
-        row.spring[0, k] = row.spring[1, k] = 0.0
+    row.bound[:] = 0.0
+    row.spring[:] = 0.0
     account(row, 0.0, 0.0, row.held)
+
+
+@kernel
+def step_of_springs(geom, row, stiffness, limit):
+    """Shear force [N] of the springs under Coulomb's limit [N], the share that sticks, whether all slip."""
+    displacement = scaled(-1.0, vector(geom.shearInc))  # positive along the force that it makes
+    first, second = vector(row.tangent[0]), vector(row.tangent[1])
+    du, dv = dot(displacement, first), dot(displacement, second)
+    along, across, work, stored, stuck, slides = slip(limit, row.ratio, du, dv, row.bound, row.spring, row.limit)
+    account(row, stiffness, stored, work - (stored - row.held))
+    return minus_scaled(scaled(along, first), -across, second), stuck, slides
+
+
+@kernel
+def _force_in_own_step(mode, geom, phys, row, increment, limit):
+    force, stuck, slides = step_of_springs(geom, row, row.ratio * row.bound[len(row.bound) - 1], limit)
+    size = sqrt(dot(force, force))
+    share = size / (size + phys.ks * sqrt(dot(increment, increment))) if slides and size > 0.0 else 1.0
+    return force, share, stuck, slides
 
 
 @kernel
 def apply_to_springs(mode, context, contact, row, stiffness):
     """Set the shear force to that of the springs, apply Mindlin's law and account for the energy; stiffness: K_t [N/m]."""
     geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
-    count = len(row.end)
-    old_first, old_second = vector(row.tangent[0]), vector(row.tangent[1])
-    if not stiffness > 0.0:
+    if not stiffness > 0.0 or row.bound[len(row.bound) - 1] == 0.0:
         open_springs(phys, row)
         keep = advance(mode, context, contact, row)
         assign(row.tangent[0], (0.0, 0.0, 0.0))
         return keep
-    displacement = scaled(-1.0, vector(geom.shearInc))  # positive along the force that it makes
-    normal = vector(geom.normal)
-    first, length = turned_tangent(geom, old_first, normal)
-    if length == 0.0:  # a new contact
-        length, old_first, old_second = 1.0, first, cross(normal, first)
-    second = cross(normal, first)
-    share, ratio = row.share, row.ratio
-    top, previous = stiffness / ratio, row.shear / ratio
-    limit = phys.tangensOfFrictionAngle * row.scale / ratio
-    along, across, most, work, stored = 0.0, 0.0, 0.0, 0.0, 0.0
     if is_changed(phys, row):
         note(context, layout.SET_SHEAR, view(contact.interaction, objects.Interaction), 0.0)
-    du, dv = dot(displacement, first), dot(displacement, second)
-    for k in range(count):  # as `slip_step`
-        part, part_before = part_in_contact(top, share, k), part_in_contact(previous, share, k)
-        if part == 0.0 or k * share >= top:
-            row.spring[0, k] = row.spring[1, k] = 0.0
-            continue
-        u, v = row.spring[0, k], row.spring[1, k]
-        if part > part_before:
-            u, v = u * (part_before / part), v * (part_before / part)
-        spring = ratio * share * part
-        longest = limit * row.compression[k]
-        most += spring * longest
-        before_u, before_v, u, v = stretched(u, v, du, dv, longest)
-        work += 0.5 * spring * ((before_u + u) * du + (before_v + v) * dv)
-        row.spring[0, k], row.spring[1, k] = u, v
-        along += spring * u
-        across += spring * v
-        stored += 0.5 * spring * (u * u + v * v)
-    # Mindlin's law turns this and adds K_t times the displacement
-    first_part, second_part = (along - stiffness * du) / length, (across - stiffness * dv) / length
-    assign(phys.shearElastic, minus_scaled(scaled(first_part, old_first), -second_part, old_second))
+    normal, old_first, old_second = vector(geom.normal), vector(row.tangent[0]), vector(row.tangent[1])
+    first, length = turned_tangent(geom, old_first, normal)
+    second = cross(normal, first)
     assign(row.tangent[0], first)
     assign(row.tangent[1], second)
-    account(row, stiffness, stored, work - (stored - row.held))
+    if supports_options(context, contact, geom, phys, row):
+        return advance(mode, context, contact, row)
+    if length == 0.0:  # a new contact
+        length, old_first, old_second = 1.0, first, second
+    overlap = geom.penetrationDepth
+    phys.kn = 1.5 * phys.kno * sqrt(overlap)
+    phys.ks = phys.kso * sqrt(overlap)
+    size = phys.kno * overlap * sqrt(overlap)
+    if phys.betan != 0.0 or phys.betas != 0.0:
+        size -= damping_of_normal(context, contact, geom, phys, size)[0]
+    limit = phys.tangensOfFrictionAngle * abs(size)
+    force, stuck, slides = step_of_springs(geom, row, stiffness, limit)
+    # The native law turns the force and adds K_t times the displacement: it starts from the force that leads to ours.
+    increment = vector(geom.shearInc)
+    before = minus_scaled(force, -stiffness, increment)
+    assign(
+        phys.shearElastic,
+        minus_scaled(scaled(dot(before, first) / length, old_first), -dot(before, second) / length, old_second),
+    )
     betas = phys.betas
-    if along * along + across * across >= (1.0 - SLACK) * most * most:  # sliding, which Mindlin's law does not see
-        phys.betas = 0.0
+    viscous = scaled(stuck, shear_damping(context, contact, phys, increment))
+    allowed, square = within_limit(mode, force, viscous, limit), dot(viscous, viscous)
+    phys.betas = betas * stuck * sqrt(dot(allowed, allowed) / square) if square > 0.0 else 0.0
     keep = advance(mode, context, contact, row)
     phys.betas = betas
+    phys.isSliding = slides
     return keep
 
 
-bind(Slip, compress=write_compressions, apply_mindlin=apply_to_springs)
+bind(Slip, compress=place_springs, apply_mindlin=apply_to_springs, force_in_own_step=_force_in_own_step)

@@ -7,7 +7,7 @@ from pathlib import Path
 import demlaws
 from demlaws import units
 from demlaws.contact import LOWEST_HARDNESS
-from demlaws.core import grid, shear
+from demlaws.core import grid, shear, slip
 from demlaws.core.unloading import LARGEST_STATE
 from demlaws.curves import table_grammar
 from demlaws.errors import page
@@ -16,7 +16,7 @@ from demlaws.laws.definition import Numbers
 PATH = Path(demlaws.__file__).parent / "cpp" / "demlaws_facts.h"
 TEXT = """\
 // demlaws_facts.h: unloading rules, keys of table files and limits. Written by `make facts` from the records in Python
-// (core/unloading.py, core/shear.py, curves/table_grammar.py, units.py and the laws): change them there.
+// (core/unloading.py, core/shear.py, core/slip.py, curves/table_grammar.py, units.py and the laws): change them there.
 //
 // Licence: GPL-2.0-or-later, as the package demlaws.
 // clang-format off
@@ -44,6 +44,9 @@ constexpr const char *const SHEAR_NAMES[] = {{{shear_names}}};
 constexpr int LEVELS = {shear.DEFAULT_LEVELS}, MOST_LEVELS = {shear.MOST_LEVELS}; // by default; at most
 constexpr double EMPTY_LEVEL = {shear.EMPTY}; // of K_t: a level of less stiffness counts as empty
 constexpr double LARGEST_SHEAR_RATIO = {shear.LARGEST_SHEAR_RATIO!r}; // K_t/K
+// Partial slip: springs by default, their ladder; see core/slip.py.
+constexpr int SPRINGS = {slip.SPRINGS};
+constexpr double LADDER[] = {{{ladder}}}, LADDER_SLACK = {slip.SLACK}, LADDER_FARTHEST = {slip.FARTHEST};
 
 // First line of a table file, and its keys. need: "always", "" (optional), or a rule or key with which it is needed.
 // words: a blank between, "number", "triples" of numbers, "" for any text. both: of an unloading curve, too.
@@ -122,6 +125,8 @@ def header():
         hardness=LOWEST_HARDNESS,
         modulus=units.RANGES["modulus"].low,
         shear=shear,
+        slip=slip,
+        ladder=", ".join(map(repr, slip.STEPS)),
         grid=grid,
         file=table_grammar,
         units=units,

@@ -19,7 +19,7 @@ int main(int, char **words) {
     const demlaws::Motion motion(normal, slip, none, 0., 0., 1., first);
     const demlaws::ShearStep step =
         demlaws::SpringRow(&numbers[0], springs)
-            .step(K, ratio, atof(words[4]) * now.force, law.compression(R, overlap, state), motion);
+            .step(K, law.unloading_curve(now.force, overlap, state), ratio, atof(words[4]) * now.force, motion);
     printf("%.17g %.17g %.17g %.17g\n", step.force[0], step.force[1], step.energy, step.lost());
   }
 }

@@ -98,7 +98,7 @@ template <class ABI> struct Granular {
       std::fill(this->transfer_history_factor, this->transfer_history_factor + demlaws::MOST_STATE + 1, 1.);
       coeffs[TOLERANCE] = 0.01;
       coeffs[SHEAR] = demlaws::ELASTIC_SHEAR;
-      coeffs[SPRINGS] = 12.;
+      coeffs[SPRINGS] = demlaws::SPRINGS;
       coeffs[IDENTITY] = demlaws::identity(table);
       coeffs[LEVELS] = demlaws::LEVELS;
       Range::of(of.lmp).tables++;
@@ -113,7 +113,7 @@ template <class ABI> struct Granular {
       check(poiss > -1. && poiss <= 0.5, "nu", poiss, ": Poisson's ratio is from -1 to 0.5");
       check(coeffs[ROUGHNESS] >= 0., "roughness", coeffs[ROUGHNESS], " m: must be positive");
       check(coeffs[TOLERANCE] >= 0., "radius_tolerance", coeffs[TOLERANCE], ": must not be negative");
-      check(demlaws::SpringRow::may_have(coeffs[SPRINGS]), "springs", coeffs[SPRINGS], ": an even number from 2 to 30");
+      check(demlaws::SpringRow::may_have(coeffs[SPRINGS]), "springs", coeffs[SPRINGS], ": a whole number from 2 to 22");
       check(demlaws::may_have_levels(coeffs[LEVELS]), "levels", coeffs[LEVELS], ": a whole number from 1 to 8");
       check(coeffs[RATIO] >= 0. && coeffs[RATIO] <= demlaws::LARGEST_SHEAR_RATIO, "shear_ratio", coeffs[RATIO],
             ": K_t/K is above 0, at most 4/3");
@@ -188,8 +188,8 @@ template <class ABI> struct Granular {
     double shear_stiffness() const { return shear_stiffness_; }
     double shear_ratio() const { return coeffs[RATIO] > 0. ? coeffs[RATIO] : 2. * (1. - poiss) / (2. - poiss); }
     bool slips() const { return shear_ == demlaws::SLIP_SHEAR; }
-    demlaws::Compression compression() const {
-      return law_.compression(gm->Reff, gm->delta, gm->history + history_index);
+    demlaws::UnloadingCurve unloading_curve() const {
+      return law_.unloading_curve(force_, gm->delta, gm->history + history_index);
     }
     double effective_modulus() const { return law_.pair.modulus; }
     bool unloads_otherwise() const { return table_.unloading() != demlaws::ELASTIC; }
@@ -224,6 +224,7 @@ template <class ABI> struct Granular {
       if (__builtin_expect(!law_.pair.serves(m->Reff, coeffs[TOLERANCE]), 0)) refuse_radius();
       if (__builtin_expect(m->history[history_index + demlaws::MOST_STATE] != mark_, 0)) check_mark();
       stiffness_ = now.stiffness;
+      force_ = now.force;
       shear_stiffness_ =
           demlaws::shear_stiffness<RULE>(shear_, law_.pair, m->Reff, m->delta, now, m->history + history_index);
       m->contact_radius =
@@ -268,7 +269,7 @@ template <class ABI> struct Granular {
     const demlaws::Table &table_;
     Ledger &ledger_;
     demlaws::Law law_;
-    double stiffness_ = 0., shear_stiffness_ = 0., per_stiffness_ = 0.;
+    double force_ = 0., stiffness_ = 0., shear_stiffness_ = 0., per_stiffness_ = 0.;
     double mark_ = 0.;
     demlaws::Shear shear_ = demlaws::ELASTIC_SHEAR;
     bool computes_pairs_ = false, speed_ = true; // speed_: the tangential model asks for that of the surfaces, vrel
@@ -421,9 +422,8 @@ template <class ABI> struct Granular {
       this->size_history = size_ + 3 * keeps_normal_;
       delete[] this->transfer_history_factor;
       this->transfer_history_factor = new double[this->size_history];
-      const int scalars = springs_ ? 2 : levels_, vectors = springs_ ? springs_ : levels_;
       for (int i = 0; i < this->size_history; i++)
-        this->transfer_history_factor[i] = i >= size_ || demlaws::changes_sign(i, scalars, vectors) ? -1. : 1.;
+        this->transfer_history_factor[i] = i >= size_ || changes_sign(i) ? -1. : 1.;
       ratio_ = normal_->shear_ratio();
       this->k = 2. * ratio_ * normal_->effective_modulus(); // K_t over the contact radius: twisting
     }
@@ -447,14 +447,19 @@ template <class ABI> struct Granular {
       const double stiffness = normal_->shear_stiffness(), ratio = ratio_, limit = this->mu * normal_->Fncrit;
       const demlaws::Motion motion = motion_of(keep ? m->dt : 0., demlaws::unit_vector(numbers, size_));
       const demlaws::ShearStep step =
-          springs_ ? demlaws::SpringRow(numbers, springs_).step(stiffness, ratio, limit, normal_->compression(), motion)
+          springs_ ? demlaws::SpringRow(numbers, springs_)
+                         .step(stiffness, normal_->unloading_curve(), ratio, limit, motion)
                    : demlaws::shear_step(levels_, ratio * stiffness, limit, motion, numbers);
       this->damp = coeffs[DAMPING_RATIO] * m->damping_model->get_damp_prefactor();
-      const double damping = step.slides ? 0. : this->damp;
-      const double force[2] = {-step.force[0] - damping * motion.velocity[0],
-                               -step.force[1] - damping * motion.velocity[1]};
+      double viscous[2];
+      step.damp(this->damp, limit, motion.velocity, viscous);
+      const double force[2] = {viscous[0] - step.force[0], viscous[1] - step.force[1]};
       motion.in_space(force, m->fs);
       return step;
+    }
+    bool changes_sign(int number) const {
+      return springs_ ? demlaws::SpringRow::changes_sign(number, springs_)
+                      : demlaws::changes_sign(number, levels_, levels_);
     }
     // dt: 0 where nothing is to be kept. unit_vector: that of the contact.
     __attribute__((noinline)) demlaws::Motion motion_of(double dt, double *unit_vector) {

@@ -63,7 +63,7 @@ struct EnergySource {
 struct Instance {
   Line line; // of the line being read
   PairSettings pair;
-  double springs = 12., levels = LEVELS; // of the pair style
+  double springs = SPRINGS, levels = LEVELS; // of the pair style
   Ledger ledger;
   Counts counts; // of the run that goes on
   EnergySource *source = NULL;

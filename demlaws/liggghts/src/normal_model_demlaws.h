@@ -203,11 +203,11 @@ public:
         "spheres doubled its energy in 30 ms; use 'tangential demlaws' (" DEMLAWS_PAGE("shear") ")");
   }
 
-  // For the tangential model: K_t / K, and the springs of a contact after its step.
+  // For the tangential model: K_t / K, and the curve of a contact after its step.
   demlaws::Shear shear() const { return now_.shear; }
   double shear_ratio(const SurfacesCloseData &data) const { return law_of(data).tangential; }
-  demlaws::Compression compression(const SurfacesIntersectData &data) const {
-    return law_of(data).compression(radius_of(data), data.deltan, state_of(data));
+  demlaws::UnloadingCurve unloading_curve(const SurfacesIntersectData &data) const {
+    return law_of(data).unloading_curve(data.kn * data.deltan, data.deltan, state_of(data));
   }
 
 private:
@@ -334,7 +334,7 @@ private:
                                                   bool update) const {
     double &mark = data.contact_history[mark_at_];
     const double *const state = state_of(data);
-    const bool kept = type.pair.rule != demlaws::ELASTIC || type.springs ||
+    const bool kept = type.pair.rule != demlaws::ELASTIC || type.slips ||
                       (state && std::count(state, state + state_size_, 0.) < state_size_);
     if (!demlaws::Law::goes_on(mark, type.mark, kept)) refuse(data, demlaws::other_law());
     if (update) mark = type.mark;

@@ -21,7 +21,7 @@ public:
   void connect(NormalModel<DEMLAWS_TABLE> &normal) { normal_ = &normal; }
 
   void registerSettings(Settings &settings) {
-    settings.registerDoubleSetting("springs", springs_, 12.);
+    settings.registerDoubleSetting("springs", springs_, demlaws::SPRINGS);
     settings.registerDoubleSetting("levels", levels_, demlaws::LEVELS);
   }
   // A wall takes what its line does not give from the pair style, as the normal model does.
@@ -35,17 +35,16 @@ public:
     if (!wall_) instance_->springs = springs_;
     if (!wall_) instance_->levels = levels_;
     if (!demlaws::SpringRow::may_have(springs_))
-      error->all(FLERR, "tangential model demlaws: 'springs' must be an even number from 2 to 30");
+      error->all(FLERR, "tangential model demlaws: 'springs' must be a whole number from 2 to 22");
     if (!demlaws::may_have_levels(levels_))
       error->all(FLERR, "tangential model demlaws: 'levels' must be a whole number from 1 to 8");
     if (slips_ && line.given.count("levels"))
       error->all(FLERR, "tangential model demlaws: partial slip has springs, not levels: leave 'levels' out");
     normal_->shear_keeps(size());
-    const int scalars = slips_ ? 2 : (int)levels_, vectors = (int)(slips_ ? springs_ : levels_);
-    for (int i = 0; i < demlaws::numbers_of_shear(scalars, vectors); i++) {
+    for (int i = 0; i < size(); i++) {
       std::ostringstream name;
       name << "demlaws_shear" << i;
-      const int at = setup->add_history_value(name.str(), demlaws::changes_sign(i, scalars, vectors) ? "1" : "0");
+      const int at = setup->add_history_value(name.str(), changes_sign(i) ? "1" : "0");
       if (i == 0) offset_ = at;
     }
     // The normal of the step before: nothing else tells how that of a wall turns.
@@ -98,7 +97,7 @@ public:
     if (slips_) {
       const double ratio = normal_->shear_ratio(data);
       step = demlaws::SpringRow(numbers, (int)springs_)
-                 .step(data.kt / ratio, ratio, limit, normal_->compression(data), motion);
+                 .step(data.kt / ratio, normal_->unloading_curve(data), ratio, limit, motion);
       if (counts) add_work(step.work, data);
     } else if (counts) {
       step = demlaws::shear_step((int)levels_, data.kt, limit, motion, numbers);
@@ -109,10 +108,10 @@ public:
       instance_->ledger.add_wall(update->ntimestep, stored, -instance_->ledger.booked(stored));
     }
 
-    const double damping = step.slides ? 0. : data.gammat, share = WALL ? data.area_ratio : 1.;
-    const double tangential[2] = {-step.force[0] - damping * motion.velocity[0],
-                                  -step.force[1] - damping * motion.velocity[1]};
-    double force[3], moment[3];
+    double viscous[2], force[3], moment[3];
+    step.damp(data.gammat, limit, motion.velocity, viscous);
+    const double share = WALL ? data.area_ratio : 1.;
+    const double tangential[2] = {viscous[0] - step.force[0], viscous[1] - step.force[1]};
     motion.in_space(tangential, force);
     vectorCross3D(data.en, force, moment);
     for (int k = 0; k < 3; k++) {
@@ -129,7 +128,7 @@ public:
     if (!data.contact_history) return;
     double *const kept = data.contact_history + offset_;
     if (wall_) std::fill_n(data.contact_history + normal_at_, 3, 0.);
-    if (kept[slips_ ? 0 : (int)levels_ - 1] == 0.) return; // its stiffness
+    if (kept[(slips_ ? (int)springs_ : (int)levels_) - 1] == 0.) return; // its stiffness
     std::fill(kept, kept + size(), 0.);
   }
   void beginPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
@@ -202,12 +201,16 @@ private:
     if (data.is_wall) instance_->ledger.taken += work;
     else instance_->ledger.add_dissipated(work, data.j, atom->nlocal);
   }
+  bool changes_sign(int number) const {
+    return slips_ ? demlaws::SpringRow::changes_sign(number, (int)springs_)
+                  : demlaws::changes_sign(number, (int)levels_, (int)levels_);
+  }
   int size() const { return slips_ ? demlaws::SpringRow::size((int)springs_) : demlaws::levels_size((int)levels_); }
 
   const std::shared_ptr<demlaws::Instance> instance_;
   const bool wall_;
   NormalModel<DEMLAWS_TABLE> *normal_ = NULL;
-  double **friction_ = NULL, springs_ = 12., levels_ = demlaws::LEVELS;
+  double **friction_ = NULL, springs_ = demlaws::SPRINGS, levels_ = demlaws::LEVELS;
   int offset_ = -1, normal_at_ = -1;
   TriMesh *mesh_ = NULL; // of the contact before, its step and the velocities of its nodes
   bigint mesh_step_ = -1;
