@@ -459,22 +459,24 @@ template <class ABI> struct Granular {
     // dt: 0 where nothing is to be kept. unit_vector: that of the contact.
     __attribute__((noinline)) demlaws::Motion motion_of(double dt, double *unit_vector) {
       Model *const m = gm;
-      const double *const v = m->vr, *const w = m->wr, *const wi = m->omegai, *const wj = m->omegaj;
-      const double *n = m->nx, *slip = m->vtr;
-      double along = m->vnnr, change[3] = {0., 0., 0.}, now[3], apart[3];
-      if (__builtin_expect(synchronized_, 0)) { // LAMMPS has those of the half step
+      const double *const v = m->vr, *n = m->nx;
+      double along = m->vnnr, change[3] = {0., 0., 0.}, now[3], spin[3], arms[3];
+      if (__builtin_expect(synchronized_, 0)) { // LAMMPS has that of the half step
         for (int k = 0; k < 3; k++) now[k] = m->rinv * m->dx[k];
         along = v[0] * now[0] + v[1] * now[1] + v[2] * now[2];
-        for (int k = 0, i = 1, j = 2; k < 3; k++, i = j, j = (j + 1) % 3)
-          apart[k] = v[k] - along * now[k] - (w[i] * now[j] - w[j] * now[i]);
         n = now;
-        slip = apart;
       }
-      if (m->contact_type == PAIR) demlaws::Motion::change_of_spheres(n, v, along, m->rinv, dt, change);
+      const bool pair = m->contact_type == PAIR;
+      if (pair) demlaws::Motion::change_of_spheres(n, v, along, m->rinv, dt, change);
       else if (keeps_normal_) demlaws::Motion::change_of_kept(n, m->history + history_index + size_, dt > 0., change);
-      const double lever = w[0] * n[0] + w[1] * n[1] + w[2] * n[2],
-                   spin = (wi[0] + wj[0]) * n[0] + (wi[1] + wj[1]) * n[1] + (wi[2] + wj[2]) * n[2];
-      return demlaws::Motion(n, slip, change, lever, spin, dt, unit_vector);
+      // LAMMPS's velocities have radii as levers, its torques those of the contact, which keep the energy: radius -
+      // delta/2, with the overlap of the half step.
+      const double shorter = pair ? 0.5 * m->delta + 0.25 * dt * demlaws::Motion::parting(n, v, change) : 0.;
+      for (int k = 0; k < 3; k++) {
+        spin[k] = m->omegai[k] + m->omegaj[k];
+        arms[k] = m->wr[k] - shorter * spin[k];
+      }
+      return demlaws::Motion(n, v, change, arms, spin, dt, unit_vector);
     }
     // Records the work of shear; the part that the contact stores is not lost.
     void account(const demlaws::ShearStep &step) {
