@@ -342,8 +342,9 @@ def apply_with_account(mode, context, contact, row, stiffness):
     if phys.isSliding != 0 and first + last > 0.0:
         increment, new = vector(geom.shearInc), vector(phys.shearElastic)  # its work on the body is positive against the force
         old = turned_force(mode, geom, old)
-        share = sqrt(dot(new, new) / max(dot(old, old), dot(new, new)))  # the limit may have fallen, as in demlaws.core.levels
-        loss -= 0.5 * (share * dot(old, increment) + dot(new, increment)) + (last - first)
+        if dot(old, new) < 0.0:  # as in demlaws.core.levels; the limit may have fallen
+            old = scaled(min(1.0, sqrt(dot(new, new) / dot(old, old))), old)
+        loss -= 0.5 * (dot(old, increment) + dot(new, increment)) + (last - first)
     account(row, stiffness, last, loss)
     return keep
 

@@ -434,9 +434,13 @@ template <class ABI> struct Granular {
     }
 
   private:
-    __attribute__((noinline, cold)) void watched() { account(move()); }
-    // A step; its energies are computed only where somebody uses them.
-    __attribute__((always_inline)) inline demlaws::ShearStep move() {
+    __attribute__((noinline, cold)) void watched() {
+      double viscous = 0.;
+      const demlaws::ShearStep step = move(&viscous);
+      account(step, viscous);
+    }
+    // A step; its energies are computed only where somebody uses them. viscous: power that the dashpot takes, added.
+    __attribute__((always_inline)) inline demlaws::ShearStep move(double *viscous = NULL) {
       Model *const m = gm;
       double copy[demlaws::SpringRow::MOST_SIZE], *numbers = m->history + history_index;
       const bool keep = m->history_update != 0;
@@ -453,6 +457,8 @@ template <class ABI> struct Granular {
       const double damping = step.slides ? 0. : this->damp;
       const double force[2] = {-step.force[0] - damping * motion.velocity[0],
                                -step.force[1] - damping * motion.velocity[1]};
+      if (viscous)
+        for (int k = 0; k < 2; k++) *viscous -= (force[k] + step.force[k]) * motion.velocity[k];
       motion.in_space(force, m->fs);
       return step;
     }
@@ -478,8 +484,8 @@ template <class ABI> struct Granular {
       }
       return demlaws::Motion(n, v, change, arms, spin, dt, unit_vector);
     }
-    // Records the work of shear; the part that the contact stores is not lost.
-    void account(const demlaws::ShearStep &step) {
+    // Records the work of shear, of which the part that the contact stores is not lost, and that of both dashpots.
+    void account(const demlaws::ShearStep &step, double viscous) {
       if (ledger_.collecting) {
         ledger_.collected += step.before;
         ledger_.pending -= step.before;
@@ -487,7 +493,10 @@ template <class ABI> struct Granular {
       }
       const bool wall = gm->contact_type != PAIR, keep = gm->history_update != 0;
       const double work = (keep ? step.work : 0.) + (ledger_.first ? step.before : 0.);
-      if (work != 0.) ledger_.add_dissipated(gm->vi, wall ? NULL : gm->vj, work);
+      const double *const vj = wall ? NULL : gm->vj;
+      if (work != 0.) ledger_.add_dissipated(gm->vi, vj, work);
+      viscous += (gm->Fnormal - gm->Fntot) * gm->vnnr;
+      if (keep && viscous != 0.) ledger_.add_viscous(gm->vi, vj, viscous * gm->dt);
       if (!wall) return;
       const double stored = keep ? step.energy : step.before;
       ledger_.add_wall(stored, -stored);

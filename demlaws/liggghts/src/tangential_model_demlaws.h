@@ -112,6 +112,11 @@ public:
     const double damping = step.slides ? 0. : data.gammat, share = WALL ? data.area_ratio : 1.;
     const double tangential[2] = {-step.force[0] - damping * motion.velocity[0],
                                   -step.force[1] - damping * motion.velocity[1]};
+    if (__builtin_expect(counts, 0)) {
+      double power = 0.;
+      for (int k = 0; k < 2; k++) power -= (tangential[k] + step.force[k]) * motion.velocity[k];
+      instance_->ledger.add_viscous(share * power * update->dt, WALL, data.j, atom->nlocal);
+    }
     double force[3], moment[3];
     motion.in_space(tangential, force);
     vectorCross3D(data.en, force, moment);
