@@ -40,8 +40,7 @@ neigh_modify delay 0
 fix integr all nve/sphere
 compute ke all ke
 compute er all erotate/sphere
-{energy}
-thermo_style custom step c_ke c_er v_stored v_lost v_viscous
+{energy}thermo_style custom step c_ke c_er v_stored v_lost v_viscous
 thermo_modify norm no lost error format float %.17e
 thermo {every}
 """
@@ -123,8 +122,8 @@ def scene(
 ):
     """Input of side³ spheres in "liggghts" or "lammps" in three parts: spheres, pair style, and all else but `run`.
 
-    tables: files for pairs and for walls (None: the engine's own Hertz); words: settings behind them, as "shear slip". restitution:
-    below 1 contacts are damped, with tables only.
+    tables: files for pairs and for walls (None: the engine's own Hertz); words: settings behind them, as "shear slip".
+    restitution: below 1 contacts are damped, with tables only.
     """
 
     def terms(table, place=""):
@@ -149,9 +148,9 @@ def scene(
             f"fix {a}{i} all wall/gran granular {terms(wall)} {a}plane {f'NULL {p:.10g}' if p else '0 NULL'}\n"
             for a, i, p in sides
         ]
-    energy = "variable stored equal 0\nvariable lost equal 0\nvariable viscous equal 0"
-    if tables is not None:
-        energy = 'compute en all demlaws/energy\nvariable stored equal "c_en[1]"\nvariable lost equal "c_en[2]"\nvariable viscous equal "c_en[3]"'
+    energy = "" if tables is None else "compute en all demlaws/energy\n"
+    for n, name in enumerate(("stored", "lost", "viscous"), 1):
+        energy += f"variable {name} equal {0 if tables is None else f'c_en[{n}]'}\n"
     head = HEADS[engine] + (f"newton {newton}\n" if engine == "lammps" else "")
     ends = f"-0.001 {box + 0.001:.10g} " * 3 + "units box"
     start = START.format(head=head, ranks=ranks, ends=ends, places=_places(side))
