@@ -110,7 +110,7 @@ def move(bound, stretch, stiffness, du, dv, limit):
 def levels_loop(choice, rule, shape, p, overlap, along, across, ratio, friction, state, bound, stretch, results):
     """One contact along a path of overlaps and displacements [m] in two directions of its tangent plane.
 
-    choice: the normal stiffness to which K_t is proportional (`demlaws.core.shear`). friction: may be infinite. bound, stretch:
+    choice: the normal stiffness to which K_t is proportional (`demlaws.core.shear`). friction: at each point. bound, stretch:
     (levels,) and (2, levels), moved on as `state`. results: (6, points) for normal force, that stiffness, both shear forces,
     work and stored energy of shear.
     """
@@ -122,7 +122,7 @@ def levels_loop(choice, rule, shape, p, overlap, along, across, ratio, friction,
         touches = n > 0 and overlap[n] > 0.0
         du = along[n] - along[n - 1] if touches else 0.0
         dv = across[n] - across[n - 1] if touches else 0.0
-        limit = friction * force if force > 0.0 else 0.0
+        limit = friction[n] * force if force > 0.0 else 0.0
         first, second, step_work, stored = move(bound, stretch, ratio * top, du, dv, limit)
         work += step_work
         results[0, n], results[1, n] = force, top

@@ -125,7 +125,7 @@ def slip_loop(rule, shape, p, overlap, along, across, ratio, friction, largest, 
         du = along[n] - along[n - 1] if n > 0 else 0.0
         dv = across[n] - across[n - 1] if n > 0 else 0.0
         first, second, step_work, stored = slip_step(
-            top, previous, share, force, ratio, friction, du, dv, compression, spring_force, stretch
+            top, previous, share, force, ratio, friction[n], du, dv, compression, spring_force, stretch
         )
         previous = top
         work += step_work

@@ -299,7 +299,7 @@ def slip_along(law, overlaps, displacements, friction, springs):
     largest = float(np.max(law.shear_stiffness(overlaps, 1.0, "elastic")))
     still = np.zeros(len(overlaps))
     state = law.new_state(1).arrays
-    path = overlaps, displacements, still, GRANITE_RATIO, friction, largest
+    path = overlaps, displacements, still, GRANITE_RATIO, np.full(len(overlaps), friction), largest
     slip_loop(law.rule_tag, law.shape, law.params, *path, state, *rows, results)
     return results[2]
 
