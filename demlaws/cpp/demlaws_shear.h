@@ -54,10 +54,12 @@ struct Motion {
       second[k] = cosine2 * b[k] - sine2 * a[k];
     }
     // v - arms x h, of which h is made a unit vector, from the plane of h to that of n.
-    const double along = parting(n, v, change), lever = dot(arms, n), unit = 1. - 0.125 * dot(change, change),
-                 turn[2] = {0.5 * dot(change, first), 0.5 * dot(change, second)};
-    velocity[0] = dot(v, first) + along * turn[0] - unit * (dot(arms, second) + lever * turn[1]);
-    velocity[1] = dot(v, second) + along * turn[1] + unit * (dot(arms, first) + lever * turn[0]);
+    const double half_along = 0.5 * parting(n, v, change), unit = 1. - 0.125 * dot(change, change),
+                 apart[3] = {v[0] + half_along * change[0] - unit * (arms[1] * h[2] - arms[2] * h[1]),
+                             v[1] + half_along * change[1] - unit * (arms[2] * h[0] - arms[0] * h[2]),
+                             v[2] + half_along * change[2] - unit * (arms[0] * h[1] - arms[1] * h[0])};
+    velocity[0] = dot(apart, first);
+    velocity[1] = dot(apart, second);
     // The displacement belongs to the half step: it turns by half of that angle, else springs gain or lose energy.
     displacement[0] = dt * (cosine * velocity[0] - sine * velocity[1]);
     displacement[1] = dt * (cosine * velocity[1] + sine * velocity[0]);
