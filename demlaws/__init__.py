@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from demlaws.laws.registry import register as register
     from demlaws.make import law as law
     from demlaws.regime import RegimeFunctions as _RegimeFunctions
+    from demlaws.shear import PressureFriction as PressureFriction
     from demlaws.timestep import TimestepFunctions as _TimestepFunctions
     from demlaws.user_laws.check import check_law as check_law
     from demlaws.user_laws.define import define as define
@@ -52,6 +53,7 @@ _HOMES = {
     "Numbers": "demlaws.laws.definition",
     "Option": "demlaws.laws.definition",
     "Parameter": "demlaws.laws.definition",
+    "PressureFriction": "demlaws.shear",
     "Scene": "demlaws.advice.scene",
     "Surface": "demlaws.contact",
     "Table": "demlaws.law",

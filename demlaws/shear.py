@@ -1,17 +1,69 @@
 """One contact under normal and tangential displacement: shear without slip before sliding, and partial slip."""
 
 import math
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.core.levels import levels_loop
-from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, LARGEST_SHEAR_RATIO, MOST_LEVELS, SLIP
+from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, LARGEST_SHEAR_RATIO, MOST_LEVELS, SLIP, pressure_loop
 from demlaws.core.slip import SAMPLES, ladder_of, slip_loop
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, warn
 from demlaws.law import Law, as_law
 from demlaws.units import as_float, number, unmasked, whole
+
+
+@dataclass(frozen=True)
+class PressureFriction:
+    """Friction that falls with the mean pressure of the contact: μ = μ0 + c1/(1 + c2 p), p = P/(π a²).
+
+    Parameters
+    ----------
+    mu0 : float
+        Coefficient of friction at high pressure.
+    c1 : float
+        What it is larger by at rest: μ0 + c1 at zero pressure.
+    c2 : float or str
+        Inverse of the pressure at which half of c1 is left [1/Pa].
+
+    Raises
+    ------
+    DemlawsError
+        If a value is negative or not finite.
+
+    Notes
+    -----
+    Suhr & Six 2016 (Powder Technol. 294, 211), as in YADE's Law2_ScGeom_MindlinPhysCDM_HertzMindlinCDM: μ0, c1 and c2 describe
+    friction over the pressures of the tests to which they were fitted; outside it is an extrapolation, and a warning is issued
+    above the hardness. a is the contact radius of the law on first loading; on unloading a = K/(2 E*), with the stiffness K of
+    unloading: that of the rule's curve. [our derivation] No step creates energy: a limit that falls below the shear force lets
+    the contact slide, a limit that rises does nothing.
+
+    Examples
+    --------
+    >>> friction = dl.PressureFriction(mu0=0.3, c1=0.4, c2=1e-9)
+    >>> friction.coefficient([0.0, 1e9, 1e12]).round(4)
+    array([0.7   , 0.5   , 0.3004])
+    """
+
+    mu0: float
+    c1: float
+    c2: float
+
+    def __post_init__(self):
+        for name in ("mu0", "c1", "c2"):
+            value = number(getattr(self, name), name, "1/Pa" if name == "c2" else "", allow_low=True)
+            object.__setattr__(self, name, value)
+
+    def coefficient(self, pressure: ArrayLike) -> np.ndarray:
+        """μ at a mean pressure [Pa]."""
+        return self.mu0 + self.c1 / (1.0 + self.c2 * np.asarray(pressure, float))
+
+    def combined(self, other: "PressureFriction") -> "PressureFriction":
+        """Friction of two materials: the smaller of each parameter, as YADE's Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM."""
+        return PressureFriction(*(min(getattr(self, name), getattr(other, name)) for name in ("mu0", "c1", "c2")))
 
 
 class Sheared(NamedTuple):
@@ -42,7 +94,7 @@ def sheared(
     ratio: float,
     shear: str = DEFAULT,
     *,
-    friction: float | None = None,
+    friction: float | PressureFriction | None = None,
     springs: int = 32,
     levels: int | None = None,
 ) -> Sheared:
@@ -61,8 +113,8 @@ def sheared(
     shear : str
         "elastic" (default): no slip before sliding, K_t = ratio times the tangent stiffness of unloading.
         "loading": the same with the tangent of first loading at the present force. "slip": partial slip.
-    friction : float, optional
-        Coefficient of friction μ. Default: the contact never slides; required by "slip".
+    friction : float or PressureFriction, optional
+        Coefficient of friction μ, or one that depends on the pressure. Default: the contact never slides; required by "slip".
     springs : int
         Number of springs of "slip" for the stiffest point of the path: with 32 the force is within 0.24 % of μP, with 8 within
         2.7 % (elastic Yip–Venart 0.9 and 3.7 %).
@@ -115,11 +167,11 @@ def sheared(
         raise DemlawsError("partial slip has springs, not levels: give springs=, or another shear= than 'slip'")
     if shear == SLIP and friction is None:
         raise DemlawsError("partial slip needs the coefficient of friction: give friction=")
-    limit = math.inf if friction is None else number(friction, "friction", allow_low=True)
     state = law.new_state(1)
     first, second = np.ascontiguousarray(plane.T)
     results = np.empty((6, depth.size))
     law.shear_stiffness(depth, 1.0, DEFAULT if shear == SLIP else shear)  # checks law and range
+    limit = _friction_along(law, depth, friction)
     if shear == SLIP:
         ladder = ladder_of(whole(springs, "springs", high=100_000))
         rows = np.zeros((9, ladder.size)), np.empty((2, SAMPLES))
@@ -132,3 +184,16 @@ def sheared(
     force, stiffness, *forces, work, stored = results
     shear_force = forces[0] if along.ndim == 1 else np.stack(forces, -1)
     return Sheared(depth, along, force, ratio * stiffness, shear_force, work, stored)
+
+
+def _friction_along(law, overlap, friction):
+    """Coefficient of friction at each point of a path of overlaps [m]."""
+    if not isinstance(friction, PressureFriction):
+        return np.full(overlap.size, math.inf if friction is None else number(friction, "friction", allow_low=True))
+    contact, pressure = law.contact, np.empty(overlap.size)
+    known = law.rule_tag, law.shape, law.params, contact.radius, contact.modulus, law.unloading == "elastic"
+    pressure_loop(*known, overlap, law.new_state(1).arrays, pressure)
+    highest, hardness = float(pressure.max()), contact.hardness
+    if hardness is not None and highest > hardness:
+        warn(f"mean pressure {highest:.4g} Pa is above the hardness {hardness:.4g} Pa: the friction law is not known there")
+    return friction.coefficient(pressure)

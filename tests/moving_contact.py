@@ -6,16 +6,17 @@ wanted: x += v dt. Normal force and K_t come from a law of demlaws; the rest is 
 
 Of the contact with normal n (towards the second body), overlap δ and lever arms r1, r2 the displacement of a step is
 
-    Δs = dt v_t + (dt/2) (r1 ω1 + r2 ω2) × (n - n_before)
+    Δs = dt [v2 - v1 - (r1 ω1 + r2 ω2) × h + v_h (n - n_before)/2]    in the plane of n
 
-with v the velocity of the second surface against the first one with today's n, both parts in the plane of n. The second term
-takes the lever to the half step, where ω is. [our derivation] A flat body has no r1; its velocity at the contact has the lever
-c - x1, which the half step shifts by (c - x1)' dt/2 with c' = v2 - r2 n'.
+with h, the unit vector along n - (n - n_before)/2, and the levers r of the half step, where v and ω are; v_h is the part of
+v2 - v1 along h. The last term takes the velocity from the plane of h to that of n. [our derivation] A flat body has no r1;
+its velocity at the contact has the lever c - x1, which the half step shifts by (c - x1)' dt/2 with c' = v2 - r2 n' - r2' n.
 """
 
 from typing import NamedTuple
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 
 class Motion(NamedTuple):
@@ -31,17 +32,13 @@ class Way(NamedTuple):
     """Conventions in which engines differ without being wrong."""
 
     lever: str = "contact"  # arms to the contact point (r - δ/2), or "radius": r, and v2 - v1 times (r1 + r2)/(r1 + r2 - δ)
-    stretched: bool = True  # False: v2 - v1 as it is with "radius", too
-    term_lever: str = "contact"  # the same of the half-step term
     wall_share: float = 0.5  # place of the contact point with a flat: r2 - share δ from the sphere's centre
     first_share: float | None = None  # the same for the velocity of the flat itself; None: wall_share
-    turn: str = "plane"  # of springs: projected with their length kept and turned about n; "cross": a - a × axis, twice;
-    # "frame": components along a unit vector turned by "cross" and across it; "rotation": from normal to normal, then about n
-    spin_about: str = "before"  # the normal about which bodies spin, or "now"
+    turn: str = "rotation"  # of springs: from normal to normal, then about n; "frame": components along a unit vector turned
+    # by a - a × axis, twice, and across it
     first: bool = False  # the normal before the first contact is known
     by_speed: bool = False  # n - n_before of two spheres from the velocity of their centres over the distance of now
-    half_turn: bool = False  # the displacement of a step turns about n by half of the angle of the springs
-    half_step: bool = True  # False: as engines have it, without the term
+    half_step: bool = True  # False: all of the full step, as engines have it
 
 
 class Forces(NamedTuple):
@@ -160,32 +157,20 @@ class Levels:
 class _Turn:
     """Turns tangential vectors with the contact from one step to the next."""
 
-    def __init__(self, way, timestep):
-        self.way, self.timestep, self.before, self.first = way, timestep, None, None
+    def __init__(self, way):
+        self.way, self.before, self.first = way, None, None
 
-    def to(self, now, spins):
-        """Function that turns a vector from the plane of the last normal into that of `now`."""
+    def to(self, now, angle):
+        """Function that turns a vector from the plane of the last normal into that of `now`, and about it by an angle."""
         before = now if self.before is None else self.before
-        spun = now if self.way.spin_about == "now" else before
-        axis, angle = np.cross(before, now), 0.5 * self.timestep * spun @ (spins[0] + spins[1])
         self.before = now
 
         def crossed(a):
-            a = a - np.cross(a, axis)
-            return a - np.cross(a, angle * before)
-
-        def projected(a):
-            flat = a - (a @ now) * now
-            old, new = np.linalg.norm(a), np.linalg.norm(flat)
-            return rotation(angle * now) @ (flat * (old / new) if new > 0.0 else flat)
-
-        def rotated(a):
-            return rotation(angle * now) @ (a - (a @ now) * (before + now) / (1.0 + before @ now))
+            a = a - np.cross(a, np.cross(before, now))
+            return a - np.cross(a, angle * now)
 
         if self.way.turn == "rotation":
-            return rotated
-        if self.way.turn != "frame":
-            return crossed if self.way.turn == "cross" else projected
+            return lambda a: rotation(angle * now) @ (a - (a @ now) * (before + now) / (1.0 + before @ now))
         if self.first is None:  # across the axis that is least along the normal
             self.first = np.cross(now, np.eye(3)[np.argmin(np.abs(now))])
             self.first /= np.linalg.norm(self.first)
@@ -197,32 +182,43 @@ class _Turn:
         return lambda a: new.T @ (old @ a)
 
 
-def _displacement(way, first, radius, motion, step, places, point, normal, before, overlap):
+def _change(way, first, motion, step, places, normal, before):
+    """n - n_before in the plane of the normal."""
+    if before is None or not way.half_step:
+        return np.zeros(3)
+    if way.by_speed and not first.flat:
+        return motion.timestep * _across(motion.velocity[step, 1] - motion.velocity[step, 0], normal) / _distance(places)
+    return _across(-before, normal)
+
+
+def _across(vector, normal):
+    return vector - (vector @ normal) * normal
+
+
+def _distance(places):
+    return np.linalg.norm(places[1] - places[0])
+
+
+def _displacement(way, first, radius, motion, step, places, normal, change, overlap):
     """Δs of a step, in the plane of the normal."""
     (v1, v2), (w1, w2), dt = motion.velocity[step], motion.spin[step], motion.timestep
-    arm1, arm2 = point - places[0], point - places[1]
-    foot = radius - overlap * (way.wall_share if way.first_share is None else way.first_share)
+    lag, apart = 0.5 * dt * way.half_step, v2 - v1
+    middle = (1.0 - 0.125 * change @ change) * (normal - 0.5 * change)
     if first.flat:
-        arm1 = places[1] - foot * normal - places[0]
-    if way.lever == "radius":
-        share = (first.radius + radius) / (first.radius + radius - overlap) if way.stretched else 1.0
-        relative = share * (v2 - v1) - np.cross(first.radius * w1 + radius * w2, normal)
+        foot_share = way.wall_share if way.first_share is None else way.first_share
+        foot = radius - foot_share * overlap
+        place = places[1] - places[0] - foot * normal  # of the contact, from the flat's position
+        along = (apart - np.cross(w1, place)) @ (normal - 0.5 * change)
+        arm = radius - way.wall_share * (overlap + lag * along)
+        place = place - lag * apart + 0.5 * foot * change + lag * foot_share * along * normal
+        apart = apart - np.cross(w1, place)
+        relative = apart - np.cross(arm * w2, middle)
     else:
-        relative = v2 + np.cross(w2, arm2) - v1 - np.cross(w1, arm1)
-    result = dt * relative
-    if way.half_step and before is not None:
-        change = np.cross(np.cross(before, normal), normal)  # of n, in its plane
-        if way.by_speed and not first.flat:
-            change = dt * (v2 - v1 - ((v2 - v1) @ normal) * normal) / np.linalg.norm(places[1] - places[0])
-        r2 = radius if way.term_lever == "radius" else np.linalg.norm(arm2)
-        r1 = first.radius if way.term_lever == "radius" else np.linalg.norm(arm1)
-        if first.flat:
-            behind = r2 if way.first_share is None else foot
-            shift = 0.5 * dt * (np.cross(w1, dt * (v2 - v1) - behind * change) + r2 * np.cross(w2, change))
-        else:
-            shift = 0.5 * dt * np.cross(r1 * w1 + r2 * w2, change)
-        result = result + shift
-    return result - (result @ normal) * normal
+        total, then = first.radius + radius, overlap + lag * apart @ (normal - 0.5 * change)
+        if way.lever == "radius":
+            apart, then = total / (total - then) * apart, 0.0
+        relative = apart - np.cross((first.radius - 0.5 * then) * w1 + (radius - 0.5 * then) * w2, middle)
+    return dt * (_across(relative, normal) + 0.5 * apart @ (normal - 0.5 * change) * change)
 
 
 def follow(first, radius, motion, law, *, ratio, friction, way=None, levels=3, springs=None, damping=None, shear="elastic"):
@@ -244,19 +240,21 @@ def follow(first, radius, motion, law, *, ratio, friction, way=None, levels=3, s
         at[step] = places
     normal_force, stiffness = law.follow(overlap).force, law.shear_stiffness(overlap, ratio, shear)
     force, torque = np.zeros((steps, 2, 3)), np.zeros((steps, 2, 3))
-    model, turn = springs or Levels(levels), _Turn(way, dt)
+    model, turn = springs or Levels(levels), _Turn(way)
     for step in range(steps):
         normal, point = geometry[step]
         if overlap[step] <= 0.0:
             model.touch(0.0)
-            turn = _Turn(way, dt)
+            turn = _Turn(way)
             turn.before = normal if way.first else None
             continue
         model.touch(stiffness[step])
-        moved = _displacement(way, first, radius, motion, step, at[step], point, normal, turn.before, overlap[step])
-        if way.half_turn:
-            moved = rotation(0.25 * dt * normal @ motion.spin[step].sum(axis=0) * normal) @ moved
-        sideways = -model.displace(turn.to(normal, motion.spin[step]), moved)
+        change = _change(way, first, motion, step, at[step], normal, turn.before)
+        moved = _displacement(way, first, radius, motion, step, at[step], normal, change, overlap[step])
+        angle = 0.5 * dt * (normal - 0.5 * change) @ motion.spin[step].sum(axis=0)
+        if way.half_step:
+            moved = rotation(0.5 * angle * normal) @ moved
+        sideways = -model.displace(turn.to(normal, angle), moved)
         along, viscous = normal_force[step], np.zeros(3)
         if damping is not None:
             mass, along_beta, sideways_beta = damping
@@ -278,6 +276,29 @@ def _approach(motion, step, places, point, normal):
     """Velocity [m/s] at which the surfaces part."""
     (v1, v2), (w1, w2) = motion.velocity[step], motion.spin[step]
     return (v2 + np.cross(w2, point - places[1]) - v1 - np.cross(w1, point - places[0])) @ normal
+
+
+def carried(place, spins, radii, time, lever="contact"):
+    """The displacement [m] that a contact of two spheres keeps after a time, by integration: turned with it, without slip.
+
+    place: time → second centre minus first one; spins: time → those of both; lever: as in `Way`.
+    ds/dt = v - (r1 ω1 + r2 ω2) × n in the plane of n, and s turns with n and by the mean spin about it.
+    """
+
+    def rate(now, stretch):
+        h = 1e-4
+        far = [place(now + k * h) for k in (-2, -1, 1, 2)]
+        velocity = (far[0] - 8 * far[1] + 8 * far[2] - far[3]) / (12 * h)
+        apart, (first, second) = place(now), spins(now)
+        distance = np.linalg.norm(apart)
+        normal = apart / distance
+        stretched = sum(radii) / distance if lever == "radius" else 1.0
+        arms = (radii if lever == "radius" else radii - 0.5 * (sum(radii) - distance)) @ [first, second]
+        surface = stretched * velocity - np.cross(arms, normal)
+        turn = np.cross(normal, velocity) / distance + 0.5 * (first + second) @ normal * normal
+        return surface - surface @ normal * normal + np.cross(turn, stretch)
+
+    return solve_ivp(rate, (0.0, time), np.zeros(3), method="DOP853", rtol=1e-11, atol=1e-11).y[:, -1]
 
 
 # --- a path

@@ -205,3 +205,56 @@ def test_bad_input(call):
 def test_the_number_of_levels_is_1_to_8(levels):
     with pytest.raises(dl.DemlawsError, match=r"levels = .* from 1 to 8"):
         dl.driver.sheared(dl.law("hertz", dl.Contact(4e-3, 32e9)), [1e-6], [1e-7], 0.8, levels=levels)
+
+
+# --- friction that depends on the pressure
+
+PRESSURE_FRICTION = dl.PressureFriction(mu0=0.2, c1=0.5, c2=1e-9)
+
+
+@pytest.mark.parametrize(("name", "rule"), [("hertz", "elastic"), ("pohrt-popov", "hertz"), ("conical-damage", "thornton")])
+def test_the_limit_is_that_of_the_pressure(name, rule):
+    """Slide at once on first loading and on unloading, with the radius of Hertz, of the smooth contact, of the blunted tip."""
+    law = make(name, rule)
+    overlap = quiet(law.overlap, 2000.0) * np.array([0.2, 0.6, 1.0, 0.99, 0.98])
+    path = quiet(sheared, law, overlap, np.arange(5.0) * overlap.max(), RATIO, friction=PRESSURE_FRICTION)
+    contact = law.contact
+    equivalent = (0.75 * path.force / contact.modulus / contact.radius**0.5) ** (2 / 3)
+    square = contact.radius * equivalent
+    if name == "conical-damage":
+        strength, h = law.options["strength"], (0.5 * np.pi * law.options["strength"] / contact.modulus) ** 2
+        blunted = np.maximum.accumulate(path.force) * 0.75 / (contact.modulus * h**1.5)  # R² on first loading
+        assert path.force[1] > contact.modulus * contact.radius**2 * h**1.5 / 0.75 and strength > 0
+        radius = np.maximum(np.sqrt(blunted), contact.radius)
+        square = radius * (0.75 * path.force / contact.modulus / radius**0.5) ** (2 / 3)
+    limit = PRESSURE_FRICTION.coefficient(path.force / (np.pi * square)) * path.force
+    assert np.ptp(limit[1:] / path.force[1:]) > 0.005
+    np.testing.assert_allclose(np.abs(path.shear_force[1:]), limit[1:], rtol=1e-9)
+
+
+@pytest.mark.parametrize("shear", ["elastic", "loading", "slip"])
+@each_law_and_rule
+def test_friction_by_pressure_creates_no_energy(name, unloading, shear):
+    """Random paths whose overlap and displacement change together; the same with c1 = 0 as with a number."""
+    law = make(name, unloading)
+    scale, random = quiet(law.overlap, LOAD), np.random.default_rng(7)
+    for _ in range(20):
+        overlap = scale * np.clip(1.0 + 0.4 * random.standard_normal(150).cumsum(), -0.1, 3.0)
+        across = 0.3 * scale * random.standard_normal((150, 2)).cumsum(0)
+        result = quiet(sheared, law, overlap, across, RATIO, shear, friction=PRESSURE_FRICTION, springs=8)
+        assert np.diff(result.dissipated).min() >= -1e-12 * np.abs(result.work).max()
+        assert np.all(np.hypot(*result.shear_force.T) <= 0.7 * np.maximum(result.force, 0.0) * (1 + 1e-9))
+    one = quiet(sheared, law, overlap, across, RATIO, shear, friction=dl.PressureFriction(0.4, 0.0, 1e-9), springs=8)
+    other = quiet(sheared, law, overlap, across, RATIO, shear, friction=0.4, springs=8)
+    np.testing.assert_array_equal(one.shear_force, other.shear_force)
+
+
+def test_friction_of_two_materials_and_values_that_are_refused():
+    assert PRESSURE_FRICTION.combined(dl.PressureFriction(0.3, 0.1, 0.0)) == dl.PressureFriction(0.2, 0.1, 0.0)
+    for values in ((-0.1, 0.1, 0.0), (0.1, float("nan"), 0.0), (0.1, 0.1, -1e-9), ("much", 0.1, 0.0)):
+        with pytest.raises(dl.DemlawsError):
+            dl.PressureFriction(*values)
+    law = make("hertz")
+    hard = dl.law("hertz", law.contact.with_values(hardness=1e9))
+    with pytest.warns(dl.ValidityWarning, match="above the hardness"):
+        sheared(hard, [0.0, float(quiet(law.overlap, 3000.0))], [0.0, 0.0], RATIO, friction=PRESSURE_FRICTION)

@@ -77,24 +77,32 @@ def shortened(u, v, limit):
 
 
 @kernel
-def slide(bound, stretch, du, dv, limit):
-    """Displace the contact by (du, dv) [m] under Coulomb's limit [N]: both shear forces [N], work and stored energy [J].
+def move(bound, stretch, stiffness, du, dv, limit):
+    """One step, by K_t now, a displacement (du, dv) [m] and Coulomb's limit [N]: both shear forces [N], work and stored energy
+    [J].
 
-    The work is the mean of the forces before and after the displacement times the displacement. With the force before it at
-    most the limit, which may have fallen, no step dissipates less than nothing.
+    The work is the mean of the forces before and after the step times the displacement. So that no step loses less than
+    nothing, springs of the stiffness k that open carry ¼ k (du² + dv²) more, and where a step turns the force round the one
+    before is at most the limit, which may have fallen. [our derivation]
     """
     first, second, _ = levels_force(bound, stretch)
-    before_u, before_v, _ = shortened(first, second, limit)
+    opened = max(bound[bound.size - 1] - stiffness, 0.0)
+    work = 0.5 * (first * du + second * dv) + 0.25 * opened * (du * du + dv * dv)
+    set_stiffness(bound, stretch, stiffness)
+    held_u, held_v, _ = levels_force(bound, stretch)
     for i in range(bound.size):
         stretch[0, i] += du
         stretch[1, i] += dv
     first, second, stored = levels_force(bound, stretch)
+    turned = held_u * first + held_v * second < 0.0
     first, second, share = shortened(first, second, limit)
+    if turned:
+        work -= 0.5 * (1.0 - shortened(held_u, held_v, limit)[2]) * (held_u * du + held_v * dv)
     if share < 1.0:
         for i in range(bound.size):
             stretch[0, i] *= share
             stretch[1, i] *= share
-    work = 0.5 * ((before_u + first) * du + (before_v + second) * dv)
+    work += 0.5 * (first * du + second * dv)
     return first, second, work, stored * share * share
 
 
@@ -102,7 +110,7 @@ def slide(bound, stretch, du, dv, limit):
 def levels_loop(choice, rule, shape, p, overlap, along, across, ratio, friction, state, bound, stretch, results):
     """One contact along a path of overlaps and displacements [m] in two directions of its tangent plane.
 
-    choice: the normal stiffness to which K_t is proportional (`demlaws.core.shear`). friction: may be infinite. bound, stretch:
+    choice: the normal stiffness to which K_t is proportional (`demlaws.core.shear`). friction: at each point. bound, stretch:
     (levels,) and (2, levels), moved on as `state`. results: (6, points) for normal force, that stiffness, both shear forces,
     work and stored energy of shear.
     """
@@ -111,11 +119,11 @@ def levels_loop(choice, rule, shape, p, overlap, along, across, ratio, friction,
         force, tangent, new = step(rule, shape, p, overlap[n], gather(state, 0))
         scatter(state, 0, new)
         top = shear_stiffness(choice, rule, shape, p, overlap[n], force, tangent, new) if overlap[n] > 0.0 else 0.0
-        set_stiffness(bound, stretch, ratio * top)
-        du = along[n] - along[n - 1] if n > 0 else 0.0
-        dv = across[n] - across[n - 1] if n > 0 else 0.0
-        limit = friction * force if force > 0.0 else 0.0
-        first, second, step_work, stored = slide(bound, stretch, du, dv, limit)
+        touches = n > 0 and overlap[n] > 0.0
+        du = along[n] - along[n - 1] if touches else 0.0
+        dv = across[n] - across[n - 1] if touches else 0.0
+        limit = friction[n] * force if force > 0.0 else 0.0
+        first, second, step_work, stored = move(bound, stretch, ratio * top, du, dv, limit)
         work += step_work
         results[0, n], results[1, n] = force, top
         results[2, n], results[3, n] = first, second

@@ -4,6 +4,7 @@ Which one is a choice, a tag type as an unloading rule is. Any law and any rule 
 cheaper than the general one binds it.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -156,3 +157,25 @@ def shear_loop(choice, rule, shape, p, overlap, state):
         scatter(state, 0, new)
         shear[i] = shear_stiffness(choice, rule, shape, p, overlap[i], force, stiffness, new)
     return shear
+
+
+@loop
+def pressure_loop(rule, shape, p, radius, modulus, elastic, overlap, state, pressure):
+    """Mean pressure P/(π a²) [Pa] along a path of one contact: `pressure` is written, `state` is moved on as in `follow_loop`.
+
+    a² is that of first loading, which `elastic` says is the way back, too; else 2 E* a is the stiffness of unloading.
+    """
+    highest = 0.0
+    for n in range(overlap.size):
+        force, tangent, new = step(rule, shape, p, overlap[n], gather(state, 0))
+        scatter(state, 0, new)
+        pressure[n] = 0.0
+        if not (overlap[n] > 0.0 and force > 0.0):
+            continue
+        if elastic or overlap[n] >= highest:
+            square = radius * first_loading(shape, p, overlap[n])[3]
+        else:
+            a = 0.5 * unloading_stiffness(rule, shape, p, overlap[n], force, tangent, new) / modulus
+            square = a * a
+        highest = max(highest, overlap[n])
+        pressure[n] = force / (math.pi * square) if square > 0.0 else 0.0

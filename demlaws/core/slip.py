@@ -376,7 +376,7 @@ def slip_loop(rule, shape, p, overlap, along, across, ratio, friction, ladder, s
             du = along[n] - along[n - 1] if n > 0 else 0.0
             dv = across[n] - across[n - 1] if n > 0 else 0.0
             compressions(hertzian, depth, bound, rest, limit)
-            first, second, step_work, stored, _, _ = slip(friction * force, ratio, du, dv, bound, stretch, limit)
+            first, second, step_work, stored, _, _ = slip(friction[n] * force, ratio, du, dv, bound, stretch, limit)
             work += step_work
         else:
             row[:] = 0.0

@@ -21,8 +21,9 @@ namespace demlaws {
 // How the surfaces of a contact move in one step of an engine that has positions at the full step, velocities and spins
 // at the half step (velocity Verlet, leapfrog): docs/shear.md, "The displacement of a step".
 //
-// The lever n of a velocity v - (r1 w1 + r2 w2) x n belongs to the half step, as w does: with n of now the velocity
-// lacks (r1 w1 + r2 w2) x (n - n_previous)/2. What a contact keeps in its tangent plane turns with the normal, and
+// The displacement belongs to the half step as velocities and spins do, and so do the normal and the levers with which
+// it is computed. With the normal h = n - (n - n_previous)/2 of the half step the surfaces part at v - (r1 w1 + r2 w2)
+// x h, of which the part in the plane of h counts. What a contact keeps in its tangent plane turns with the normal, and
 // about it by the mean spin of both bodies [our derivation]. So it keeps components along two unit vectors that turn:
 // the first one is among its numbers, the second one is n x first.
 struct Motion {
@@ -30,32 +31,42 @@ struct Motion {
   double velocity[2];         // of the surfaces at the half step, along both [m/s]
   double displacement[2];     // of the step, along both [m]
 
-  // slip: velocity of the surfaces in the tangent plane with n of now. change: n - n_previous in that plane. lever:
-  // (r1 w1 + r2 w2) n. spin: (w1 + w2) n. dt: 0 where nothing is to be kept. kept: the first vector, which is turned;
-  // zeros: of a new contact.
-  DEMLAWS_INLINE Motion(const double *n, const double *slip, const double *change, double lever, double spin, double dt,
-                        double *kept) {
-    // First n_previous to n: a - (a n) g with g = (n + n_previous)/(1 + n n_previous), here n - change/2.
-    double a[3];
-    const double along = dot(kept, n);
-    for (int k = 0; k < 3; k++) a[k] = kept[k] - along * (n[k] - 0.5 * change[k]);
+  // n: of now. v: velocity of the first body's centre against the second one. change: n - n_previous in the plane of n.
+  // arms: r1 w1 + r2 w2 with the levers of the half step. spin: w1 + w2. dt: 0 where nothing is to be kept. kept: the
+  // first vector, which is turned; zeros: of a new contact.
+  DEMLAWS_INLINE Motion(const double *n, const double *v, const double *change, const double *arms, const double *spin,
+                        double dt, double *kept) {
+    double a[3], h[3];
+    for (int k = 0; k < 3; k++) h[k] = n[k] - 0.5 * change[k];
+    // First n_previous to n: a - (a n) g with g = (n + n_previous)/(1 + n n_previous), here h.
+    const double normal = dot(kept, n);
+    for (int k = 0; k < 3; k++) a[k] = kept[k] - normal * h[k];
     const double square = dot(a, a);
     if (__builtin_expect(!(std::fabs(square - 1.) < 1e-5), 0)) make_unit(n, square, a);
     else
       for (int k = 0; k < 3; k++) a[k] *= 1.5 - 0.5 * square;
     // Then by the angle about n, twice `half`.
-    const double half = 0.25 * dt * spin, sine = half - half * half * half * (1. / 6.), cosine = 1. - 0.5 * half * half,
-                 sine2 = 2. * sine * cosine, cosine2 = 1. - 2. * sine * sine;
+    const double half = 0.25 * dt * dot(spin, h), sine = half - half * half * half * (1. / 6.),
+                 cosine = 1. - 0.5 * half * half, sine2 = 2. * sine * cosine, cosine2 = 1. - 2. * sine * sine;
     const double b[3] = {n[1] * a[2] - n[2] * a[1], n[2] * a[0] - n[0] * a[2], n[0] * a[1] - n[1] * a[0]};
     for (int k = 0; k < 3; k++) {
       kept[k] = first[k] = cosine2 * a[k] + sine2 * b[k];
       second[k] = cosine2 * b[k] - sine2 * a[k];
     }
-    velocity[0] = dot(slip, first) - 0.5 * lever * dot(change, second);
-    velocity[1] = dot(slip, second) + 0.5 * lever * dot(change, first);
+    // v - arms x h, of which h is made a unit vector, from the plane of h to that of n.
+    const double half_along = 0.5 * parting(n, v, change), unit = 1. - 0.125 * dot(change, change),
+                 apart[3] = {v[0] + half_along * change[0] - unit * (arms[1] * h[2] - arms[2] * h[1]),
+                             v[1] + half_along * change[1] - unit * (arms[2] * h[0] - arms[0] * h[2]),
+                             v[2] + half_along * change[2] - unit * (arms[0] * h[1] - arms[1] * h[0])};
+    velocity[0] = dot(apart, first);
+    velocity[1] = dot(apart, second);
     // The displacement belongs to the half step: it turns by half of that angle, else springs gain or lose energy.
     displacement[0] = dt * (cosine * velocity[0] - sine * velocity[1]);
     displacement[1] = dt * (cosine * velocity[1] + sine * velocity[0]);
+  }
+  // The part of v along the normal of the half step: with that of now an orbit would seem to widen.
+  DEMLAWS_INLINE static double parting(const double *n, const double *v, const double *change) {
+    return dot(v, n) - 0.5 * dot(v, change);
   }
   // n - n_previous of two spheres at a distance r, from the velocity v of their centres, whose part along n is `along`;
   // inverse: 1/r.
@@ -143,30 +154,32 @@ public:
     return 0.5 * sum;
   }
 
-  // One step: K_t, Coulomb's limit mu P [N] and the motion of the step, all of now. Energies that the caller does not
-  // read are not computed.
+  // One step: K_t, Coulomb's limit mu P [N] and the motion of the step, all of now. The work is the mean of the forces
+  // before and after the step times the displacement d. So that no step loses less than nothing, springs of the
+  // stiffness k that open carry 1/4 k d^2 more, and where a step turns the force round the one before is at most the
+  // limit, which may have fallen. Energies that the caller does not read are not computed.
   DEMLAWS_INLINE ShearStep step(double now, double limit, const Motion &motion) {
     const double *const d = motion.displacement;
-    double moved[M ? M : MOST_LEVELS][2], force[2] = {0., 0.};
+    double moved[M ? M : MOST_LEVELS][2], start[2] = {0., 0.}, held[2] = {0., 0.}, force[2] = {0., 0.};
     ShearStep step;
     step.before = energy();
-    for (int i = 0; i < count(); i++) add(stiffness(i), stretch(i), force);
-    step.work = 0.5 * dot(force, d);
-
+    for (int i = 0; i < count(); i++) add(stiffness(i), stretch(i), start);
+    step.work = 0.5 * dot(start, d) + 0.25 * std::max(bound_[count() - 1] - now, 0.) * dot(d, d);
     const double kept = press(now);
-    force[0] = force[1] = 0.;
     for (int i = 0; i < count(); i++) {
-      const double share = i == count() - 1 ? kept : 1.;
-      for (int k = 0; k < 2; k++) moved[i][k] = share * stretch(i)[k] + d[k];
+      const double share = i == count() - 1 ? kept : 1., left[2] = {share * stretch(i)[0], share * stretch(i)[1]};
+      add(stiffness(i), left, held);
+      for (int k = 0; k < 2; k++) moved[i][k] = left[k] + d[k];
       add(stiffness(i), moved[i], force);
     }
     const double square = dot(force, force);
+    const double scale = shortened(square, limit);
     step.stuck = square > limit * limit ? 0. : 1.;
-    const double scale = step.stuck > 0. ? 1. : limit / std::sqrt(square);
     for (int i = 0; i < count(); i++)
       for (int k = 0; k < 2; k++) stretch(i)[k] = scale * moved[i][k];
     for (int k = 0; k < 2; k++) step.force[k] = scale * force[k];
     step.work += 0.5 * dot(step.force, d);
+    if (dot(held, force) < 0.) step.work -= 0.5 * (1. - shortened(dot(held, held), limit)) * dot(held, d);
     step.energy = energy();
     return step;
   }
@@ -187,6 +200,10 @@ private:
   DEMLAWS_INLINE static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1]; }
   DEMLAWS_INLINE static void add(double factor, const double *a, double *sum) {
     for (int k = 0; k < 2; k++) sum[k] += factor * a[k];
+  }
+  // The share that is left of a force whose square is known where it is at most `limit`.
+  DEMLAWS_INLINE static double shortened(double square, double limit) {
+    return square > limit * limit ? limit / std::sqrt(square) : 1.;
   }
   // (k1 + k2) |s1 - s2|^2 of levels i and i + 1, neither of which is empty.
   DEMLAWS_INLINE double apart(int i) const {

@@ -25,13 +25,13 @@ struct Contact {
 };
 
 // One step of a contact. radius: R1 R2/(R1 + R2) [m], of a wall that of the sphere; mass: m1 m2/(m1 + m2) [kg]; normal:
-// unit vector from body 2 to body 1; velocity: of body 1 relative to body 2 at the contact [m/s]; lever: (r1 w1 + r2
-// w2) n [m/s] and spin: (w1 + w2) n [1/s] of distances r to the contact and spins w, velocities and spins being those
-// of the half step; step: [s]. Writes the force on body 1 [N]; returns the law's force and tangent stiffness, from
-// which a stable time step is computed.
+// unit vector from body 2 to body 1; velocity: of the centre of body 1 relative to body 2 [m/s]; arms: r1 w1 + r2 w2
+// [m/s] and spin: w1 + w2 [1/s] of spins w and distances r of centres to the contact, velocities, spins and distances
+// being those of the half step; step: [s]. Writes the force on body 1 [N]; returns the law's force and tangent
+// stiffness, from which a stable time step is computed.
 demlaws::Force step_contact(const Materials &materials, double radius, double mass, double overlap,
-                            const double *normal, const double *velocity, double lever, double spin, double step,
-                            Contact &contact, double *force) {
+                            const double *normal, const double *velocity, const double *arms, const double *spin,
+                            double step, Contact &contact, double *force) {
   const demlaws::Pair &pair = materials.pair;
   const demlaws::Force now = demlaws::step(pair, radius, overlap, contact.state);
   if (now.outside || now.force != now.force) throw std::runtime_error("overlap beyond the table, or not a number");
@@ -45,10 +45,9 @@ demlaws::Force step_contact(const Materials &materials, double radius, double ma
   }
   const double opening = normal[0] * velocity[0] + normal[1] * velocity[1] + normal[2] * velocity[2];
   const double pull = materials.damping * sqrt(now.stiffness * mass) * opening, press = now.force - pull;
-  double slip[3], change[3];
-  for (int k = 0; k < 3; k++) slip[k] = velocity[k] - opening * normal[k];
+  double change[3];
   demlaws::Motion::change_of_kept(normal, contact.normal, true, change);
-  const demlaws::Motion motion(normal, slip, change, lever, spin, step,
+  const demlaws::Motion motion(normal, velocity, change, arms, spin, step,
                                demlaws::unit_vector(contact.levels, demlaws::levels_size(materials.levels)));
   const double stiffness =
       materials.shear_ratio *
@@ -72,7 +71,7 @@ int main(int count, char **words) {
   }
   try {
     const demlaws::Table table(words[1]);
-    const double radius = atof(words[3]), normal[3] = {0., 0., 1.}, step = 1e-7, mass = 1e-3;
+    const double radius = atof(words[3]), normal[3] = {0., 0., 1.}, none[3] = {}, step = 1e-7, mass = 1e-3;
     const Materials materials = {demlaws::Pair::checked(table, atof(words[2]), atof(words[4])), atof(words[5]),
                                  atof(words[6]), count > 8 ? atof(words[8]) : 0.,
                                  count > 7 ? atoi(words[7]) : demlaws::LEVELS};
@@ -87,7 +86,7 @@ int main(int count, char **words) {
       const double velocity[3] = {(here[1] - before[1]) / step, (here[2] - before[2]) / step,
                                   (before[0] - here[0]) / step};
       const demlaws::Force now =
-          step_contact(materials, radius, mass, here[0], normal, velocity, 0., 0., step, contact, force);
+          step_contact(materials, radius, mass, here[0], normal, velocity, none, none, step, contact, force);
       std::copy(here, here + 3, before);
       printf("%.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", force[2], now.stiffness,
              contact.state.maximum_overlap, contact.state.plastic_overlap, contact.stored,

@@ -274,6 +274,11 @@ def slide(mode, row, share):
     """What else is reduced to a share where Coulomb's limit reduces the shear force."""
 
 
+@generic(lambda *_: lambda mode, contact: None)
+def before_native_step(mode, contact):
+    """What the native law's own step needs: its turn of vectors is another one."""
+
+
 @generic(lambda *_: lambda mode, contact, row: None)
 def after_native_step(mode, contact, row):
     """What else the native law's own step changes."""
@@ -296,6 +301,7 @@ def advance(mode, context, contact, row):
     geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
     if supports_options(context, contact, geom, phys, row):
         return own_step(mode, context, contact, geom, phys, row)
+    before_native_step(mode, contact)
     keep = native_go(context, contact)
     after_native_step(mode, contact, row)
     if geom.penetrationDepth > 0.0 and (phys.betan != 0.0 or phys.betas != 0.0 or exponent_of_damping(phys) != 0.0):

@@ -4,7 +4,7 @@
 from bound[i - 1] to bound[i], of which the springs have one stretch. Where K_t falls, the levels above it open and take their
 force and energy along; what K_t rises by is a level without stretch; of one level too many two neighbours become one. `Native`
 leaves the force as it is where K_t changes; `Slip` sets it: a row of springs. YADE's geometry of the contact has the
-displacement of the step, and turns vectors with the contact.
+displacement of the step and how the normal turns.
 """
 
 from typing import NamedTuple
@@ -14,7 +14,7 @@ from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import kernel
 from demlaws.core.shear import EMPTY
 from demlaws.yade import layout, objects
-from demlaws.yade.mindlin import advance, together_within_limit, turned, velocity_apart
+from demlaws.yade.mindlin import advance, times_cells, together_within_limit, turned, velocity_apart
 from demlaws.yade.records import assign, cross, dot, minus_scaled, pointee, scaled, vector, view
 
 
@@ -37,10 +37,11 @@ class Slip(NamedTuple):
 def synchronise(mode, context, contact, row):
     """Correct the displacement of the step, shearInc, which YADE has from spins ω of the half step and n of the full step.
 
-    Surfaces move by -(r1 ω1 + r2 ω2) × n. With n of the half step the displacement differs by dt/2 (r1 ω1 + r2 ω2) × (n -
-    n_before), in the plane dt/2 (r1 ω1 + r2 ω2)·n (n_before × n). Without this a small grain that spins about n is held between
-    much larger ones. The springs turn about n by dt/2 (ω1 + ω2)·n; the displacement, of the half step, by half of that angle,
-    else the turn adds or takes energy. [our derivation] `Native` is left out: it is Mindlin's law as YADE has it.
+    With h of the half step, along n - change/2, change = n - n_before, surfaces part at v2 - v1 - (r1 ω1 + r2 ω2) × h, of which
+    the part in the plane of h counts; the levers r are those of the half step, too. Without this a small grain that spins about
+    n is held between much larger ones. The springs turn about n by dt/2 (ω1 + ω2)·h, written to twist_axis; the displacement,
+    of the half step, by half of that angle, else the turn adds or takes energy. [our derivation] `Native` is left out: it is
+    Mindlin's law as YADE has it.
     """
 
 
@@ -49,10 +50,18 @@ def _to_half_step(mode, context, contact, row):
     geom, law = view(contact.geom, objects.ScGeom), view(contact.functor - context.functor_offset, objects.Functor)
     scene, interaction = view(law.scene, objects.Scene), view(contact.interaction, objects.Interaction)
     first, second = view(contact.first, objects.State), view(contact.second, objects.State)
-    shift = half_step_shift(scene, interaction, geom, row, first, second)
-    moved = minus_scaled(vector(geom.shearInc), -0.5 * scene.dt, shift)
     normal, spins = vector(geom.normal), minus_scaled(vector(first.angVel), -1.0, vector(second.angVel))
-    assign(geom.shearInc, turned_about(moved, normal, 0.25 * scene.dt * dot(spins, normal)))
+    change = cross(vector(geom.orthonormal_axis), normal)  # orthonormal_axis: n_before × n
+    middle = minus_scaled(normal, 0.5, change)
+    moved = vector(geom.shearInc)
+    if row.lever == layout.ROUND:
+        apart = velocity_apart(scene, interaction, vector(first.vel), vector(second.vel))
+        moved = between_spheres(scene.dt, geom, apart, vector(first.angVel), spins, change, middle)
+    elif row.lever == layout.FLAT:
+        moved = on_flat(scene, geom, interaction, first, second, change, middle)
+    angle = 0.5 * scene.dt * dot(spins, middle)
+    assign(geom.twist_axis, scaled(angle, normal))
+    assign(geom.shearInc, turned_about(moved, normal, 0.5 * angle))
 
 
 @kernel
@@ -63,18 +72,75 @@ def turned_about(a, normal, angle):
 
 
 @kernel
-def half_step_shift(scene, interaction, geom, row, first, second):
-    """2/dt times the change of the displacement by the lever of the half step [m/s]."""
-    normal, axis = vector(geom.normal), vector(geom.orthonormal_axis)  # n_before × n
-    spin1, spin2 = vector(first.angVel), vector(second.angVel)
-    if row.lever == layout.ROUND:
-        return scaled(geom.refR1 * dot(spin1, normal) + geom.refR2 * dot(spin2, normal), axis)
-    if row.lever == layout.NO_LEVER:
-        return 0.0, 0.0, 0.0
-    # a flat turns about its position, from which the contact goes away by dt (v2 - v1) less the turn of r2 n
-    moved = scaled(scene.dt, velocity_apart(scene, interaction, vector(first.vel), vector(second.vel)))
-    shift = minus_scaled(cross(spin1, moved), geom.refR2 * (dot(spin1, normal) - dot(spin2, normal)), axis)
-    return minus_scaled(shift, dot(shift, normal), normal)
+def across(normal, a):
+    """The part of a vector across a normal."""
+    return minus_scaled(a, dot(a, normal), normal)
+
+
+@kernel
+def to_plane_of_now(apart, arms, normal, change, middle):
+    """Velocity apart - arms × h [m/s] in the plane of h, brought to that of n."""
+    lever = cross(arms, scaled(1.0 - 0.125 * dot(change, change), middle))
+    return minus_scaled(across(normal, minus_scaled(apart, 1.0, lever)), -0.5 * dot(apart, middle), change)
+
+
+@kernel
+def between_spheres(dt, geom, apart, spin1, spins, change, middle):
+    """shearInc of the half step [m] of two bodies with radii. Levers are radii or, without avoidGranularRatcheting, radii less
+    half the overlap: the way that fits shearInc."""
+    normal, overlap, total = vector(geom.normal), geom.penetrationDepth, geom.refR1 + geom.refR2
+    arms = minus_scaled(scaled(geom.refR2, spins), geom.refR2 - geom.refR1, spin1)
+    before = overlap + 0.5 * dt * dot(apart, middle)  # overlap of the half step
+    half = minus_scaled(arms, 0.5 * overlap, spins)
+    known = across(normal, minus_scaled(apart, 1.0, cross(half, normal)))
+    other = across(normal, minus_scaled(scaled(overlap / (total - overlap), apart), 0.5 * overlap, cross(spins, normal)))
+    found = minus_scaled(scaled(1.0 / dt, vector(geom.shearInc)), 1.0, known)
+    if dot(found, other) > 0.5 * dot(other, other):
+        found = minus_scaled(found, 1.0, other)
+        now = to_plane_of_now(scaled(total / (total - before), apart), arms, normal, change, middle)
+    else:
+        now = to_plane_of_now(apart, minus_scaled(arms, 0.5 * before, spins), normal, change, middle)
+    return scaled(dt, minus_scaled(now, -1.0, found))
+
+
+@kernel
+def on_flat(scene, geom, interaction, first, second, change, middle):
+    """Displacement of the half step [m] on a flat first body, which turns about its position: with that lever, whatever
+    Ig2_Wall_Sphere_ScGeom.noRatch is."""
+    normal, half = vector(geom.normal), 0.5 * scene.dt
+    point = image = vector(geom.contactPoint)
+    if scene.isPeriodic != 0:
+        image = minus_scaled(point, 1.0, times_cells(view(scene.cell, objects.Cell).hSize, interaction.cellDist))
+    place, spin1, spin2 = minus_scaled(point, 1.0, vector(first.pos)), vector(first.angVel), vector(second.angVel)
+    arm = dot(minus_scaled(vector(second.pos), 1.0, image), normal)
+    share = (geom.refR2 - arm) / geom.penetrationDepth  # of the overlap, by which the lever is shorter than the radius
+    apart = velocity_apart(scene, interaction, vector(first.vel), vector(second.vel))
+    deeper = half * share * dot(minus_scaled(apart, 1.0, cross(spin1, place)), middle)
+    place = minus_scaled(minus_scaled(place, half, apart), -0.5 * arm, change)
+    place = minus_scaled(place, -deeper, normal)
+    apart = minus_scaled(apart, 1.0, cross(spin1, place))
+    return scaled(scene.dt, to_plane_of_now(apart, scaled(arm - deeper, spin2), normal, change, middle))
+
+
+@kernel
+def turn_of_step(geom):
+    """How a tangential vector turns with the contact in this step: n, (n + n_before)/(1 + n n_before), cosine and sine of the
+    turn about n."""
+    normal, axis = vector(geom.normal), vector(geom.orthonormal_axis)
+    cosine = sqrt(max(1.0 - dot(axis, axis), 0.0))
+    middle = minus_scaled(normal, -1.0 / (1.0 + cosine), cross(normal, axis))
+    half = 0.5 * dot(vector(geom.twist_axis), normal)
+    half *= 1.0 + half * half / 3.0  # the tangent: a length is kept to rounding
+    inverse = 1.0 / (1.0 + half * half)
+    return normal, middle, (1.0 - half * half) * inverse, 2.0 * half * inverse
+
+
+@kernel
+def turned_with(turn, a):
+    """A tangential vector, turned as a body; its length is kept."""
+    normal, middle, cosine, sine = turn
+    flat = minus_scaled(a, dot(a, normal), middle)
+    return minus_scaled(scaled(cosine, flat), -sine, cross(normal, flat))
 
 
 # --- levels
@@ -159,8 +225,9 @@ def _force_of_displaced_levels(mode, geom, phys, row, increment):
 @kernel
 def move_levels(geom, row, increment):
     """Turn the stretches with the contact and add the displacement of the step."""
+    turn = turn_of_step(geom)
     for level in range(len(row.bound)):
-        assign(row.stretch[level], minus_scaled(turned(geom, vector(row.stretch[level])), 1.0, increment))
+        assign(row.stretch[level], minus_scaled(turned_with(turn, vector(row.stretch[level])), 1.0, increment))
 
 
 @kernel
@@ -168,6 +235,16 @@ def scale_levels(mode, row, share):
     """Reduce all stretches to a share."""
     for level in range(len(row.bound)):
         assign(row.stretch[level], scaled(share, vector(row.stretch[level])))
+
+
+@kernel
+def _turn_in_advance(mode, contact):
+    geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
+    wanted = turned_with(turn_of_step(geom), vector(phys.shearElastic))
+    given = wanted
+    for _ in range(12):
+        given = minus_scaled(given, 1.0, minus_scaled(turned(geom, given), 1.0, wanted))
+    assign(phys.shearElastic, given)
 
 
 @kernel
@@ -182,6 +259,16 @@ def _follow_native_step(mode, contact, row):
 
 
 # --- Mindlin's law with an account of energy
+
+
+@generic(lambda *_: lambda mode, geom, force: turned(geom, force))
+def turned_force(mode, geom, force):
+    """A shear force of the last step [N] as it is after the turn of the contact."""
+
+
+@kernel
+def _turned_with_contact(mode, geom, force):
+    return turned_with(turn_of_step(geom), force)
 
 
 @generic(lambda *_: lambda mode, phys, row, stiffness: row.held - stored_energy(mode, phys, row, stiffness))
@@ -251,7 +338,10 @@ def apply_with_account(mode, context, contact, row, stiffness):
     last = stored_energy(mode, phys, row, stiffness)
     if phys.isSliding != 0 and first + last > 0.0:
         increment, new = vector(geom.shearInc), vector(phys.shearElastic)  # its work on the body is positive against the force
-        loss -= 0.5 * (dot(turned(geom, old), increment) + dot(new, increment)) + (last - first)
+        old = turned_force(mode, geom, old)
+        if dot(old, new) < 0.0:  # as in demlaws.core.levels; the limit may have fallen
+            old = scaled(min(1.0, sqrt(dot(new, new) / dot(old, old))), old)
+        loss -= 0.5 * (dot(old, increment) + dot(new, increment)) + (last - first)
     account(row, stiffness, last, loss)
     return keep
 
@@ -271,6 +361,8 @@ bind(
     synchronise=_to_half_step,
     trial_force=_force_of_displaced_levels,
     slide=scale_levels,
+    turned_force=_turned_with_contact,
+    before_native_step=_turn_in_advance,
     after_native_step=_follow_native_step,
     relax_shear=_relax_levels,
     stored_energy=energy_of_levels,

@@ -40,15 +40,14 @@ neigh_modify delay 0
 fix integr all nve/sphere
 compute ke all ke
 compute er all erotate/sphere
-{energy}
-thermo_style custom step c_ke c_er v_stored v_lost
+{energy}thermo_style custom step c_ke c_er v_stored v_lost v_viscous
 thermo_modify norm no lost error format float %.17e
 thermo {every}
 """
 LIGGGHTS = """\
 fix m1 all property/global youngsModulus peratomtype 60.6e9
 fix m2 all property/global poissonsRatio peratomtype {poisson}
-fix m3 all property/global coefficientRestitution peratomtypepair 1 1.0
+fix m3 all property/global coefficientRestitution peratomtypepair 1 {restitution}
 fix m4 all property/global coefficientFriction peratomtypepair 1 {friction}
 pair_style gran model {pair}
 pair_coeff * *
@@ -107,26 +106,41 @@ def save_tables(name, rule, poisson, folder):
 
 
 def scene(
-    engine, tangential, *, friction=100.0, poisson=0.25, words="", tables=None, step, every, side=4, ranks=1, newton="on"
+    engine,
+    tangential,
+    *,
+    friction=100.0,
+    poisson=0.25,
+    words="",
+    tables=None,
+    restitution=1.0,
+    step,
+    every,
+    side=4,
+    ranks=1,
+    newton="on",
 ):
     """Input of side³ spheres in "liggghts" or "lammps" in three parts: spheres, pair style, and all else but `run`.
 
     tables: files for pairs and for walls (None: the engine's own Hertz); words: settings behind them, as "shear slip".
+    restitution: below 1 contacts are damped, with tables only.
     """
 
     def terms(table, place=""):
         if engine == "liggghts":
             own = f"table {table} {words}" if table else ""
             return f"{'demlaws/table' if table else 'hertz'} tangential {tangential} {place}{own}"
-        normal = f"{f'demlaws/table {table}' if table else 'hertz/material'} 60.6e9 0 {poisson} {words}"
-        own = f"demlaws 0 {friction}" if tangential == "demlaws" else f"{tangential} NULL 0 {friction}"
-        return f"{normal} tangential {own} damping velocity"
+        damped = restitution < 1.0
+        law, eta = f"demlaws/table {table}" if table else "hertz/material", restitution if damped else 0
+        own = f"demlaws {int(damped)} {friction}" if tangential == "demlaws" else f"{tangential} NULL 0 {friction}"
+        damping = "demlaws/tangent" if damped else "velocity"
+        return f"{law} 60.6e9 {eta} {poisson} {words} tangential {own} damping {damping}"
 
     pair, wall = tables or (None, None)
     box = side * SPACING
     sides = [(a, i, p) for a in "xyz" for i, p in (("l", 0.0), ("h", box))]
     if engine == "liggghts":
-        contacts = LIGGGHTS.format(poisson=poisson, friction=friction, pair=terms(pair))
+        contacts = LIGGGHTS.format(poisson=poisson, friction=friction, restitution=restitution, pair=terms(pair))
         walls = [f"fix {a}{i} all wall/gran model {terms(wall, f'primitive type 1 {a}plane {p:.10g} ')}\n" for a, i, p in sides]
     else:
         contacts = f"pair_style granular\npair_coeff * * {terms(pair)}\n"
@@ -134,9 +148,9 @@ def scene(
             f"fix {a}{i} all wall/gran granular {terms(wall)} {a}plane {f'NULL {p:.10g}' if p else '0 NULL'}\n"
             for a, i, p in sides
         ]
-    energy = "variable stored equal 0\nvariable lost equal 0"
-    if tables is not None:
-        energy = 'compute en all demlaws/energy\nvariable stored equal "c_en[1]"\nvariable lost equal "c_en[2]"'
+    energy = "" if tables is None else "compute en all demlaws/energy\n"
+    for n, name in enumerate(("stored", "lost", "viscous"), 1):
+        energy += f"variable {name} equal {0 if tables is None else f'c_en[{n}]'}\n"
     head = HEADS[engine] + (f"newton {newton}\n" if engine == "lammps" else "")
     ends = f"-0.001 {box + 0.001:.10g} " * 3 + "units box"
     start = START.format(head=head, ranks=ranks, ends=ends, places=_places(side))

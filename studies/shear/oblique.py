@@ -11,7 +11,7 @@ import numpy as np
 
 import demlaws as dl
 from demlaws.core.dispatch import step
-from demlaws.core.levels import set_stiffness, slide
+from demlaws.core.levels import move
 from demlaws.core.numba_compat import loop
 from demlaws.core.shear import DEFAULT_LEVELS
 from demlaws.core.slip import SAMPLES, compress, read_unloading_curve, slip_step
@@ -65,8 +65,7 @@ def oblique_loop(rule, shape, p, mass, normal, sideways, ratio, friction, dt, mo
                 stiffness, held, largest / springs, force, ratio, friction, moved, 0.0, compression, carried, row
             )[0]
         elif model == 2:
-            set_stiffness(bound, stretches, ratio * stiffness)
-            shear = slide(bound, stretches, moved, 0.0, friction * force)[0]
+            shear = move(bound, stretches, ratio * stiffness, moved, 0.0, friction * force)[0]
         else:
             stretch += moved
             shear = ratio * stiffness * stretch if model == 0 else shear + ratio * stiffness * moved

@@ -16,7 +16,7 @@ int main(int, char **words) {
     const demlaws::Force now = demlaws::step(law.pair, R, overlap, state);
     const double K = demlaws::shear_stiffness(demlaws::SLIP_SHEAR, law.pair, R, overlap, now, state);
     double first[3] = {1., 0., 0.};
-    const demlaws::Motion motion(normal, slip, none, 0., 0., 1., first);
+    const demlaws::Motion motion(normal, slip, none, none, none, 1., first);
     const demlaws::ShearStep step =
         demlaws::SpringRow(&numbers[0], springs)
             .step(K, law.unloading_curve(now.force, overlap, state), ratio, atof(words[4]) * now.force, motion);

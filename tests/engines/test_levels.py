@@ -14,13 +14,16 @@ OBLIQUE = [(-0.2, 0, 500), *6 * WOBBLE, (0.2, 0, 60), (0, -0.3, 200), *4 * WOBBL
 
 
 def kinematics(moves):
-    """Overlap, displacement along the turning tangent, and the normal, of the second sphere after each step."""
+    """Overlap, displacement along the turning tangent, and the normal, of the second sphere after each step; the displacement
+    of the half step, where the normal is n - d/2."""
     place, moved, rows = np.array([DIAMETER + 1e-7, 0.0]), 0.0, [(-1e-7, 0.0, 1.0, 0.0)]
     for along, across, steps in moves:
         for _ in range(steps):
             place = place + STEP * np.array([along, across])
             normal = place / np.hypot(*place)
-            moved += STEP * (across * normal[0] - along * normal[1])
+            sideways, parting = across * normal[0] - along * normal[1], along * normal[0] + across * normal[1]
+            d = STEP * sideways / np.hypot(*place)
+            moved += STEP * (sideways + 0.5 * d * (parting - 0.5 * d * sideways))
             rows.append((DIAMETER - np.hypot(*place), moved, *normal))
     return np.array(rows).T
 

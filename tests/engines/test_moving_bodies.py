@@ -14,13 +14,12 @@ YOUNG, POISSON, TIMESTEP = 5e8, 0.25, 1e-6
 RATIO = 2 * (1 - POISSON) / (2 - POISSON)
 CORNERS = [(-0.05, -0.05, 0), (0.05, -0.05, 0), (0, 0.05, 0)]
 FIRST = {"sphere": reference.sphere(OTHER), "plane": reference.plane((0, 0, 1)), "triangle": reference.triangle(CORNERS)}
-OURS = {"stretched": False, "turn": "rotation", "spin_about": "now", "half_turn": True}
 WAYS = {
-    ("liggghts", "sphere"): reference.Way(first=True, by_speed=True, **OURS),
-    ("liggghts", "plane"): reference.Way(first_share=1.0, **OURS),
-    ("liggghts", "triangle"): reference.Way(first_share=1.0, **OURS),
-    ("lammps", "sphere"): reference.Way("radius", term_lever="radius", first=True, by_speed=True, **OURS),
-    ("lammps", "plane"): reference.Way(wall_share=0.0, **OURS),
+    ("liggghts", "sphere"): reference.Way(first=True, by_speed=True),
+    ("liggghts", "plane"): reference.Way(first_share=1.0),
+    ("liggghts", "triangle"): reference.Way(first_share=1.0),
+    ("lammps", "sphere"): reference.Way(first=True, by_speed=True),
+    ("lammps", "plane"): reference.Way(wall_share=0.0),
 }
 COLUMNS = [f"c_r{body}[{axis}]" for body in "ab" for axis in range(1, 7)]
 SCENE = """\

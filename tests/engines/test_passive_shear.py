@@ -67,17 +67,32 @@ def test_a_gas_gains_no_energy(engine, tmp_path, name, shear, friction, poisson)
     np.testing.assert_allclose(kept + log["lost"], kept[0], rtol=1e-3)
 
 
+@both
+def test_a_damped_gas_closes_its_balance(engine, tmp_path):
+    """With the work of both dashpots; the rest falls with the step."""
+    save_law(tmp_path, "rough")
+    errors = []
+    for step in (4e-7, 2e-7):
+        start, contacts, rest = gas(engine, 0.5, "elastic", restitution=0.7)
+        text = start + contacts + rest.replace("timestep 2e-07", f"timestep {step!r}") + f"run {round(4e-3 / step)}\n"
+        log = simulate(engine, tmp_path, text)
+        total = log["ke"] + log["er"] + log["stored"] + log["lost"] + log["viscous"]
+        assert log["viscous"][-1] > 0.1 * total[0]
+        errors.append(abs(total[-1] / total[0] - 1.0))
+    assert errors[1] < 0.55 * errors[0] and errors[1] < 2e-3 * log["viscous"][-1] / total[0]
+
+
 @pytest.mark.parametrize("shear", ["elastic", "slip"])
 @both
 def test_ranks_and_restart_change_nothing(engine, tmp_path, shear):
     save_law(tmp_path, "rough")
-    start, contacts, rest = gas(engine, 0.5, shear)
+    start, contacts, rest = gas(engine, 0.5, shear, restitution=0.9)
     one = simulate(engine, tmp_path, start + contacts + rest + "run 12000\nwrite_restart half.rst\nrun 12000\n")
-    two = simulate(engine, tmp_path, "".join(gas(engine, 0.5, shear, ranks=2)) + "run 24000\n", 2)
+    two = simulate(engine, tmp_path, "".join(gas(engine, 0.5, shear, ranks=2, restitution=0.9)) + "run 24000\n", 2)
     head, contacts = (HEADS[engine], contacts) if engine == "liggghts" else ("comm_modify vel yes\n", "")
     again = simulate(engine, tmp_path, f"{head}read_restart half.rst\n{contacts}{rest}run 12000\n")
     for log in (two, again):
-        for name in ("ke", "er", "stored", "lost"):
+        for name in ("ke", "er", "stored", "lost", "viscous"):
             assert log[name][-1] == pytest.approx(one[name][-1], rel=1e-7), name
 
 

@@ -1,4 +1,4 @@
-// compute ID all demlaws/energy: [1] energy that contacts store [J], [2] energy that they dissipated [J].
+// compute ID all demlaws/energy: [1] energy that contacts store, [2] that they dissipated, [3] that dashpots took [J].
 #ifdef COMPUTE_CLASS
 // clang-format off
 ComputeStyle(demlaws/energy,ComputeDemlawsEnergy);

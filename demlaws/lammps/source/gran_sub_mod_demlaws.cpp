@@ -147,16 +147,16 @@ ComputeDemlawsEnergy::ComputeDemlawsEnergy(LAMMPS *lmp, int narg, char **arg) : 
   char *const words[] = {arg[0], arg[1], arg[2]};
   Ledger::of(lmp).open(lmp, narg, const_cast<char **>(words));
   vector_flag = extvector = 1;
-  size_vector = 2;
+  size_vector = 3;
   vector = new double[size_vector];
 }
 ComputeDemlawsEnergy::~ComputeDemlawsEnergy() { delete[] vector; }
 void ComputeDemlawsEnergy::init() { Ledger::of(lmp).ask_pairs(); }
 void ComputeDemlawsEnergy::compute_vector() {
   invoked_vector = update->ntimestep;
-  double mine[2];
-  for (int n = 0; n < 2; n++) mine[n] = Ledger::of(lmp).share(n);
-  MPI_Allreduce(mine, vector, 2, MPI_DOUBLE, MPI_SUM, world);
+  double mine[3];
+  for (int n = 0; n < 3; n++) mine[n] = Ledger::of(lmp).share(n);
+  MPI_Allreduce(mine, vector, 3, MPI_DOUBLE, MPI_SUM, world);
 }
 
 // --- before, during and after a run

@@ -171,15 +171,15 @@ struct Reading {
   ~Reading() { now() = NULL; }
 };
 
-// `compute ID all demlaws/energy`: a stock `compute reduce sum` of two values, which sums over the ranks; the values
+// `compute ID all demlaws/energy`: a stock `compute reduce sum` of three values, which sums over the ranks; the values
 // are ours.
 double energy_of(void *compute, int which, int) { return Ledger::of(instance_of(compute)).share(which); }
 void *add_energy(Ledger &ledger, void *modify, int count, char **arg, int suffix) {
   const Stock &stock = Stock::get();
   ledger.open(modify, count, arg);
   ledger.ask_pairs();
-  const char *words[] = {arg[0], "all", "reduce", "sum", "fx", "fy"};
-  void *const made = stock.add_compute(modify, 6, const_cast<char **>(words), suffix);
+  const char *words[] = {arg[0], "all", "reduce", "sum", "fx", "fy", "fz"};
+  void *const made = stock.add_compute(modify, 7, const_cast<char **>(words), suffix);
   static std::vector<void *> table;
   if (table.empty()) {
     const size_t words_of_table = stock.reduce_table_size / sizeof(void *);

@@ -1,7 +1,8 @@
 // Where the energy of the contacts is: what plastic flow took is kept with the particles (fix property/atom
 // d_demlaws_dissipated), so that it goes with them from rank to rank and into restart files; what contacts store is
-// summed on request. LAMMPS drops a contact that parts without a call of its model, so the work of shear is kept with
-// the particles, and the energy of shear that contacts still store is subtracted on request.
+// summed on request. What dashpots took is kept in the same way (d_demlaws_viscous). LAMMPS drops a contact that parts
+// without a call of its model, so the work of shear is kept with the particles, and the energy of shear that contacts
+// still store is subtracted on request.
 // [our derivation: halves of a contact's energy to its two particles]
 #ifndef DEMLAWS_ENERGY_H
 #define DEMLAWS_ENERGY_H
@@ -42,6 +43,7 @@ public:
     if (!wanted_) return;
     const Stock &stock = Stock::get();
     taken_ = (double *)stock.atom(lmp_, "d_demlaws_dissipated");
+    viscous_ = (double *)stock.atom(lmp_, "d_demlaws_viscous");
     if (!taken_ && stock.setting(lmp_, "nlocal") > 0) wanted_ = false; // `clear`, `unfix`
     busy = wanted_;
     local_ = stock.setting(lmp_, "nlocal");
@@ -66,16 +68,9 @@ public:
   }
   // Plastic flow took `energy` from the contact of the particles whose velocities are at vi and vj; NULL: a wall.
   // (The models of walls are not told the number of their particle.)
-  void add_dissipated(const double *vi, const double *vj, double energy) {
-    if (!taken_) return;
-    const long i = particle("v", vi), j = vj ? particle("v", vj) : -1;
-    if (i < 0 || i >= local_) raise(error(), false, "compute demlaws/energy: a contact of no particle of this rank");
-    if (!vj) taken_[i] += energy;
-    else if (j < local_) {
-      taken_[i] += 0.5 * energy;
-      taken_[j] += 0.5 * energy;
-    } else taken_[i] += newton_ ? energy : 0.5 * energy; // newton off: the other rank has this pair, too
-  }
+  void add_dissipated(const double *vi, const double *vj, double energy) { add(taken_, vi, vj, energy); }
+  // What a dashpot took.
+  void add_viscous(const double *vi, const double *vj, double energy) { add(viscous_, vi, vj, energy); }
   // The number of the particle whose position ("x") or velocity ("v") is at `place`; -1: none.
   long particle(const char *array, const double *place) const {
     const double *const *const all = (const double *const *)Stock::get().atom(lmp_, array);
@@ -91,13 +86,14 @@ public:
     if (count != 3 || strcmp(arg[1], "all"))
       raise(error(), true,
             "compute demlaws/energy: write  compute ID all demlaws/energy  (all contacts, no further words)");
-    if (!stock.find_fix(modify, fix())) {
-      const char *words[] = {fix(), "all", "property/atom", "d_demlaws_dissipated", "ghost", "no", "writedata", "no"};
-      stock.add_fix(modify, 8, const_cast<char **>(words), 1);
+    for (const char *id : {"demlaws_dissipated", "demlaws_viscous"}) {
+      const std::string column = std::string("d_") + id;
+      const char *words[] = {id, "all", "property/atom", column.c_str(), "ghost", "no", "writedata", "no"};
+      if (!stock.find_fix(modify, id)) stock.add_fix(modify, 8, const_cast<char **>(words), 1);
     }
     wanted_ = true;
     // a restart file may have brought what was booked before; else contacts begin with the energy that they store now
-    const std::vector<int> any = Ranks(lmp_, error()).gather((int)(booked() != 0.));
+    const std::vector<int> any = Ranks(lmp_, error()).gather((int)(sum("d_demlaws_dissipated") != 0.));
     empty_ = !*std::max_element(any.begin(), any.end());
     known_.clear();
   }
@@ -108,8 +104,11 @@ public:
     const char *words[] = {pairs(), "all", "pair/local", "force", "cutoff", "radius"};
     stock.add_compute(modify_, 6, const_cast<char **>(words), 1);
   }
-  // This rank's share of [0] what contacts store, [1] what was dissipated [J]; asked in this order.
-  double share(int which) { return which == 0 ? stored() : booked() + pending; }
+  // This rank's share of [0] what contacts store, [1] what was dissipated, [2] by dashpots [J]; asked in this order.
+  double share(int which) {
+    if (which == 0) return stored();
+    return which == 1 ? sum("d_demlaws_dissipated") + pending : sum("d_demlaws_viscous");
+  }
 
 private:
   struct Wall {
@@ -118,25 +117,34 @@ private:
   };
   bool wanted_ = false, newton_ = false, empty_ = false; // empty_: when the compute was defined
   void *lmp_ = NULL, *modify_ = NULL, *wall_ = NULL;
-  double *taken_ = NULL;
+  double *taken_ = NULL, *viscous_ = NULL;
   int local_ = 0;
   std::map<void *, Wall> walls_;
   std::set<void *> known_; // NULL, the pair style, and walls that have computed forces since
 
+  void add(double *sums, const double *vi, const double *vj, double energy) {
+    if (!sums) return;
+    const long i = particle("v", vi), j = vj ? particle("v", vj) : -1;
+    if (i < 0 || i >= local_) raise(error(), false, "compute demlaws/energy: a contact of no particle of this rank");
+    if (!vj) sums[i] += energy;
+    else if (j < local_) {
+      sums[i] += 0.5 * energy;
+      sums[j] += 0.5 * energy;
+    } else sums[i] += newton_ ? energy : 0.5 * energy; // newton off: the other rank has this pair, too
+  }
   void *error() const { return error_of(modify_); }
-  static const char *fix() { return "demlaws_dissipated"; }
   static const char *pairs() { return "demlaws_pairs"; }
   long long now() const {
     const void *const step = Stock::get().global(lmp_, "ntimestep");
     return step ? *(const long long *)step : 0;
   }
 
-  double booked() const {
+  double sum(const char *column) const {
     const Stock &stock = Stock::get();
-    const double *const taken = (const double *)stock.atom(lmp_, "d_demlaws_dissipated");
+    const double *const values = (const double *)stock.atom(lmp_, column);
     const int local = stock.setting(lmp_, "nlocal");
     double sum = 0.;
-    for (int i = 0; taken && i < local; i++) sum += taken[i];
+    for (int i = 0; values && i < local; i++) sum += values[i];
     return sum;
   }
   double stored() {

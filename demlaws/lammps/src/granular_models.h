@@ -434,9 +434,13 @@ template <class ABI> struct Granular {
     }
 
   private:
-    __attribute__((noinline, cold)) void watched() { account(move()); }
-    // A step; its energies are computed only where somebody uses them.
-    __attribute__((always_inline)) inline demlaws::ShearStep move() {
+    __attribute__((noinline, cold)) void watched() {
+      double viscous = 0.;
+      const demlaws::ShearStep step = move(&viscous);
+      account(step, viscous);
+    }
+    // A step; its energies are computed only where somebody uses them. viscous: power that the dashpot takes, added.
+    __attribute__((always_inline)) inline demlaws::ShearStep move(double *viscous = NULL) {
       Model *const m = gm;
       double copy[demlaws::SpringRow::MOST_SIZE], *numbers = m->history + history_index;
       const bool keep = m->history_update != 0;
@@ -451,9 +455,11 @@ template <class ABI> struct Granular {
                          .step(stiffness, normal_->unloading_curve(), ratio, limit, motion)
                    : demlaws::shear_step(levels_, ratio * stiffness, limit, motion, numbers);
       this->damp = coeffs[DAMPING_RATIO] * m->damping_model->get_damp_prefactor();
-      double viscous[2];
-      step.damp(this->damp, limit, motion.velocity, viscous);
-      const double force[2] = {viscous[0] - step.force[0], viscous[1] - step.force[1]};
+      double damped[2];
+      step.damp(this->damp, limit, motion.velocity, damped);
+      const double force[2] = {damped[0] - step.force[0], damped[1] - step.force[1]};
+      if (viscous)
+        for (int k = 0; k < 2; k++) *viscous -= damped[k] * motion.velocity[k];
       motion.in_space(force, m->fs);
       return step;
     }
@@ -464,25 +470,27 @@ template <class ABI> struct Granular {
     // dt: 0 where nothing is to be kept. unit_vector: that of the contact.
     __attribute__((noinline)) demlaws::Motion motion_of(double dt, double *unit_vector) {
       Model *const m = gm;
-      const double *const v = m->vr, *const w = m->wr, *const wi = m->omegai, *const wj = m->omegaj;
-      const double *n = m->nx, *slip = m->vtr;
-      double along = m->vnnr, change[3] = {0., 0., 0.}, now[3], apart[3];
-      if (__builtin_expect(synchronized_, 0)) { // LAMMPS has those of the half step
+      const double *const v = m->vr, *n = m->nx;
+      double along = m->vnnr, change[3] = {0., 0., 0.}, now[3], spin[3], arms[3];
+      if (__builtin_expect(synchronized_, 0)) { // LAMMPS has that of the half step
         for (int k = 0; k < 3; k++) now[k] = m->rinv * m->dx[k];
         along = v[0] * now[0] + v[1] * now[1] + v[2] * now[2];
-        for (int k = 0, i = 1, j = 2; k < 3; k++, i = j, j = (j + 1) % 3)
-          apart[k] = v[k] - along * now[k] - (w[i] * now[j] - w[j] * now[i]);
         n = now;
-        slip = apart;
       }
-      if (m->contact_type == PAIR) demlaws::Motion::change_of_spheres(n, v, along, m->rinv, dt, change);
+      const bool pair = m->contact_type == PAIR;
+      if (pair) demlaws::Motion::change_of_spheres(n, v, along, m->rinv, dt, change);
       else if (keeps_normal_) demlaws::Motion::change_of_kept(n, m->history + history_index + size_, dt > 0., change);
-      const double lever = w[0] * n[0] + w[1] * n[1] + w[2] * n[2],
-                   spin = (wi[0] + wj[0]) * n[0] + (wi[1] + wj[1]) * n[1] + (wi[2] + wj[2]) * n[2];
-      return demlaws::Motion(n, slip, change, lever, spin, dt, unit_vector);
+      // LAMMPS's velocities have radii as levers, its torques those of the contact, which keep the energy: radius -
+      // delta/2, with the overlap of the half step.
+      const double shorter = pair ? 0.5 * m->delta + 0.25 * dt * demlaws::Motion::parting(n, v, change) : 0.;
+      for (int k = 0; k < 3; k++) {
+        spin[k] = m->omegai[k] + m->omegaj[k];
+        arms[k] = m->wr[k] - shorter * spin[k];
+      }
+      return demlaws::Motion(n, v, change, arms, spin, dt, unit_vector);
     }
-    // Records the work of shear; the part that the contact stores is not lost.
-    void account(const demlaws::ShearStep &step) {
+    // Records the work of shear, of which the part that the contact stores is not lost, and that of both dashpots.
+    void account(const demlaws::ShearStep &step, double viscous) {
       if (ledger_.collecting) {
         ledger_.collected += step.before;
         ledger_.pending -= step.before;
@@ -490,7 +498,10 @@ template <class ABI> struct Granular {
       }
       const bool wall = gm->contact_type != PAIR, keep = gm->history_update != 0;
       const double work = (keep ? step.work : 0.) + (ledger_.first ? step.before : 0.);
-      if (work != 0.) ledger_.add_dissipated(gm->vi, wall ? NULL : gm->vj, work);
+      const double *const vj = wall ? NULL : gm->vj;
+      if (work != 0.) ledger_.add_dissipated(gm->vi, vj, work);
+      viscous += (gm->Fnormal - gm->Fntot) * gm->vnnr;
+      if (keep && viscous != 0.) ledger_.add_viscous(gm->vi, vj, viscous * gm->dt);
       if (!wall) return;
       const double stored = keep ? step.energy : step.before;
       ledger_.add_wall(stored, -stored);

@@ -25,7 +25,8 @@ struct FixMap {
   friend type get(FixMap);
 };
 template struct Access<FixMap, &Modify::fix_map>;
-// compute ID all demlaws/energy: stored and dissipated energy of all contacts, [1] and [2], pairs and walls.
+// compute ID all demlaws/energy: stored and dissipated energy of all contacts, [1] and [2], pairs and walls, and what
+// dashpots took, [3].
 class ComputeEnergy : public Compute {
 public:
   ComputeEnergy(LAMMPS *lmp, int &iarg, int narg, char **arg)
@@ -34,14 +35,14 @@ public:
       error->all(FLERR,
                  "compute demlaws/energy: write  compute ID all demlaws/energy  (all contacts, no further words)");
     vector_flag = 1;
-    size_vector = 2;
+    size_vector = VALUES;
     extvector = 1;
-    vector = new double[2]();
+    vector = new double[VALUES]();
     instance_->ledger.readers++;
   }
   ~ComputeEnergy() {
     Ledger &ledger = instance_->ledger;
-    if (!--ledger.readers) ledger.taken = 0., ledger.books = false;
+    if (!--ledger.readers) ledger.taken = ledger.viscous = 0., ledger.books = false;
     delete[] vector;
   }
   void init() {
@@ -50,31 +51,32 @@ public:
   void compute_vector() {
     invoked_vector = update->ntimestep;
     const Ledger &ledger = instance_->ledger;
-    double mine[2] = {0., ledger.taken};
+    double mine[VALUES] = {0., ledger.taken, ledger.viscous};
     instance_->source->energies(mine[0], mine[1]);
     if (ledger.step == update->ntimestep) {
       mine[0] += ledger.wall_stored;
       mine[1] += ledger.wall_pending;
     }
-    MPI_Allreduce(mine, vector, 2, MPI_DOUBLE, MPI_SUM, world);
+    MPI_Allreduce(mine, vector, VALUES, MPI_DOUBLE, MPI_SUM, world);
   }
   static Compute *create(LAMMPS *lmp, int iarg, int narg, char **arg) {
     return new ComputeEnergy(lmp, iarg, narg, arg);
   }
 
 private:
+  enum { VALUES = 3 };
   const std::shared_ptr<Instance> instance_;
 };
 
-// Takes the ledger's sum through restart files, reports the counts of a run, and looks for what would make contacts
+// Takes the ledger's sums through restart files, reports the counts of a run, and looks for what would make contacts
 // wrong silently. The plugin makes it; there is one.
 class FixKept : public Fix {
 public:
   FixKept(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), instance_(Instance::of(lmp)) {
     restart_global = 1;
-    instance_->ledger.taken = 0.;
+    instance_->ledger.taken = instance_->ledger.viscous = 0.;
   }
-  ~FixKept() { instance_->ledger.taken = 0.; }
+  ~FixKept() { instance_->ledger.taken = instance_->ledger.viscous = 0.; }
   int setmask() { return FixConst::PRE_FORCE; }
   void init() {
     refuse_new_numbers();
@@ -102,23 +104,30 @@ public:
         if (comm->me == 0 && file) fprintf(file, "%s\n", line.c_str());
   }
   void write_restart(FILE *file) {
-    double kept[2] = {0., (double)instance_->ledger.books};
-    MPI_Reduce(&instance_->ledger.taken, kept, 1, MPI_DOUBLE, MPI_SUM, 0, world);
+    const Ledger &ledger = instance_->ledger;
+    double kept[] = {ledger.taken, 0., ledger.viscous}, all[3];
+    MPI_Reduce(kept, all, 3, MPI_DOUBLE, MPI_SUM, 0, world);
     if (comm->me != 0) return;
+    all[1] = WITH_VISCOUS + ledger.books; // former files: `books`, and no third number
+    std::copy(all, all + 3, kept);
     const int size = sizeof kept;
     fwrite(&size, sizeof size, 1, file);
     fwrite(kept, size, 1, file);
   }
   void restart(char *data) {
-    double kept[2];
-    memcpy(kept, data, sizeof kept);
-    if (comm->me == 0) instance_->ledger.taken = kept[0];
-    instance_->ledger.books = kept[1] != 0.;
+    double kept[3] = {};
+    memcpy(kept, data, 2 * sizeof *kept);
+    const bool viscous = kept[1] >= WITH_VISCOUS;
+    if (viscous) memcpy(kept, data, sizeof kept);
+    Ledger &ledger = instance_->ledger;
+    if (comm->me == 0) ledger.taken = kept[0], ledger.viscous = kept[2];
+    ledger.books = kept[1] - WITH_VISCOUS * viscous != 0.;
   }
   static Fix *create(LAMMPS *lmp, int narg, char **arg) { return new FixKept(lmp, narg, arg); }
   static const char *name() { return "demlaws/kept"; }
 
 private:
+  enum { WITH_VISCOUS = 2 };
   const std::shared_ptr<Instance> instance_;
   int page_ = -1, one_ = -1; // sizes in the run before
 

@@ -36,8 +36,8 @@ struct PairSettings {
 // without notice to the model; so the dissipation of walls is added up while it happens, not when a contact ends. The
 // energy of shear that contacts still store is subtracted on request: in each step it would cost more than the work.
 struct Ledger {
-  double taken = 0.;
-  int readers = 0;    // computes that will ask: without one the work of shear is not added up
+  double taken = 0., viscous = 0.; // viscous: what dashpots took while there were readers
+  int readers = 0;                 // computes that will ask: without one the work of shear is not added up
   bool books = false; // `taken` contains the energy of shear that contacts store; else their next step adds it
   bool begins = false, lacks = false;         // this step adds it; `taken` lacks it until then
   double wall_stored = 0., wall_pending = 0.; // pending: taken less booked
@@ -53,6 +53,9 @@ struct Ledger {
   }
   // Of a pair contact whose second particle is j: where that is another rank's, it has the other half.
   void add_dissipated(double energy, int j, int nlocal) { taken += j < nlocal ? energy : 0.5 * energy; }
+  void add_viscous(double energy, bool wall, int j, int nlocal) {
+    viscous += wall || j < nlocal ? energy : 0.5 * energy;
+  }
 };
 
 struct EnergySource {

@@ -154,6 +154,9 @@ public:
     const double damping = type.damping * sqrt(now.stiffness * data.meff);
     double normal = now.force - damping * data.vn;
     if (limit_force_ && normal < 0.) normal = 0.;
+    if (__builtin_expect(update && instance_->ledger.readers, 0))
+      instance_->ledger.add_viscous((now.force - normal) * data.vn * this->update->dt * (WALL ? data.area_ratio : 1.),
+                                    WALL, data.j, atom->nlocal);
     data.Fn = normal;
     data.kn = data.deltan > 0. ? now.force / data.deltan : 0.;
     data.kt = type.tangential * demlaws::shear_stiffness(now_.shear, type.pair, radius, data.deltan, now, state);

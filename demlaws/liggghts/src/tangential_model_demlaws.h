@@ -112,6 +112,10 @@ public:
     step.damp(data.gammat, limit, motion.velocity, viscous);
     const double share = WALL ? data.area_ratio : 1.;
     const double tangential[2] = {viscous[0] - step.force[0], viscous[1] - step.force[1]};
+    if (__builtin_expect(counts, 0)) {
+      const double power = -viscous[0] * motion.velocity[0] - viscous[1] * motion.velocity[1];
+      instance_->ledger.add_viscous(share * power * update->dt, WALL, data.j, atom->nlocal);
+    }
     motion.in_space(tangential, force);
     vectorCross3D(data.en, force, moment);
     for (int k = 0; k < 3; k++) {
@@ -144,26 +148,31 @@ private:
   template <bool WALL>
   __attribute__((noinline)) demlaws::Motion motion_of(const SurfacesIntersectData &data, double dt,
                                                       double *unit_vector) {
-    const double *const n = data.en, *const v = data.v_i, *const w = data.omega_i;
-    double slip[3] = {data.vtr1, data.vtr2, data.vtr3}, change[3];
-    const double lever = data.r * (data.wr1 * n[0] + data.wr2 * n[1] + data.wr3 * n[2]);
-    if (!WALL) {
-      const double *const v2 = data.v_j, *const w2 = data.omega_j,
-                          apart[3] = {v[0] - v2[0], v[1] - v2[1], v[2] - v2[2]};
-      demlaws::Motion::change_of_spheres(n, apart, data.vn, data.rinv, dt, change);
-      return demlaws::Motion(n, slip, change, lever, vectorDot3D(w, n) + vectorDot3D(w2, n), dt, unit_vector);
+    const double *const n = data.en, *const w = data.omega_i, wr[3] = {data.wr1, data.wr2, data.wr3};
+    double apart[3], spin[3], arms[3], change[3];
+    for (int k = 0; k < 3; k++) apart[k] = data.v_i[k] - data.v_j[k];
+    if (WALL) demlaws::Motion::change_of_kept(n, data.contact_history + normal_at_, dt > 0., change);
+    else demlaws::Motion::change_of_spheres(n, apart, data.vn, data.rinv, dt, change);
+    // The lever of each body, radius - overlap/2, was dt/4 times the velocity of parting shorter at the half step.
+    const double parting = demlaws::Motion::parting(n, apart, change);
+    for (int k = 0; k < 3; k++) {
+      spin[k] = WALL ? w[k] : w[k] + data.omega_j[k];
+      arms[k] = data.r * wr[k] - 0.25 * dt * parting * spin[k];
     }
-    demlaws::Motion::change_of_kept(n, data.contact_history + normal_at_, dt > 0., change);
-    double spin[3];
-    if (!spin_of_wall(data, spin)) return demlaws::Motion(n, slip, change, lever, vectorDot3D(w, n), dt, unit_vector);
-    // The wall's velocity is that of the place x - r n where the sphere touches it now: at the half step it touched it
-    // dt/2 times the velocity of that place before (of a wall that turns about a fixed axis).
-    double moved[3], lag[3];
-    for (int k = 0; k < 3; k++) moved[k] = 0.5 * (dt * v[k] - data.r * change[k]);
-    vectorCross3D(spin, moved, lag);
-    const double along = vectorDot3D(lag, n);
-    for (int k = 0; k < 3; k++) slip[k] += lag[k] - along * n[k];
-    return demlaws::Motion(n, slip, change, lever, vectorDot3D(w, n) + vectorDot3D(spin, n), dt, unit_vector);
+    if (!WALL) return demlaws::Motion(n, apart, change, arms, spin, dt, unit_vector);
+    double turn[3];
+    if (spin_of_wall(data, turn)) {
+      // The wall's velocity is that of the place x - r n where the sphere touches it now: at the half step it touched
+      // it dt/2 times the velocity of that place before (of a wall that turns about a fixed axis).
+      double moved[3], lag[3];
+      for (int k = 0; k < 3; k++) moved[k] = 0.5 * (dt * (data.v_i[k] - parting * n[k]) - data.r * change[k]);
+      vectorCross3D(turn, moved, lag);
+      for (int k = 0; k < 3; k++) {
+        apart[k] += lag[k];
+        spin[k] += turn[k];
+      }
+    }
+    return demlaws::Motion(n, apart, change, arms, spin, dt, unit_vector);
   }
   // Of a mesh that moves, from the velocities of the triangle's nodes: with its edges e1, e2 and the velocities d1, d2
   // along them, the sum of e^i x d_i (e^i: reciprocal vectors) is the spin and once more its part along the normal.

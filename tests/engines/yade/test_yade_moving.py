@@ -12,10 +12,10 @@ YOUNG, POISSON, TIMESTEP = 5e8, 0.25, 1e-6
 CORNERS = [(-0.05, -0.05, 0), (0.05, -0.05, 0), (0, 0.05, 0)]
 FIRST = {"sphere": reference.sphere(OTHER), "wall": reference.plane((0, 0, 1)), "facet": reference.triangle(CORNERS)}
 WAYS = {
-    "sphere": reference.Way(lever="radius", term_lever="radius", turn="cross", half_turn=True),
-    "arms to the contact": reference.Way(term_lever="radius", turn="cross", half_turn=True),
-    "wall": reference.Way(term_lever="radius", wall_share=1.0, turn="cross", half_turn=True),
-    "facet": reference.Way(term_lever="radius", turn="cross", half_turn=True),
+    "sphere": reference.Way(lever="radius"),
+    "arms to the contact": reference.Way(),
+    "wall": reference.Way(wall_share=1.0),
+    "facet": reference.Way(),
 }
 
 
@@ -126,18 +126,50 @@ def save_and_load(omega, folder):
     omega.load(str(folder / "scene.yade"))
 
 
+@pytest.mark.parametrize("kind", ["facet", "box", "wall"])
+def test_a_ball_that_rolls_on_a_turntable_comes_back(omega, kind):
+    """It moves on a circle with 2/7 of the spin of the table, also on a Wall whose noRatch is left as it is."""
+    stone, radius, turns = material(young=1e8, friction=np.arctan(1.0)), 0.01, 20.0
+    table = {
+        "facet": lambda: yade.utils.facet([(-5, -5, 0), (5, -5, 0), (0, 9, 0)], fixed=True, material=stone),
+        "box": lambda: yade.utils.box((0, 0, -0.5), (5, 5, 0.5), fixed=True, material=stone),
+        "wall": lambda: yade.utils.wall(0, 2, material=stone),
+    }[kind]()
+    ids = [yade.O.bodies.append(table)]
+    ball = yade.O.bodies[yade.O.bodies.append(sphere((0.05, 0, radius - 1.5e-6), radius, material=stone))]
+    velocity = yade.Vector3(0, 0.1, 0)
+    ball.state.vel = velocity
+    under = velocity - yade.Vector3(0, 0, turns).cross(yade.Vector3(0.05, 0, 0))
+    ball.state.angVel = yade.Vector3(0, 0, 1).cross(under / radius)
+    flats = [yade.Ig2_Wall_Sphere_ScGeom(), yade.Ig2_Facet_Sphere_ScGeom(), yade.Ig2_Box_Sphere_ScGeom()]
+    physics = [yade.Ip2_FrictMat_FrictMat_MindlinPhys(en=0.5, es=0.5)]
+    loop = interaction_loop(functor("hertz", "elastic", {}), geometries=flats, physics=physics)
+    bounds = [yade.Bo1_Sphere_Aabb(), yade.Bo1_Wall_Aabb(), yade.Bo1_Facet_Aabb(), yade.Bo1_Box_Aabb()]
+    axis = {"rotationAxis": (0, 0, 1), "rotateAroundZero": True, "zeroPoint": (0, 0, 0), "angularVelocity": turns}
+    newton = yade.NewtonIntegrator(damping=0, gravity=(0, 0, -9.81))
+    collider = yade.InsertionSortCollider(bounds)
+    yade.O.engines = [yade.ForceResetter(), collider, loop, yade.RotationEngine(ids=ids, **axis), newton]
+    steps = 20_000
+    yade.O.dt, start = 7 * np.pi / turns / steps, np.array(ball.state.pos)
+    yade.O.run(steps, True)
+    assert np.linalg.norm((np.array(ball.state.pos) - start)[:2]) < 0.01 * 0.1 / (2 / 7 * turns)
+
+
 @pytest.mark.parametrize("shear", ["elastic", "slip"])
 @pytest.mark.parametrize("axis", [(0, 0, 1), (0.36, 0.48, 0.8)], ids=["normal", "oblique"])
 @pytest.mark.parametrize("kind", ["sphere", "facet"])
 def test_a_pair_that_turns_as_one_body_takes_its_shear_along(omega, kind, axis, shear):
-    """By 90, 180 and 360°, to the angle of a step times half the whole one, by which YADE's turn of vectors is longer."""
+    """By 90, 180 and 360°. About the normal to the third power of the angle of a step, oblique to its square: chords."""
     steps, angle = 500, 0.5 * np.pi * np.array(axis)
     path = [reference.Leg(), reference.Leg(shift=(0.15, 0.1)), *[reference.Leg(whole=angle)] * 4]
     motion = reference.motion(FIRST[kind], RADIUS, 10 * OVERLAP, steps, TIMESTEP, path=path)
     forces = prescribed(kind, functor(shear=shear), motion)[0][2 * steps - 1 :: steps, 1]
     for quarters in (1, 2, 4):
         wanted = reference.rotation(quarters * angle) @ forces[0]
-        assert np.linalg.norm(forces[quarters] - wanted) < 0.003 * quarters * np.linalg.norm(wanted)
+        error = (3e-6 if axis[2] == 1 else 1e-3) * quarters
+        assert np.linalg.norm(forces[quarters] - wanted) < error * np.linalg.norm(wanted)
+        if shear == "elastic" and axis[2] == 1:
+            assert abs(np.linalg.norm(forces[quarters]) / np.linalg.norm(wanted) - 1.0) < 1e-10
 
 
 def energy_gained(law, speed, steps=20_000, pull=50.0, spin=3000.0, small=1e-3, circles=False):
@@ -182,14 +214,11 @@ def energy_gained(law, speed, steps=20_000, pull=50.0, spin=3000.0, small=1e-3, 
 @pytest.mark.parametrize("shear", ["elastic", "slip"])
 @pytest.mark.parametrize(
     ("circles", "speed", "most"),
-    [(False, 0.1, 2e-5), (True, 0.003, 0.02)],
+    [(False, 0.1, 2e-5), (True, 0.003, 2e-4)],
     ids=["lever at the half step", "displacement turned by half"],
 )
 def test_a_grain_that_spins_keeps_its_energy(omega, shear, circles, speed, most):
-    """The lever at the half step in the displacement alone, not in the torque, and half a turn are symmetric in time.
-
-    Of circles is left by how much YADE's own turn of vectors lengthens them: half of the square of the angle of a step.
-    """
+    """The lever at the half step in the displacement alone, not in the torque, and half a turn are symmetric in time."""
     gained = energy_gained(functor("hertz", "elastic", {}, shear=shear), speed, circles=circles)
     omega.reset()
     assert gained < most < 20 * most < energy_gained(functor("hertz", "elastic", {}, shear="native"), speed, circles=circles)
