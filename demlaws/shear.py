@@ -121,7 +121,7 @@ def sheared(
     results = np.empty((6, depth.size))
     law.shear_stiffness(depth, 1.0, DEFAULT if shear == SLIP else shear)  # checks law and range
     if shear == SLIP:
-        ladder = ladder_of(whole(springs, "springs", high=100_000))
+        ladder = ladder_of(whole(springs, "springs", low=2, high=100_000))
         rows = np.zeros((9, ladder.size)), np.empty((2, SAMPLES))
         slip_loop(law.rule_tag, law.shape, law.params, depth, first, second, ratio, limit, ladder, state.arrays, *rows, results)
     else:

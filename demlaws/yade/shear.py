@@ -17,6 +17,7 @@ from demlaws.yade import layout, objects
 from demlaws.yade.mindlin import advance, together_within_limit, turned, velocity_apart
 from demlaws.yade.records import assign, cross, dot, minus_scaled, pointee, scaled, vector, view
 
+
 class Levels(NamedTuple):
     """Springs in levels, which remember; passive. Coulomb's limit scales all."""
 
@@ -274,7 +275,6 @@ bind(
     relax_shear=_relax_levels,
     stored_energy=energy_of_levels,
     adopt=_adopt_as_one_level,
-    within_limit=together_within_limit,
 )
 bind(Slip, synchronise=_to_half_step, within_limit=together_within_limit)
 MODES = {"elastic": Levels(), "loading": Levels(), "native": Native(), "slip": Slip()}
