@@ -1,5 +1,5 @@
-"""Partial slip at a contact: the row of springs of demlaws.core.slip, whose stretches are components in a tangent frame. Compiled
-code, loaded for shear="slip" only."""
+"""Partial slip at a contact: the row of springs of demlaws.core.slip, whose stretches are components in a tangent frame.
+Compiled code, loaded for shear="slip" only."""
 
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import sqrt

@@ -32,7 +32,7 @@ CASES = [
 
 @pytest.mark.parametrize(("name", "rule", "springs", "reach"), CASES)
 def test_row_of_springs(program, tmp_path, name, rule, springs, reach):
-    """Growth, which lifts bounds, unloading, which divides springs, noise and reversed slip; force, energy and loss of a step."""
+    """Growth, which lifts bounds, unloading, which divides springs, noise, reversed slip; force, energy, loss of a step."""
     table = dl.law(name, GRANITE, rule).tabulate(rtol=1e-7, max_force=100.0)
     table.save(tmp_path / "law.tbl")
     turn = np.linspace(0.0, 6.0, 601)
