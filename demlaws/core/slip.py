@@ -6,8 +6,8 @@ dK = P''(z) dz. Here a spring is named by κ = K(z), the stiffness of the contac
 keep their place when the unloading curve moves [our derivation]:
 
 - The springs with κ below the stiffness K with which the contact would unload now are in contact.
-- Spring κ is compressed by c(κ) = δ - δ(κ), where δ(κ) is the overlap on that unloading curve at which its stiffness is κ, so that
-  ∫ c dκ = P for curves with P(0) = P'(0) = 0; for other curves the compressions are scaled to it.
+- Spring κ is compressed by c(κ) = δ - δ(κ), where δ(κ) is the overlap on that unloading curve at which its stiffness is κ, so
+  that ∫ c dκ = P for curves with P(0) = P'(0) = 0; for other curves the compressions are scaled to it.
 - Its tangential stiffness is ratio dκ, its stretch at most μ c/ratio (Coulomb).
 - A spring that touches is not stretched. A spring that opens loses its energy.
 
@@ -18,8 +18,8 @@ springs that touched last, which slip first [our derivation]: bound i is at ladd
   the mean of their stretches: the force remains, the energy cannot rise. Bounds above their steps remain in place.
 - K falls: springs above K open. The bounds that they leave divide the springs that contain the most steps of the ladder.
 
-The mean overlap at which the springs of a pair of bounds touched, `rest`, needs no unloading curve: ∫ δ(κ) dκ up to K is K δ - P in each
-step, and the outermost spring has the difference to the others. Where the curve is Hertz's, δ(κ) = δ (κ/K)².
+The mean overlap at which the springs of a pair of bounds touched, `rest`, needs no unloading curve: ∫ δ(κ) dκ up to K is
+K δ - P in each step, and the outermost spring has the difference to the others. Where the curve is Hertz's, δ(κ) = δ (κ/K)².
 
 A stretch is a vector in the tangent plane; a spring slips along its trial stretch. With the work of a step taken as the mean of
 the forces before and after it times the displacement, no step dissipates less than nothing, for any path.
@@ -41,7 +41,8 @@ SAMPLES = 512
 SPRINGS = 11
 """Springs of a contact in the engines by default."""
 STEPS = (0.3377, 0.5869, 0.7335, 0.8272, 0.8891, 0.932, 0.9583, 0.9745, 0.9855, 0.996, 1.0)
-"""Ladder of `SPRINGS`: the largest error of the loss of a cycle, from 0.05 μP on and a third of that at 0.02, is least (Hertz)."""
+"""Ladder of `SPRINGS`: the largest error of the loss of a cycle of Hertz's law from 0.05 μP on, or a third of that at 0.02, is
+least."""
 SLACK = 1.3
 """The ladder is laid again where the outermost spring has this share of its step."""
 FARTHEST = 3.0
@@ -171,7 +172,8 @@ def outermost(force, top, depth, edge, bound, rest):
 def set_springs(hertzian, ladder, top, force, depth, bound, rest, stretch, scratch):
     """The contact unloads with the stiffness `top` [N/m] now, along a curve that began `depth` [m] before.
 
-    hertzian: along Hertz's curve. bound [N/m], rest [m], stretch (2, springs) [m]: of the springs, updated. scratch: (4, springs).
+    hertzian: along Hertz's curve. bound [N/m], rest [m], stretch (2, springs) [m]: of the springs, updated. scratch: (4,
+    springs).
     """
     last = bound.size - 1
     held = bound[last]
@@ -357,8 +359,8 @@ def compress(curve, depth, bound, rest):
 def slip_loop(rule, shape, p, overlap, along, across, ratio, friction, ladder, state, row, curve, results):
     """`levels.levels_loop` with a row of springs, by the stiffness with which the contact would unload.
 
-    ladder: of `ladder_of`. row: (9, springs) zeros: bounds, `rest`, stretches in two rows, and memory for steps. curve: (2, SAMPLES)
-    for the unloading curve.
+    ladder: of `ladder_of`. row: (9, springs) zeros: bounds, `rest`, stretches in two rows, and memory for steps. curve: (2,
+    SAMPLES) for the unloading curve.
     """
     work = 0.0
     bound, rest, stretch, scratch, limit = row[0], row[1], row[2:4], row[4:8], row[8]

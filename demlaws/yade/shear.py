@@ -367,7 +367,6 @@ bind(
     relax_shear=_relax_levels,
     stored_energy=energy_of_levels,
     adopt=_adopt_as_one_level,
-    within_limit=together_within_limit,
 )
 bind(Slip, synchronise=_to_half_step, within_limit=together_within_limit)
 MODES = {"elastic": Levels(), "loading": Levels(), "native": Native(), "slip": Slip()}

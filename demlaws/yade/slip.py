@@ -1,5 +1,5 @@
-"""Partial slip at a contact: the row of springs of demlaws.core.slip, whose stretches are components in a tangent frame. Compiled
-code, loaded for shear="slip" only."""
+"""Partial slip at a contact: the row of springs of demlaws.core.slip, whose stretches are components in a tangent frame.
+Compiled code, loaded for shear="slip" only."""
 
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import sqrt
@@ -24,13 +24,13 @@ def place_springs(mode, rule, shape, p, row, overlap, force, stiffness, state):
 
 @kernel
 def turned_tangent(geom, tangent, normal):
-    """Unit vector of a tangent that turns with the contact, and the length which the turn gave it; any one and 0 for zeros."""
+    """Unit vector of a tangent that turns with the contact; any one for zeros."""
     first = turned(geom, tangent)
     first = minus_scaled(first, dot(first, normal), normal)  # `turned` leaves the plane by the square of the turn
     length = sqrt(dot(first, first))
     if length > 0.0:
-        return (first[0] / length, first[1] / length, first[2] / length), length
-    return unit_perpendicular(normal), 0.0
+        return scaled(1.0 / length, first)
+    return unit_perpendicular(normal)
 
 
 @kernel
@@ -56,9 +56,7 @@ def step_of_springs(geom, row, stiffness, limit):
 @kernel
 def _force_in_own_step(mode, geom, phys, row, increment, limit):
     force, stuck, slides = step_of_springs(geom, row, row.ratio * row.bound[len(row.bound) - 1], limit)
-    size = sqrt(dot(force, force))
-    share = size / (size + phys.ks * sqrt(dot(increment, increment))) if slides and size > 0.0 else 1.0
-    return force, share, stuck, slides
+    return force, 1.0, stuck, slides
 
 
 @kernel
@@ -72,15 +70,14 @@ def apply_to_springs(mode, context, contact, row, stiffness):
         return keep
     if is_changed(phys, row):
         note(context, layout.SET_SHEAR, view(contact.interaction, objects.Interaction), 0.0)
-    normal, old_first, old_second = vector(geom.normal), vector(row.tangent[0]), vector(row.tangent[1])
-    first, length = turned_tangent(geom, old_first, normal)
-    second = cross(normal, first)
+    normal = vector(geom.normal)
+    first = turned_tangent(geom, vector(row.tangent[0]), normal)
     assign(row.tangent[0], first)
-    assign(row.tangent[1], second)
+    assign(row.tangent[1], cross(normal, first))
     if supports_options(context, contact, geom, phys, row):
-        return advance(mode, context, contact, row)
-    if length == 0.0:  # a new contact
-        length, old_first, old_second = 1.0, first, second
+        keep = advance(mode, context, contact, row)
+        assign(phys.usElastic, scaled(1.0 / stiffness, vector(phys.shearElastic)))
+        return keep
     overlap = geom.penetrationDepth
     phys.kn = 1.5 * phys.kno * sqrt(overlap)
     phys.ks = phys.kso * sqrt(overlap)
@@ -92,10 +89,10 @@ def apply_to_springs(mode, context, contact, row, stiffness):
     # The native law turns the force and adds K_t times the displacement: it starts from the force that leads to ours.
     increment = vector(geom.shearInc)
     before = minus_scaled(force, -stiffness, increment)
-    assign(
-        phys.shearElastic,
-        minus_scaled(scaled(dot(before, first) / length, old_first), -dot(before, second) / length, old_second),
-    )
+    given = before
+    for _ in range(12):
+        given = minus_scaled(given, 1.0, minus_scaled(turned(geom, given), 1.0, before))
+    assign(phys.shearElastic, given)
     betas = phys.betas
     viscous = scaled(stuck, shear_damping(context, contact, phys, increment))
     allowed, square = within_limit(mode, force, viscous, limit), dot(viscous, viscous)
@@ -103,6 +100,7 @@ def apply_to_springs(mode, context, contact, row, stiffness):
     keep = advance(mode, context, contact, row)
     phys.betas = betas
     phys.isSliding = slides
+    assign(phys.usElastic, scaled(1.0 / stiffness, vector(phys.shearElastic)))
     return keep
 
 

@@ -14,7 +14,7 @@ from demlaws.core.dispatch import step
 from demlaws.core.levels import move
 from demlaws.core.numba_compat import loop
 from demlaws.core.shear import DEFAULT_LEVELS
-from demlaws.core.slip import SAMPLES, compress, read_unloading_curve, slip_step
+from demlaws.core.slip import compressions, ladder_of, set_springs, slip
 
 ANGLE = np.array([1.84, 3.7, 9.5, 20.0, 30.1, 39.4, 49.7, 60.0])
 """Angles of impact from the normal [degrees]."""
@@ -40,15 +40,15 @@ class Impact(NamedTuple):
 
 
 @loop
-def oblique_loop(rule, shape, p, mass, normal, sideways, ratio, friction, dt, model, levels, springs, largest):
+def oblique_loop(rule, shape, p, mass, normal, sideways, ratio, friction, dt, model, levels, ladder):
     """Velocity Verlet from touch to separation: tangential velocity of the centre and ω R afterwards [m/s].
 
     model: 0 displacement kept, 1 force kept, 2 levels, 3 springs.
     """
     overlap, approach, velocity, spin = 0.0, normal, sideways, 0.0
-    force, shear, held, stretch = 0.0, 0.0, 0.0, 0.0
+    force, shear, stretch = 0.0, 0.0, 0.0
     bound, stretches = np.zeros(levels), np.zeros((2, levels))
-    row, curve, compression = np.zeros((2, springs)), np.empty((2, SAMPLES)), np.empty(springs)
+    row = np.zeros((9, ladder.size))
     for _ in range(10_000_000):
         approach -= 0.5 * dt * force / mass
         velocity -= 0.5 * dt * shear / mass
@@ -59,11 +59,9 @@ def oblique_loop(rule, shape, p, mass, normal, sideways, ratio, friction, dt, mo
             break
         force, stiffness, _ = step(rule, shape, p, overlap, ())
         if model == 3:
-            read_unloading_curve(rule, shape, p, overlap, (), stiffness, curve)
-            carried = compress(curve, largest / springs, stiffness, compression)
-            shear = slip_step(
-                stiffness, held, largest / springs, force, ratio, friction, moved, 0.0, compression, carried, row
-            )[0]
+            set_springs(False, ladder, stiffness, force, overlap, row[0], row[1], row[2:4], row[4:8])
+            compressions(False, overlap, row[0], row[1], row[8])
+            shear = slip(friction * force, ratio, moved, 0.0, row[0], row[2:4], row[8])[0]
         elif model == 2:
             shear = move(bound, stretches, ratio * stiffness, moved, 0.0, friction * force)[0]
         else:
@@ -72,7 +70,6 @@ def oblique_loop(rule, shape, p, mass, normal, sideways, ratio, friction, dt, mo
             if abs(shear) > friction * force:
                 shear = math.copysign(friction * force, shear)
                 stretch = shear / (ratio * stiffness)
-        held = stiffness
         approach -= 0.5 * dt * force / mass
         velocity -= 0.5 * dt * shear / mass
         spin += 0.5 * dt * shear / (0.4 * mass)
@@ -84,10 +81,9 @@ def rebound(law, mass, friction, *, ratio, velocity, model, steps=2000, springs=
 
     ratio: K_t/K; velocity: normal and tangential [m/s].
     """
-    peak, duration = dl.driver.elastic_contact(law, mass, velocity[0])
+    _, duration = dl.driver.elastic_contact(law, mass, velocity[0])
     levels = {"one level": 1, "elastic": DEFAULT_LEVELS}.get(model, model)
     number = 2 if isinstance(levels, int) else {"displacement kept": 0, "force kept": 1, "slip": 3}[model]
-    levels, largest = levels if number == 2 else 1, 1.01 * float(law.stiffness(peak))
     return oblique_loop(
         law.rule_tag,
         law.shape,
@@ -98,9 +94,8 @@ def rebound(law, mass, friction, *, ratio, velocity, model, steps=2000, springs=
         friction,
         duration / steps,
         number,
-        levels,
-        springs,
-        largest,
+        levels if number == 2 else 1,
+        ladder_of(springs),
     )
 
 

@@ -11,7 +11,7 @@ from demlaws.shear import sheared
 from studies.shear.gas import CONTACT
 
 RATIO, FRICTION, LOAD = 2 * (1 - 0.25) / (2 - 0.25), 0.5, 10.0
-SHARES = (0.3, 0.6, 0.99)
+SHARES = (0.05, 0.1, 0.3, 0.6, 0.99)
 """Of Coulomb's limit, between which a loop goes at constant normal force."""
 LAWS = (
     ("hertz", "elastic"),

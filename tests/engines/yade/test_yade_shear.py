@@ -12,13 +12,12 @@ from yade_scenes import GRANITE, POISSON, YOUNG, functor, material, set_engines,
 
 import demlaws as dl
 from demlaws.core.dispatch import _KERNELS, bind
-from demlaws.core.slip import SAMPLES, slip_loop
+from demlaws.core.slip import SPRINGS
 from demlaws.core.unloading import RULES, Hertz, Rule, own_rule
 from demlaws.driver import sheared
 from demlaws.laws import registry
 from demlaws.laws.definition import Advice, Rules
 from demlaws.make import example
-from demlaws.yade.shear import SPRINGS
 from studies.validation import engines
 from studies.validation.jobs import collision_jobs
 
@@ -228,15 +227,14 @@ def test_levels_turn_with_the_contact(omega):
     second.state.vel = yade.Vector3.Zero
     for body in (first, second):
         body.state.angVel = yade.Vector3(0, turn, 0)
-    former = yade.Vector3(0, 0, 2 * RADIUS - depth)
     for n in range(1, 1000):
         place = (2 * RADIUS - depth) * yade.Vector3(math.sin(n * turn), 0, math.cos(n * turn))
-        second.state.vel, former = place - former, place  # of the half step
+        second.state.vel = yade.Vector3(0, turn, 0).cross(place)
         second.state.pos = place
         omega.step()
     geom, phys = omega.interactions[0, 1].geom, omega.interactions[0, 1].phys
     assert geom.normal[0] > 0.8
-    assert phys.shearElastic.norm() == pytest.approx(np.hypot(shear[0][-1], shear[1][-1]), rel=1e-3)
+    assert phys.shearElastic.norm() == pytest.approx(np.hypot(shear[0][-1], shear[1][-1]), rel=2e-3)
     assert abs(phys.shearElastic.dot(geom.normal)) < 2e-3 * phys.shearElastic.norm()
 
 
@@ -293,17 +291,6 @@ def test_friction_limits_a_damped_contact_that_slides():
 # --- partial slip
 
 
-def slip_along(law, overlaps, displacements, friction, springs):
-    """Shear force of `dl.driver.sheared(..., "slip")`, with 128 times as many points of the unloading curve."""
-    results, rows = np.empty((6, len(overlaps))), (np.zeros((2, springs)), np.empty((2, 128 * SAMPLES)))
-    largest = float(np.max(law.shear_stiffness(overlaps, 1.0, "elastic")))
-    still = np.zeros(len(overlaps))
-    state = law.new_state(1).arrays
-    path = overlaps, displacements, still, GRANITE_RATIO, np.full(len(overlaps), friction), largest
-    slip_loop(law.rule_tag, law.shape, law.params, *path, state, *rows, results)
-    return results[2]
-
-
 @pytest.mark.parametrize(
     ("name", "rule"),
     shared(
@@ -312,7 +299,7 @@ def slip_along(law, overlaps, displacements, friction, springs):
     ),
 )
 def test_partial_slip_is_that_of_python(omega, name, rule):
-    """From a first step to the largest overlap on, so that both have the same springs."""
+    """With the energies: the same springs, which are laid, lifted and divided."""
     one = example(name, CONTACT, rule)
     generator = np.random.default_rng(2)
     depth = float(one.overlap(60.0))
@@ -321,18 +308,16 @@ def test_partial_slip_is_that_of_python(omega, name, rule):
     surfaces = {} if name == "hertz" else {"granite": GRANITE}
     law = functor(name, rule, surfaces, shear="slip", **one.options)
     reached, _, shear, normal = taken_along(law, overlaps, sideways, friction=0.5)
-    expected = slip_along(one, reached, sideways, 0.5, SPRINGS)
-    assert -shear == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
-    close = sheared(one, reached, sideways, GRANITE_RATIO, "slip", friction=0.5, springs=SPRINGS)
-    assert expected == pytest.approx(close.shear_force, abs=1e-4 * np.abs(expected).max())
+    expected = sheared(one, reached, sideways, GRANITE_RATIO, "slip", friction=0.5, springs=SPRINGS)
+    assert -shear == pytest.approx(expected.shear_force, abs=1e-9 * np.abs(expected.shear_force).max())
     assert np.any(np.abs(shear) < 0.2 * normal) and np.any(np.abs(shear) > 0.49 * normal)
     totals = law.totals()
-    assert totals.shear_stored == pytest.approx(close.stored[-1], rel=1e-3)
-    assert totals.shear_dissipated == pytest.approx(close.dissipated[-1], rel=1e-3)
+    assert totals.shear_stored == pytest.approx(expected.stored[-1], rel=1e-8)
+    assert totals.shear_dissipated == pytest.approx(expected.dissipated[-1], rel=1e-8)
 
 
 def test_partial_slip_of_a_contact_that_grows(omega):
-    """Springs are joined as the contact becomes stiffer: within the error of 12 springs."""
+    """Within the error of few springs."""
     one = example("pohrt-popov", CONTACT, "hertz")
     forces, displacements = PATHS["wild"]
     overlaps = overlaps_at(one, forces)
@@ -348,9 +333,8 @@ class Twin(NamedTuple):
 def test_a_rule_of_ones_own_with_springs_slips(omega, registered_here):
     bind(Twin, **_KERNELS[Hertz])
     rule = own_rule(Rule("twin", Twin(), RULES["hertz"].state, "law", None, "as hertz", springs="hertz"))
-    law = registry.find("pohrt-popov")._replace(
-        name="twins", unloading=("elastic", "twin"), rules=Rules(own=(rule,)), advice=Advice()
-    )
+    facts = {"unloading": ("elastic", "twin"), "rules": Rules(own=(rule,)), "advice": Advice()}
+    law = registry.find("pohrt-popov")._replace(name="twins", **facts)
     dl.register(law)
     overlaps, sideways = 1e-5 * np.array([1.0, 1.0, 0.9, 0.8, 0.95]), 1e-5 * np.array([0.0, 0.2, 0.1, 0.3, 0.0])
     found = []
