@@ -120,15 +120,17 @@ def tag_of(*things):
     return f"{UNKNOWN}{next(_count)}" if key is None else digest(key)[:16]
 
 
-def content_key(thing, visited=None):
-    """Text that identifies a value or a function, with all that it calls or uses, for compiled code; None if unknown."""
-    visited = set() if visited is None else visited
+def content_key(thing, inside=()):
+    """Text that identifies a value or a function, with all that it calls or uses, for compiled code; None if unknown.
+
+    inside: the functions that lead to it; it is the same text whatever was visited before.
+    """
     if isinstance(thing, (bool, int, float, complex, str, bytes, type(None), np.generic, np.dtype, numba.types.Type)):
         return repr(thing)
     if isinstance(thing, np.ndarray):
         return None if thing.dtype.hasobject else digest(str(thing.dtype), thing.shape, np.ascontiguousarray(thing).tobytes())
     if isinstance(thing, tuple | list | dict):
-        parts = [content_key(part, visited) for part in (thing.items() if isinstance(thing, dict) else thing)]
+        parts = [content_key(part, inside) for part in (thing.items() if isinstance(thing, dict) else thing)]
         return None if None in parts else f"{type(thing).__qualname__}({','.join(parts)})"
     function = getattr(thing, "py_func", None) or getattr(thing, "_defn", None) or thing  # of a dispatcher, an intrinsic
     module, code = getattr(function, "__module__", None), getattr(function, "__code__", None)
@@ -137,10 +139,9 @@ def content_key(thing, visited=None):
         return f"{module}.{thing.__qualname__}{getattr(thing, '_fields', '')}{file}"
     if isinstance(thing, np.ufunc) or (is_known(module) and not getattr(function, "__closure__", None)):
         return f"{module}.{getattr(function, '__qualname__', repr(function))}"
-    if code is None or function in visited:
-        return None if code is None else "itself"
-    visited.add(function)
-    parts = _parts_of_function(function, code, visited)
+    if code is None or function in inside:
+        return None if code is None else f"itself, {len(inside) - inside.index(function)} up"
+    parts = _parts_of_function(function, code, (*inside, function))
     key = None if None in parts else digest(*parts)
     if hasattr(thing, "recompile"):  # a user's helper whose globals may have changed
         if getattr(thing, "demlaws_key", key) != key:
@@ -149,16 +150,16 @@ def content_key(thing, visited=None):
     return key
 
 
-def _parts_of_function(function, code, visited):
+def _parts_of_function(function, code, inside):
     # the whole file as well: the code of a numba stub does not identify its implementation
-    parts = [_code_digest(code), _file_digest(code.co_filename), content_key(function.__defaults__, visited)]
-    parts += [content_key(cell.cell_contents, visited) for cell in function.__closure__ or ()]
+    parts = [_code_digest(code), _file_digest(code.co_filename), content_key(function.__defaults__, inside)]
+    parts += [content_key(cell.cell_contents, inside) for cell in function.__closure__ or ()]
     names = sorted(_names(code))
     for value in (function.__globals__[name] for name in names if name in function.__globals__):
         if not isinstance(value, type(sys)):
-            parts.append(content_key(value, visited))
+            parts.append(content_key(value, inside))
         elif not is_known(value.__name__):
-            parts += [content_key(getattr(value, name), visited) for name in names if hasattr(value, name)]
+            parts += [content_key(getattr(value, name), inside) for name in names if hasattr(value, name)]
     return parts
 
 

@@ -108,8 +108,10 @@ def _kept(function, folder, compiled):
             except numba.errors.NumbaError:
                 raise
             except Exception as error:  # whatever a corrupt file leads to, or a full disk
+                plain = compiled(function, False)  # raises the error of a function that is wrong
                 text = f"{folder} keeps no machine code, each process compiles it again; remove this folder: {error}"
                 warn(text, UserWarning)
+                return plain
         return compiled(function, False)
 
 

@@ -169,13 +169,14 @@ def tabulate(contact: Contact, curve: Any, rtol: float, largest_overlap: float |
 
 def rescaled(table: TableCurve, contact: Contact, unloading: Unloading) -> TableCurve:
     """`TableCurve` of an unloading curve in the scales of `table`, as far as this one reaches in force."""
-    curve = unloading.curve
+    curve, other = unloading.curve, unloading.contact
+    assert other is not None  # of a curve
     _refuse_too_fine(curve.definition, table.rtol)
     index, one = _one_contact(contact)
     pair_shape = joined_shape(table.shape, contact, unloading)
     params, plain = bind_params(pair_shape, one), plain_params(pair_shape, one)
     length, coefficient = plain.loading.length, plain.hertz_coefficient
-    kinks = [k / length for k in curve.kinks(plain_params(curve.shape, contact_at(unloading.contact, index)))]
+    kinks = [k / length for k in curve.kinks(plain_params(curve.shape, contact_at(other, index)))]
     exact = functools.partial(force_loop, pair_shape.unloading, params.unloading)
     rows = _interpreted(pair_shape.unloading, plain.unloading)
     source = CurveSampler(exact, rows, length, coefficient, kinks, curve.definition.solved)

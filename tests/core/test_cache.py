@@ -9,6 +9,7 @@ import shutil
 import sys
 import threading
 import time
+import warnings
 
 import numba
 import numpy as np
@@ -202,6 +203,43 @@ def test_a_full_disk_is_one_warning(theirs, monkeypatch):
     monkeypatch.setattr(cache, "placed", full)
     with pytest.warns(UserWarning, match="remove this folder: .*No space left"):
         assert numba_compat.loop(theirs.triple)(2.0) == 6.0
+
+
+def test_a_function_that_is_wrong_is_no_corrupt_file(theirs):
+    """A bug that numba meets while it compiles is raised, without a word about the folder."""
+
+    @numba.extending.intrinsic
+    def broken(context, x):
+        def write(context, builder, signature, arguments):
+            raise KeyError("a bug")
+
+        return numba.types.float64(numba.types.float64), write
+
+    theirs.broken = broken
+    exec("def use(x):\n    return broken(x)", vars(theirs))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", UserWarning)
+        with pytest.raises(Exception, match="a bug") as raised:
+            numba_compat.loop(theirs.use)(2.0)
+    assert not isinstance(raised.value, UserWarning)
+
+
+def test_the_key_of_a_helper_does_not_depend_on_who_asks_first():
+    """It was another one where a function had been visited before: an unchanged helper was compiled again and again."""
+
+    @numba.njit
+    def small(x):
+        return x + 1.0
+
+    @numba.njit
+    def large(x):
+        return 2.0 * small(x)
+
+    again = []
+    large.recompile = lambda: again.append(1)
+    for things in ((small, large), (large, small), (large,), (small, large)):
+        cache.content_key(things)
+    assert again == []
 
 
 def test_works_where_no_folder_takes_a_cache():
