@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from demlaws.errors import Argument, DemlawsError, MissingQuantity, did_you_mean, warn
+from demlaws.errors import DemlawsError, MissingQuantity, did_you_mean, warn
 from demlaws.units import RANGES, as_float, as_given, judge, number, outside, positive, refuse_plain_radius
 
 PER_CONTACT = ("radius", "modulus", "roughness")
@@ -33,7 +33,7 @@ def _check(owner: Any, *names: str, scalar: bool = True) -> None:
         if bad.size:
             where = f" (entry {bad[0]})" if array.ndim else ""
             text = judge(**{name: float(array.flat[bad[0]])})[0].text
-            raise DemlawsError(Argument(name), text.removeprefix(name).replace(":", f"{where}:", 1))
+            raise DemlawsError(text.replace(":", f"{where}:", 1))
         object.__setattr__(owner, name, as_given(array))
 
 
@@ -234,7 +234,7 @@ class Contact:
         for place in {int(np.argmax(roughness / radius)), int(np.argmax(radius))} if radius.size else ():
             for finding in judge(radius=float(radius[place]), roughness=float(roughness[place])):
                 if not finding.admissible:
-                    raise DemlawsError(Argument(finding.quantity), finding.text.removeprefix(finding.quantity))
+                    raise DemlawsError(finding.text)
                 warn(finding.text)
 
     def __eq__(self, other: object) -> bool:
@@ -380,8 +380,7 @@ def pressure_of(contact: Contact, value: Any, name: str) -> float:
     if np.any(pressure < LOWEST_HARDNESS * np.asarray(contact.modulus)):
         share = pressure / float(np.max(contact.modulus))
         raise DemlawsError(
-            Argument(name),
-            f" = {pressure:g} Pa is {share:.1g} of the effective modulus: check the units (give Pa, or "
+            f"{name} = {pressure:g} Pa is {share:.1g} of the effective modulus: check the units (give Pa, or "
             '"6.3GPa"; a Vickers number in kgf/mm² times 9.807e6)',
         )
     return pressure

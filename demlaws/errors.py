@@ -1,12 +1,13 @@
 """Errors and warnings of demlaws, and signals that end a process."""
 
 import contextlib
+import re
 import signal
 import sys
 import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 ADDRESS = ""
 REPOSITORY = ""
@@ -18,45 +19,25 @@ def page(name: str) -> str:
     return f"{ADDRESS}/{name}.html" if ADDRESS else f"docs/{name}.md"
 
 
-class Argument(NamedTuple):
-    """An argument of Python that a message names, so that a command can name its option instead.
-
-    value: None, where only the name is written; ... (Ellipsis) where the value is to be given.
-
-    >>> print(Argument("force_noise"), Argument("unloading", "hertz"), Argument("slope", ...), sep="; ")
-    force_noise; unloading='hertz'; slope=...
-    """
-
-    name: str
-    value: Any = None
-
-    def __str__(self) -> str:
-        if self.value is None:
-            return self.name
-        return f"{self.name}={'...' if self.value is ... else repr(self.value)}"
+LONGEST_WORD, LONGEST_TEXT = 300, 10_000
+"""Characters of a word, and of a text, that a message repeats in full."""
 
 
-class Message(Exception):
-    """An error or a warning whose parts are text, `Argument`s and other messages."""
-
-    def text(self, named: Callable[[Argument], str] = str) -> str:
-        """The message, with `named(argument)` for each argument."""
-        return "".join(
-            part.text(named) if isinstance(part, Message) else named(part) if isinstance(part, Argument) else str(part)
-            for part in self.args
-        )
-
-    def __str__(self) -> str:
-        return self.text()
+def shortened(text: object) -> str:
+    """A text whose very long words are cut."""
+    return re.sub(rf"\S{{{LONGEST_WORD},}}", lambda word: f"{word[0][:60]}…", str(text)[:LONGEST_TEXT])
 
 
-class DemlawsError(Message, ValueError):
+class DemlawsError(ValueError):
     """Bad input: the message names the value, its unit and the remedy.
 
     >>> dl.Contact(radius=-1e-3, modulus=32e9)
     Traceback (most recent call last):
     demlaws.errors.DemlawsError: radius = -0.001 m: the radius must be positive (two flats have no Hertz contact)
     """
+
+    def __init__(self, text: object = "") -> None:
+        super().__init__(shortened(text))
 
 
 class NotPassive(DemlawsError):
@@ -75,7 +56,7 @@ class MissingQuantity(DemlawsError):
     def of(cls, user: str, quantity: str) -> "MissingQuantity":
         """The error of a law or criterion (`user`, text) for a field of the contact."""
         smooth = ", 0 for smooth surfaces" if quantity == "roughness" else ""
-        return cls(f"{user} needs the contact's {quantity}, which is not given: give ", Argument(quantity, ...), smooth)
+        return cls(f"{user} needs the contact's {quantity}, which is not given: give {quantity}{smooth}")
 
 
 class EngineStopped(DemlawsError, RuntimeError):
@@ -86,7 +67,7 @@ class NeedsClasses(DemlawsError):
     """A curve that depends on the radius cannot serve a range of radii; define grains of a few sizes."""
 
 
-class ValidityWarning(Message, UserWarning):
+class ValidityWarning(UserWarning):
     """A law is used outside the validity range of its source.
 
     >>> import warnings
@@ -142,15 +123,12 @@ def did_you_mean(word: object, known: Iterable[str], likeness: float = 0.6) -> s
     return f", did you mean {similar!r}?" if similar else "."
 
 
-def warn(text: str | tuple, category: type[Warning] = ValidityWarning) -> None:
-    """Issue a warning that shows the line of the caller's file, the first one outside of this package.
-
-    text: also the parts of a `Message`.
-    """
+def warn(text: str, category: type[Warning] = ValidityWarning) -> None:
+    """Issue a warning that shows the line of the caller's file, the first one outside of this package."""
     frame, depth = sys._getframe(1), 2
     while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "demlaws":
         frame, depth = frame.f_back, depth + 1
-    warnings.warn(category(*text) if isinstance(text, tuple) else category(text), stacklevel=depth)
+    warnings.warn(category(shortened(text)), stacklevel=depth)
 
 
 @contextlib.contextmanager

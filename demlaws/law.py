@@ -15,7 +15,7 @@ from demlaws.core.loops import equal_params, loading_part, params_at
 from demlaws.core.unloading import GIVEN
 from demlaws.curves.closed import ClosedForm
 from demlaws.curves.unloading import ELASTIC, Unloading, beside_table, refuse_unless_passive
-from demlaws.errors import Argument, DemlawsError
+from demlaws.errors import DemlawsError
 from demlaws.files import names_a_file, write_atomically
 from demlaws.laws.definition import HERTZ_CURVE
 from demlaws.responses.response import Response
@@ -147,7 +147,7 @@ class Law(Response):
         try:
             return self.overlap(np.broadcast_to(force, self.contact.size or ()))
         except DemlawsError as error:
-            raise DemlawsError(Argument("max_force"), f" = {force:g} N is too large for this contact: ", error) from None
+            raise DemlawsError(f"max_force = {force:g} N is too large for this contact: {error}") from None
 
     def tabulate(self, rtol: float = 1e-5, max_force: float | None = None) -> "Table":
         """The smallest `Table` of this law whose force and stiffness lie within `rtol`, measured between the nodes.

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.errors import Argument, DemlawsError
+from demlaws.errors import DemlawsError
 
 SMALL_OVERLAP = 0.1
 """Overlap over effective radius up to which contact laws are valid (bodies as half-spaces). One warning beyond it."""
@@ -43,15 +43,16 @@ def check_overlaps(overlap, radius):
     """
     if np.size(overlap) == 0:
         return None
-    ratio = np.asarray(overlap) / np.asarray(radius)
+    with np.errstate(over="ignore"):
+        ratio = np.asarray(overlap) / np.asarray(radius)
     where = int(np.argmax(ratio))
     worst = float(ratio.flat[where])
     if not worst > SMALL_OVERLAP * (1.0 + 1e-9):
         return None
-    value = float(np.broadcast_to(overlap, ratio.shape).flat[where])
+    value, own = (float(np.broadcast_to(one, ratio.shape).flat[where]) for one in (overlap, radius))
     if worst > LARGEST_OVERLAP:
-        raise DemlawsError(too_large_overlap(value, value / worst))
-    return large_overlap(value, value / worst, int(np.sum(ratio > SMALL_OVERLAP)), ratio.size)
+        raise DemlawsError(too_large_overlap(value, own))
+    return large_overlap(value, own, int(np.sum(ratio > SMALL_OVERLAP)), ratio.size)
 
 
 UNITS = {
@@ -90,7 +91,9 @@ UNITS = {
     "1/s": {"1/s": 1.0, "/s": 1.0},
 }
 """SI unit → spellings that are read in text beside a plain number, and what each is in that unit."""
-_QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:inf|nan))\s*(\S*)\s*")
+_QUANTITY = re.compile(r"([-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:inf|nan))\s*(\S*)")
+_LONGEST = 100
+"""Characters of a number with its unit."""
 
 
 HANDY = {"m": ("µm", 1e6), "Pa": ("GPa", 1e-9), "m/N": ("µm/N", 1e6), "N/m": ("N/µm", 1e-6)}
@@ -104,13 +107,14 @@ def plain_unit(text):
 
 def quantity(text, name, unit=""):
     """A number in the SI unit `unit` from text such as "3mm", "2.4 µm", "60GPa" or "6e10". Raises DemlawsError."""
-    match = _QUANTITY.fullmatch(text)
+    text = text.strip()
+    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
     factors = UNITS.get(unit, {unit: 1.0} if unit else {})
     symbol = plain_unit(match[2]) if match else ""
     if match and (not symbol or symbol in factors):
         return float(match[1]) * factors.get(symbol, 1.0)
     units = f" in {unit}, or with one of the units {', '.join(factors)}" if factors else f" in {unit}" if unit else ""
-    raise DemlawsError(Argument(name), f" must be a number{units}, got {text!r:.60}")
+    raise DemlawsError(f"{name} must be a number{units}, got {text!r:.60}")
 
 
 def unmasked(value):
@@ -125,6 +129,8 @@ def as_float(value, name, unit="", array=False):
     if isinstance(value, str):
         return np.float64(quantity(value, name, unit))
     try:
+        if isinstance(value, bytes | bytearray | memoryview):  # numpy would take their bytes for numbers
+            raise TypeError
         if array and isinstance(value, (list, tuple)):
             value = [quantity(v, name, unit) if isinstance(v, str) else v for v in value]
         result = np.asarray(unmasked(value))
@@ -133,10 +139,10 @@ def as_float(value, name, unit="", array=False):
         result = result.astype(float)
     except (TypeError, ValueError, OverflowError):
         kind = "a number or an array" if array else "a number"
-        raise DemlawsError(Argument(name), f" must be {kind}{f' in {unit}' if unit else ''}, got {value!r:.60}") from None
+        raise DemlawsError(f"{name} must be {kind}{f' in {unit}' if unit else ''}, got {value!r:.60}") from None
     if result.ndim > (1 if array else 0):
         kind = "a number or a 1-D array" if array else "one number"
-        raise DemlawsError(Argument(name), f" must be {kind}, got shape {result.shape}")
+        raise DemlawsError(f"{name} must be {kind}, got shape {result.shape}")
     return result
 
 
@@ -153,7 +159,7 @@ def number(value, name, unit="", low=0.0, high=math.inf, allow_low=False):
         return result
     end = "" if high == math.inf else f" and at most {high:g}"
     raise DemlawsError(
-        Argument(name), f" = {result:g} {unit}".rstrip() + f": must be {'at least' if allow_low else 'above'} {low:g}{end}"
+        f"{name} = {result:g} {unit}".rstrip() + f": must be {'at least' if allow_low else 'above'} {low:g}{end}"
     )
 
 
@@ -161,7 +167,7 @@ def positive(value, name, unit):
     """An array of positive, finite numbers; DemlawsError otherwise."""
     array = as_float(value, name, unit, array=True)
     if not np.all(np.isfinite(array) & (array > 0)):
-        raise DemlawsError(Argument(name), f" must be positive and finite, in {unit}, got {value!r}")
+        raise DemlawsError(f"{name} must be positive and finite, in {unit}, got {value!r:.200}")
     return array
 
 
@@ -170,7 +176,7 @@ def whole(value, name, low=1, high=10_000_000):
     result = float(as_float(value, name))
     if result == result and low <= result <= high and result == int(result):
         return int(result)
-    raise DemlawsError(Argument(name), f" = {result:.15g}: give a whole number from {low} to {high}")
+    raise DemlawsError(f"{name} = {result:.15g}: give a whole number from {low} to {high}")
 
 
 class Range(NamedTuple):

@@ -19,7 +19,7 @@ from demlaws.advice.fit_report import WEAK, Fit, fitted
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
 from demlaws.curves.point_files import columns_of, in_contact, refuse_other_units
-from demlaws.errors import Argument, DemlawsError
+from demlaws.errors import DemlawsError
 from demlaws.laws.registry import find, registry
 from demlaws.responses.results import Tabular
 from demlaws.units import number
@@ -126,10 +126,7 @@ def fit(
         displacement_noise = number(displacement_noise, "displacement_noise", "m", 1e-13, 1e-2, allow_low=True)
     force_noise = number(force_noise, "force_noise", "N", allow_low=True)
     if force_noise and displacement_noise is None:
-        raise DemlawsError(
-            *(Argument("force_noise"), " needs ", Argument("displacement_noise")),
-            " [m] beside it: only their ratio weights the points",
-        )
+        raise DemlawsError("force_noise needs displacement_noise [m] beside it: only their ratio weights the points")
     displacement = displacement - number(compliance, "compliance", "m/N", 0.0, 1e-3, allow_low=True) * force
     keep, skipped = in_contact(force, force_noise)
     displacement, force = displacement[keep], force[keep]
@@ -147,8 +144,7 @@ def fit(
         except DemlawsError as error:
             failed[name if rule == "elastic" else f"{name}, {rule} unloading"] = error
     if not fits:
-        reasons = [part for name, reason in failed.items() for part in ("; ", f"{name}: ", reason)]
-        raise DemlawsError("no law could be fitted: ", *reasons[1:])
+        raise DemlawsError(f"no law could be fitted: {'; '.join(f'{name}: {reason}' for name, reason in failed.items())}")
     fits.sort(key=lambda f: f.aicc)
     fits[0] = fits[0]._replace(notes=(*fits[0].notes, *_suspicions(fits[0], test)))
     relative = [math.exp(-0.5 * (f.aicc - fits[0].aicc)) for f in fits]

@@ -13,7 +13,7 @@ import numpy as np
 from demlaws.contact import unchecked
 from demlaws.core import loops
 from demlaws.core.history import history
-from demlaws.errors import Argument, DemlawsError, quiet
+from demlaws.errors import DemlawsError, quiet
 from demlaws.laws.definition import OF_CONTACT, Parameter
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
@@ -59,7 +59,7 @@ class Model:
         for field in self.definition.needed(**options):
             if getattr(contact, field) is None:
                 if field not in free:
-                    raise DemlawsError(f"{name} needs the contact's ", Argument(field), ": give it, or fit it")
+                    raise DemlawsError(f"{name} needs the contact's {field}: give it, or fit it")
                 fill[field] = float(OF_CONTACT[field].starts(contact)[0])
         self.contact = contact.with_values(**fill)
         unseen = {n: one for n, one in self.definition.fitting.parameters.items() if one.unloading and n not in free}

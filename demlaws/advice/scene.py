@@ -5,7 +5,7 @@ import itertools
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +22,7 @@ from demlaws.contact import (
     surface_of,
 )
 from demlaws.core.unloading import GIVEN
-from demlaws.errors import DemlawsError, NotPassive
+from demlaws.errors import DemlawsError, NotPassive, did_you_mean
 from demlaws.files import as_path, names_a_file, read_text
 from demlaws.law import Law
 from demlaws.laws.registry import find
@@ -270,15 +270,29 @@ def _from_toml(path):
         for key, kind in (("material", Material), ("surface", Surface)):
             section = text.pop(key, None) or text.pop(f"{key}s", None)  # [material] or [[materials]]
             if section is not None:
-                values[f"{key}s"] = [kind(**entry) for entry in (section if isinstance(section, list) else [section])]
+                entries = section if isinstance(section, list) else [section]
+                values[f"{key}s"] = [kind(**_known(entry, kind, f"[{key}]")) for entry in entries]
         unloading = text.get("unloading")
         if names_a_file(unloading):  # beside the scene's
             text["unloading"] = str(path.parent.absolute() / unloading)
-        return Scene(**values, **text)
+        return Scene(**values, **_known(text, Scene, "a scene"))
     except tomllib.TOMLDecodeError as error:
         raise DemlawsError(f"{path} is not a scene file (demlaws choose --template): {error}") from error
-    except (DemlawsError, TypeError) as error:
+    except RecursionError:
+        raise DemlawsError(f"{path} is not a scene file (demlaws choose --template): it is nested too deeply") from None
+    except (TypeError, ValueError) as error:
         raise DemlawsError(f"{path}: {error}") from None
+
+
+def _known(entries, kind, where):
+    """The keys and values of a part of a scene file; DemlawsError for a key that is not a field of `kind`."""
+    if not isinstance(entries, dict):
+        raise DemlawsError(f"{where} must have lines key = value, got {entries!r:.60} (demlaws choose --template)")
+    names = [field.name for field in fields(kind) if field.init]
+    for name in entries:
+        if name not in names:
+            raise DemlawsError(f"{where} has no key {name!r:.60}{did_you_mean(name, names)} Its keys are {', '.join(names)}")
+    return entries
 
 
 def unloading_rule(scene, name, options):

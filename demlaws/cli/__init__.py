@@ -11,7 +11,7 @@ import warnings
 from pathlib import Path
 
 from demlaws.cli.output import Output, Result
-from demlaws.errors import DemlawsError, Message, ValidityWarning, most_similar, page
+from demlaws.errors import DemlawsError, ValidityWarning, most_similar, page
 
 COMMANDS = {
     "check": ("check", "test the installation with each engine that is found, print versions for a report"),
@@ -35,25 +35,6 @@ COMMANDS = {
 
 
 LAW_FILE = "--law-file"
-
-
-def text_of(message, parsed):
-    """An error, a warning or a text as the command shows it."""
-    return message.text(lambda argument: _option_of(argument, parsed)) if isinstance(message, Message) else str(message)
-
-
-def _option_of(argument, parsed):
-    """How the command names an argument of Python: --force-noise, --option slope=VALUE, a line of its scene file."""
-    name, value = argument
-    if hasattr(parsed, "scene"):
-        return f"{name} = ... below [surface] or [material] of the scene" if value is ... else str(argument)
-    # what other options may have given
-    computed = value is None and name in ("radius", "modulus", "roughness") and getattr(parsed, name, None) is None
-    if hasattr(parsed, name) and not computed:
-        combined = f"combined_{name}" if value is ... and hasattr(parsed, f"combined_{name}") else ""
-        text = f"--{name}" + (f" (or --{combined})" if combined else "")
-        return text.replace("_", "-") + ("" if value in (None, ...) else f" {value}")
-    return f"--option {name}=VALUE" if value is ... and hasattr(parsed, "option") else str(argument)
 
 
 class _LawFile(argparse.Action):
@@ -180,13 +161,13 @@ def example(text):
     return {"epilog": "example:\n" + text}
 
 
-def _show_warnings(parsed):
+def _show_warnings():
     """Warnings for users as one line without a place, which would be in our files; any other as Python does."""
     otherwise, shown = warnings.showwarning, set()
 
     def show(message, category, filename, lineno, file=None, line=None):
         if issubclass(category, UserWarning):
-            if (text := text_of(message, parsed)) not in shown:
+            if (text := str(message)) not in shown:
                 print(f"demlaws: warning: {text}", file=sys.stderr)
                 shown.add(text)
         else:
@@ -244,12 +225,11 @@ def execute(parser, arguments):
     for stream in (sys.stdout, sys.stderr):  # a terminal without µ prints ?
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
-    parsed = argparse.Namespace()
     try:
         try:
             parsed = parser().parse_args(arguments)
             with warnings.catch_warnings():
-                _show_warnings(parsed)
+                _show_warnings()
                 result = Result(parsed)
                 status = parsed.func(parsed, result) or 0
                 result.finish()
@@ -257,7 +237,7 @@ def execute(parser, arguments):
             sys.stdout.flush()
         return status
     except DemlawsError as error:
-        return _failed(text_of(error, parsed))
+        return _failed(error)
     except OverflowError:
         return _failed("a value exceeds the range of numbers: check the units")
     except MemoryError:

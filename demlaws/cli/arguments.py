@@ -33,7 +33,7 @@ def radius(text):
     return math.inf if text == "flat" else length(text)
 
 
-radius.metavar = length.metavar
+radius.__dict__["metavar"] = "LENGTH"
 
 
 def whole(low=1, high=10_000_000):

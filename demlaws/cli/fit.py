@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from demlaws.cli import example, text_of
+from demlaws.cli import example
 from demlaws.cli.arguments import compliance, force, length
 from demlaws.cli.contact import add_contact_arguments, contact_from, describe
 from demlaws.cli.output import csv_file, picture_file, progress
@@ -119,7 +119,7 @@ def run(arguments, result):
         one["parameters"] = {name: {**e._asdict(), "note": e.note} for name, e in f.parameters.items()}
     result.values = {"laws": laws, "skipped": dict(ranking.skipped)}
     for name, reason in ranking.skipped.items():
-        result.say(f"not fitted: {name}: {text_of(reason, arguments)}")
+        result.say(f"not fitted: {name}: {reason}")
     if arguments.csv is not None:
         rows = [
             (f.name, f.unloading, f.misfit, f.aicc, f.delta, f.weight, name, e.value, e.error, e.low, e.high, e.note)

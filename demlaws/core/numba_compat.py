@@ -5,6 +5,7 @@ With NUMBA_DISABLE_JIT=1 nothing is compiled and a debugger steps through loops 
 
 import contextlib
 import functools
+import os
 import sys
 import threading
 from types import FunctionType
@@ -23,6 +24,11 @@ INLINED: dict[str, Any] = {**OPTIONS, "forceinline": True}
 """Options of what is compiled into its callers: loops vectorise only if nothing in them is a call."""
 _NUMBERS = {float, int, bool, np.float64}
 _compiling = threading.RLock()
+
+
+if hasattr(os, "register_at_fork"):
+    # a child made while another thread compiles would inherit half of numba's state, locks included: the fork waits
+    os.register_at_fork(before=_compiling.acquire, after_in_parent=_compiling.release, after_in_child=_compiling.release)
 
 
 def kernel(function):

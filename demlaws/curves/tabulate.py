@@ -16,7 +16,7 @@ from demlaws.curves.closed import Certificate
 from demlaws.curves.soundness import refuse_unless_collapses
 from demlaws.curves.table import TableCurve, plain_params
 from demlaws.curves.unloading import Unloading, joined_shape
-from demlaws.errors import Argument, DemlawsError
+from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Definition
 from demlaws.laws.registry import is_user_defined
 
@@ -188,9 +188,7 @@ def rescaled(table: TableCurve, contact: Contact, unloading: Unloading) -> Table
         if not np.isfinite(top):
             raise DemlawsError(
                 f"the unloading curve, a table of {curve.definition.name!r}, must reach beyond this table's {end:.4g} N: "
-                "make it with a larger ",
-                Argument("max_force"),
-                ", or this one with a smaller",
+                "make it with a larger max_force, or this one with a smaller one"
             )
         return top / length
 

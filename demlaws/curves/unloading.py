@@ -9,7 +9,7 @@ from demlaws.contact import SIZES, Contact
 from demlaws.core.loops import bind_params, force_loop, inverse_loop, loading_part, params_at
 from demlaws.core.table_types import TableParams
 from demlaws.core.unloading import GIVEN, RULES, JoinedParams, JoinedShape, Rule
-from demlaws.errors import Argument, DemlawsError, NotPassive
+from demlaws.errors import DemlawsError, NotPassive
 from demlaws.laws import HERTZ
 from demlaws.laws.registry import is_user_defined
 
@@ -61,9 +61,8 @@ def beside_table(curve: Any, contact: Contact, unloading: Unloading) -> Unloadin
         return unloading
     if unloading.rule is not RULES["hertz"]:
         raise DemlawsError(
-            f"a table of law {curve.definition.name!r} and its bulk_radius cannot take {unloading.rule.name!r} unloading: use ",
-            Argument("unloading", "hertz"),
-            ", or the law without a table",
+            f"a table of law {curve.definition.name!r} and its bulk_radius cannot take {unloading.rule.name!r} unloading: use "
+            "unloading 'hertz', or the law without a table"
         )
     from demlaws.curves.closed import ClosedForm
     from demlaws.laws.registry import registry
@@ -110,10 +109,8 @@ def refuse_unless_passive(law: Any) -> None:
         remedy, more = (other, "") if other != law.unloading else ("elastic", ", or other options of the law")
         raise NotPassive(
             f"law {law.name!r} cannot take {law.unloading!r} unloading: at {force:.3g} N its stiffness is {ratio} times "
-            f"{whose}, so that unloading would return more work than loading took",
-            "; use ",
-            Argument("unloading", remedy),
-            more,
+            f"{whose}, so that unloading would return more work than loading took; "
+            f"use unloading {remedy!r}{more}"
         )
 
 

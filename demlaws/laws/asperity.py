@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.core.grid import Nodes, grid, shape_from_nodes
-from demlaws.errors import Argument, DemlawsError
+from demlaws.errors import DemlawsError
 from demlaws.laws.definition import (
     MAP,
     POSITIVE,
@@ -93,9 +93,8 @@ def sample(rough, max_force):
     loaded = forces > 0
     if loaded.sum() < 3 * _SAMPLES:
         raise DemlawsError(
-            f"only {int(loaded.sum())} overlaps of this map carry load below {limit:.3g} N: give a larger ",
-            Argument("max_force"),
-            " or a larger map",
+            f"only {int(loaded.sum())} overlaps of this map carry load below {limit:.3g} N: give a larger "
+            "max_force or a larger map"
         )
     if max_force is not None and edge:
         rough.advise(rough.at(overlaps[-1]))

@@ -4,14 +4,14 @@ import functools
 import inspect
 import math
 import re
-from collections.abc import Callable, Container, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN, RULES, Rule
-from demlaws.errors import Argument, DemlawsError, MissingQuantity, did_you_mean
+from demlaws.errors import DemlawsError, MissingQuantity, did_you_mean, most_similar
 from demlaws.units import number
 
 
@@ -350,7 +350,7 @@ class Definition(NamedTuple):
             text = ", ".join(f"{name}={value!r:.60}" for name, value in options.items())
             raise DemlawsError(f"law {self.name!r} cannot use {text}: {error}") from error
 
-    def refuse_missing(self, given: Container[str]) -> None:
+    def refuse_missing(self, given: Collection[str]) -> None:
         """Raise DemlawsError unless all options without a default are among the `given` ones."""
         parameters = list(_signature(self.prepare).parameters.values())[1:]
         missing = [one.name for one in parameters if one.default is _REQUIRED and one.kind is not one.VAR_KEYWORD]
@@ -358,8 +358,10 @@ class Definition(NamedTuple):
         if missing:
             records = [(name, self.options.get(name, Option("", "", "an option"))) for name in missing]
             texts = [f"{name}{one.unit and f' in {one.unit}'} ({one.meaning})" for name, one in records]
-            ways = [part for name in missing for part in (", ", Argument(name, ...))][1:]
-            raise DemlawsError(f"law {self.name!r} needs {', '.join(texts)}: give ", *ways)
+            ways = ", ".join(f"{name}=VALUE" for name in missing)
+            typos = [name for name in given if name not in self.options and most_similar(name, missing)]
+            typo = f"; {typos[0]!r} is not an option{did_you_mean(typos[0], missing)}" if typos else ""
+            raise DemlawsError(f"law {self.name!r} needs {', '.join(texts)}: give {ways}{typo}")
 
     def default_rule(self, **options: Any) -> str:
         """Name of the unloading rule where a user names none, in Python, commands, scenes and engines.

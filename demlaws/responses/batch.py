@@ -24,9 +24,11 @@ class State:
             if np.ndim(size) or np.dtype(dtype) not in (np.float64, np.float32):  # whole numbers would lose the history
                 raise TypeError
             arrays = tuple(np.zeros(size, dtype) for _ in names)
-        except (TypeError, ValueError, MemoryError):
+        except MemoryError:
+            raise DemlawsError(f"not enough memory for a state of n = {size!r:.60} contacts") from None
+        except (TypeError, ValueError):
             raise DemlawsError(
-                f"a state of n = {size!r} contacts in {dtype!r}: give a whole number and float64 or float32"
+                f"a state of n = {size!r:.60} contacts in {dtype!r:.60}: give a whole number and float64 or float32"
             ) from None
         self.__dict__.update(names=tuple(names), arrays=arrays)
 

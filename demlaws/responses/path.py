@@ -27,8 +27,8 @@ class Path(Tabular):
     stiffness : ndarray
         Tangent stiffness [N/m].
     stored, dissipated : ndarray
-        Recoverable and dissipated energy of the contact [J], from its last closing; a path that continues a given state
-        includes the energies before it.
+        Recoverable energy of the contact, and energy that it has dissipated along this path, over all its closings [J]. A path
+        that continues a given state includes the dissipation of that contact since it closed, not that of earlier closings.
 
     Examples
     --------
@@ -76,7 +76,7 @@ class Path(Tabular):
 
     @property
     def work(self) -> np.ndarray:
-        """Work done on the contact [J], ∫P dδ, exact between the points, since the contact last closed."""
+        """Work done on the contact [J], ∫P dδ, exact between the points: stored and dissipated."""
         return self.stored + self.dissipated
 
     def plot(self, ax: Any = None, **style: Any) -> Any:

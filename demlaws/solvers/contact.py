@@ -17,7 +17,7 @@ import numpy as np
 
 from demlaws.contact import smooth_overlap
 from demlaws.core.numba_compat import kernel, loop
-from demlaws.errors import Argument, DemlawsError, MapWarning, warn
+from demlaws.errors import DemlawsError, MapWarning, warn
 from demlaws.solvers.ellipsoid import (
     ALUMINIUM_FACTOR,
     ALUMINIUM_RATIO,
@@ -191,10 +191,8 @@ class RoughContact:
         hardness = math.inf if self.pair.hardness is None else self.pair.hardness
         if self.pair.hardness is not None and None in (self.plastic_factor, self.plastic_ratio):
             warn(
-                (
-                    f"c_h = {ALUMINIUM_FACTOR} and c_A = {ALUMINIUM_RATIO:g} are aluminium's: give ",
-                    *(Argument("plastic_factor"), " and ", Argument("plastic_ratio"), " of this material"),
-                )
+                f"c_h = {ALUMINIUM_FACTOR} and c_A = {ALUMINIUM_RATIO:g} are aluminium's: give plastic_factor and "
+                "plastic_ratio of this material"
             )
         self.plastic_factor = ALUMINIUM_FACTOR if self.plastic_factor is None else self.plastic_factor
         self.plastic_ratio = ALUMINIUM_RATIO if self.plastic_ratio is None else self.plastic_ratio

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.core.numba_compat import kernel
-from demlaws.errors import Argument, DemlawsError
+from demlaws.errors import DemlawsError
 from demlaws.units import as_given, number
 
 ELASTIC, ELASTIC_PLASTIC, PLASTIC = 0, 1, 2
@@ -130,8 +130,7 @@ def plasticity(modulus, hardness, poisson, plastic_factor=ALUMINIUM_FACTOR, plas
     factor = number(plastic_factor, "plastic_factor")
     if factor < 2 / 3 * yield_factor(nu):
         raise DemlawsError(
-            Argument("plastic_factor"),
-            f" = {factor:g}: the fully plastic pressure cannot be below the mean pressure at first "
+            f"plastic_factor = {factor:g}: the fully plastic pressure cannot be below the mean pressure at first "
             f"yield, {2 / 3 * yield_factor(nu):.3f} H_m",
         )
     ratio = number(plastic_ratio, "plastic_ratio", low=2.0)

@@ -11,7 +11,7 @@ import numpy as np
 
 from demlaws import units
 from demlaws.contact import Surface
-from demlaws.errors import Argument, DemlawsError, MapWarning, warn
+from demlaws.errors import DemlawsError, MapWarning, warn
 from demlaws.surfaces import plausibility
 
 UNITS = {**units.UNITS["m"], "µm": 1e-6, "μm": 1e-6}
@@ -325,12 +325,10 @@ def _wavelengths(value, shortest, longest):
     try:
         low, high = value
     except (TypeError, ValueError):
-        raise DemlawsError(Argument("wavelengths"), f" = {value!r:.60}: give the shortest and the longest in m") from None
+        raise DemlawsError(f"wavelengths = {value!r:.60}: give the shortest and the longest in m") from None
     low, high = float(units.as_float(low, "wavelengths", "m")), float(units.as_float(high, "wavelengths", "m"))
     if not 0.0 <= low < high:
-        raise DemlawsError(
-            Argument("wavelengths"), f" from {low:g} to {high:g} m: give the shortest and the longest, from 0 on"
-        )
+        raise DemlawsError(f"wavelengths from {low:g} to {high:g} m: give the shortest and the longest, from 0 on")
     return low, high
 
 

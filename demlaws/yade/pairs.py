@@ -388,8 +388,8 @@ class Pairs:
         try:
             shape = source.shape(surface, self.unloading, self.modulus)
         except DemlawsError as error:
-            missing = isinstance(error, MissingQuantity)
-            text = f"{names}: {error.text(lambda one: f'Surface({one})') if missing else error}"
+            where = " to its Surface" if isinstance(error, MissingQuantity) else ""
+            text = f"{names}: {error}{where}"
             if not complete and len(self.labels) > 1:
                 return None, (math.nan, math.nan)  # such a contact, should it occur, stops the simulation
             raise DemlawsError(text) from None

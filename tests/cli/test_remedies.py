@@ -10,10 +10,24 @@ CONTACT = "--radius 8mm 8mm --young 60.6GPa --poisson 0.25 --roughness 1.7um --f
 FILES = {
     "below.csv": "displacement (um),force (N)\n" + "".join(f"{i},-{i}\n" for i in range(1, 9)),
     "notes.txt": "radii\n",
+    "typo.toml": "radiis = 1e-3\nforce = 1\n",
+    "material.toml": "radii = 1e-3\n[material]\nyung = 1\n",
+    "number.toml": "radii = 1e-3\nmaterial = 3\n",
+    "long.toml": f"radii = {'1' * 5000}\n",
+    "deep.toml": f"radii = {'[' * 5000}\n",
     "rough.toml": "radii = [5e-3, 5e-3]\nforce = [50.0, 100.0]\nquantity = 'overlap'\n[material]\nyoung = 60e9\npoisson = 0.2\n"
     "[surface]\nroughness = 4e-4\nfractal_dimension = 2.2\n",
 }
 MISTAKES = [
+    (
+        "curve --law rough-plastic --material granite --option yieldpressure=1GPa --forces 1 --radius 8mm 8mm",
+        ["'yieldpressure'", "did you mean 'yield_pressure'"],
+    ),
+    ("choose typo.toml", ["typo.toml: a scene has no key 'radiis', did you mean 'radii'"]),
+    ("choose material.toml", ["material.toml: [material] has no key 'yung', did you mean 'young'"]),
+    ("choose number.toml", ["number.toml: [material] must have lines key = value"]),
+    ("choose long.toml", ["long.toml"]),
+    ("choose deep.toml", ["deep.toml"]),
     (
         "curve --law hertz --radius 8mm --modulus 30GPa --forces 1",
         ["--radius 0.008 flat for a sphere on a flat", "--radius 0.008 0.008 for two equal", "--effective-radius"],
@@ -27,19 +41,19 @@ MISTAKES = [
     ("curve --law hertz --test SS(18-18) --material glass --forces 1", ["either --material or --test"]),
     ("lammps export case --radius 1mm 2mm 3mm --material glass steel", ["--material has 2 values for 3 radii"]),
     (f"soften --factor 0.1 --law hertz {CONTACT}", ["0.1", "1 or more"]),
-    (f"curve --law eepa {CONTACT} --forces 10", ["--option stiffness_ratio=VALUE"]),
-    (f"curve --law conical-damage {CONTACT} --forces 10", ["--option strength=VALUE", "--option angle=VALUE"]),
-    (f"curve --law rough-plastic {CONTACT} --forces 10", ["--option yield_pressure=VALUE"]),
+    (f"curve --law eepa {CONTACT} --forces 10", ["stiffness_ratio=VALUE"]),
+    (f"curve --law conical-damage {CONTACT} --forces 10", ["strength=VALUE", "angle=VALUE"]),
+    (f"curve --law rough-plastic {CONTACT} --forces 10", ["yield_pressure=VALUE"]),
     (f"curve --law hertz {CONTACT} --forces 10 --option softness=3", ["has no options", "'softness'"]),
-    ("curve --law pohrt-popov --radius 8mm 8mm --young 60GPa --poisson 0.2 --forces 1", ["--roughness", "0 for smooth"]),
+    ("curve --law pohrt-popov --radius 8mm 8mm --young 60GPa --poisson 0.2 --forces 1", ["give roughness, 0 for smooth"]),
     (
         "curve --law pohrt-popov --radius 8mm 8mm --roughness 1um --young 60GPa --poisson 0.2 --forces 1",
-        ["give --fractal-dimension\n"],
+        ["give fractal_dimension\n"],
     ),
-    ("curve --law hertz --radius 8mm 8mm --young=-60GPa --poisson 0.2 --forces 1", ["--young = -6e+10 Pa", "positive"]),
+    ("curve --law hertz --radius 8mm 8mm --young=-60GPa --poisson 0.2 --forces 1", ["young = -6e+10 Pa", "positive"]),
     ("curve --law hertz --effective-radius=-8mm --modulus 30GPa --forces 1", ["error: radius = -0.008 m", "positive"]),
-    ("curve --law hertz --radius 8mm 8mm --modulus 30GPa --fractal-dimension 5 --forces 1", ["--fractal-dimension = 5:"]),
-    ("regime --radius 8mm 8mm --modulus 30GPa --roughness 1um --hardness 6Pa", ["--hardness = 6 Pa", "units"]),
+    ("curve --law hertz --radius 8mm 8mm --modulus 30GPa --fractal-dimension 5 --forces 1", ["fractal_dimension = 5:"]),
+    ("regime --radius 8mm 8mm --modulus 30GPa --roughness 1um --hardness 6Pa", ["hardness = 6 Pa", "units"]),
     ("fit below.csv --test SS(18-18)", ["compression is positive", "sign"]),
     ("choose notes.txt", ["notes.txt", "scene", "--template"]),
 ]

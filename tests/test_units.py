@@ -1,0 +1,53 @@
+"""Numbers as text, and messages about them."""
+
+import array
+import time
+
+import numpy as np
+import pytest
+
+import demlaws as dl
+from demlaws.errors import LONGEST_TEXT
+from demlaws.units import quantity
+
+PAIR = dl.Contact(4e-3, 32e9)
+
+
+def test_long_text_is_no_number():
+    """The work of its reading grows with its length, not with a power of it."""
+    start = time.process_time()
+    for text in ("1" * 1600 + " x y", "1" * 100_000 + "e", " " * 100_000 + "x", "1." * 50_000):
+        with pytest.raises(dl.DemlawsError, match="must be a number"):
+            quantity(text, "radius", "m")
+    assert time.process_time() - start < 5.0  # minutes with a pattern that goes back
+    assert quantity("  3.mm ", "radius", "m") == 3e-3 and quantity(".5e3", "radius") == 500.0
+
+
+def test_a_message_does_not_repeat_a_long_word():
+    word = "a" * 100_000
+    for wrong in (
+        lambda: dl.law("hertz", PAIR, **{word: 1}),
+        lambda: dl.law("hertz", PAIR, unloading=word),
+        lambda: PAIR.with_values(**{word: 1}),
+        lambda: dl.Contact(word, 1e9),
+    ):
+        with pytest.raises(dl.DemlawsError) as caught:
+            wrong()
+        assert len(str(caught.value)) < 1000
+    assert len(str(dl.DemlawsError("a b " * 100_000))) == LONGEST_TEXT
+
+
+@pytest.mark.parametrize("raw", [b"abc", bytearray(b"12"), memoryview(b"abc"), memoryview(array.array("u", "ab"))])
+def test_bytes_are_no_numbers(raw):
+    """Before: a radius of 97 m for the letter a."""
+    with pytest.raises(dl.DemlawsError, match="radius must be a number"):
+        dl.Contact(raw, 32e9)
+
+
+@pytest.mark.parametrize("use", ["force", "energy", "follow"])
+def test_an_overlap_beyond_all_numbers_is_one_error(use):
+    law = dl.law("hertz", PAIR)
+    with pytest.raises(dl.DemlawsError, match="beyond R"):
+        getattr(law, use)(np.array([1e308]))
+    with pytest.raises(dl.DemlawsError, match="not enough memory"):
+        law.joined("hertz").new_state(10**15)
