@@ -138,6 +138,11 @@ def fit(
         raise DemlawsError(f"cannot fit {', '.join(unknown)}: the quantities that a fit can vary are {', '.join(quantities)}")
     if force.size:
         refuse_other_units(displacement, force, contact, largest_compliance(contact) if COMPLIANCE in (free or ()) else 0.0)
+    if force.size and np.ptp(force) < 1e-3 * np.max(force):
+        raise DemlawsError(
+            f"all {force.size} forces are {np.max(force):.4g} N within 0.1 %: a hold shows creep or drift, no law; give "
+            "points of different forces"
+        )
     distinct = len(np.unique(np.column_stack([displacement, force]), axis=0))
     test = _Test(contact, options, displacement, force, displacement_noise, force_noise, free)
     fits, failed = [], {}
@@ -236,6 +241,8 @@ def _suspicions(best, test):
             other = test.fit(best.name, best.unloading, [*variables, name])
         except DemlawsError:
             continue
+        if name not in other.parameters:
+            continue  # not separately identifiable
         value, low, high = (other.parameters[name][n] * unit for n in (0, 2, 3))
         if (value > 0.0 or name == FORCE_ZERO) and other.aicc < best.aicc - _DECISIVE:
             fall = f"from {best.misfit * 1e6:.3g} to {other.misfit * 1e6:.3g} µm"
