@@ -297,7 +297,7 @@ class Table(Law):
         Returns
         -------
         float or ndarray
-            Uncertainty [N], interpolated between the knots; NaN where it is unknown.
+            Uncertainty [N]; NaN beyond the largest overlap of the points, and of points at fewer than 20 overlaps.
         """
         if self.knots is None:
             raise DemlawsError(
@@ -306,7 +306,7 @@ class Table(Law):
         at, shape = self._shaped(overlap, "overlap", "m")
         with np.errstate(divide="ignore", invalid="ignore"):
             sigma = np.interp(np.log(at), np.log(self.knots.overlap), self.knots.uncertainty)
-        return as_given(sigma.reshape(shape))
+        return as_given(np.where(at > (1.0 + 1e-9) * self.knots.overlap[-1], np.nan, sigma).reshape(shape))
 
     def _out_of_range(self, overlap):
         return (

@@ -7,6 +7,7 @@ surface = heights.surface()                       # a demlaws.Surface: Sq and fr
 import math
 import os
 import re
+import tokenize
 import zipfile
 import zlib
 from pathlib import Path
@@ -18,7 +19,7 @@ from demlaws import units
 from demlaws.errors import DemlawsError, MapWarning, did_you_mean, warn
 from demlaws.files import as_path, read_text, write_atomically
 from demlaws.surfaces import plausibility
-from demlaws.surfaces.cells import decimal_mark, is_missing, separator, split, value_of
+from demlaws.surfaces.cells import decimal_mark, is_missing, is_number, separator, split, value_of
 from demlaws.surfaces.heightmap import LARGEST_PIXEL, UNITS, HeightMap, box_correction, self_affine
 
 __all__ = ["UNITS", "HeightMap", "box_correction", "read", "self_affine", "write"]
@@ -99,6 +100,8 @@ def read_unchecked(path, pixel=None, unit="m", *, missing=None, channel=None):
     else:
         raise DemlawsError(f"channel = {channel!r}: {path.name} has one channel only")
     plausibility.refuse_other_arrays(heights, path)
+    if "cell" in header:
+        header["pixel"] = _cell(header["cell"], unit, path)
     found = header.get("pixel")
     if pixels and found and not np.allclose(pixels, found, rtol=0.01):
         raise DemlawsError(
@@ -124,12 +127,32 @@ def _pixel_pair(pixel):
     return tuple(units.number(size, "pixel", "m", high=LARGEST_PIXEL) for size in pair)
 
 
+def _cell(cell, unit, path):
+    """Pixel size [m] of an ESRI grid, in m or, where that is no pixel and heights have another unit, in this unit."""
+    sizes = [float(units.as_float(size, f"{path}: cellsize")) for size in cell]
+    if max(sizes) <= LARGEST_PIXEL:
+        return _pixel_pair(tuple(sizes))
+    if unit == "m":
+        raise DemlawsError(f"{path}: a cellsize of {max(sizes):g} m is no pixel: give the unit of the file (--unit um)")
+    warn(f"{path}: the cellsize {max(sizes):g} was taken in {unit}, as the heights", MapWarning)
+    return _pixel_pair(tuple(size * UNITS[unit] for size in sizes))
+
+
 def _read_numpy(path, channel):
     """Heights and header of an .npy or .npz file."""
     try:
         content = np.load(path, allow_pickle=False)
         arrays = {"heights": content} if isinstance(content, np.ndarray) else dict(content)
-    except (ValueError, OSError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+    except (
+        ValueError,
+        OSError,
+        EOFError,
+        MemoryError,
+        SyntaxError,
+        tokenize.TokenError,
+        zipfile.BadZipFile,
+        zlib.error,
+    ) as error:
         raise DemlawsError(f"{path} is not a numpy array file: {error}") from None
     name = channel or "heights"
     if name not in arrays:
@@ -142,9 +165,11 @@ def _read_numpy(path, channel):
 
 def _read_text(path):
     lines = read_text(path).splitlines()
-    header, esri, rows, first = {}, {}, [], 0
+    header, esri, rows, first, words = {}, {}, [], 0, 0
     for number, line in enumerate(lines, 1):
         text = line.strip()
+        if not rows and _instrument_header(text, header):
+            continue
         if text.startswith("#") and not is_missing(split(text, separator(text))[0]):  # "#N/A" of a spreadsheet
             _gwyddion(text, header, f"{path}, line {number}")
             continue
@@ -157,6 +182,14 @@ def _read_text(path):
             esri[key[1]] = key[2]
             continue
         cells = split(text, separator(text))
+        if not rows and lines[number:] and not all(is_missing(cell) or is_number(cell) for cell in cells):
+            words = number
+            continue
+        if words:
+            raise DemlawsError(
+                f"{path}: delete lines 1 to {number - 1}, a header that is not read (to {lines[words - 1].strip()[:40]!r}), "
+                "and give pixel and unit as it states them"
+            )
         if rows and len(rows[0]) != len(cells):
             raise DemlawsError(f"{path}, line {number}: {len(cells)} columns, but line {first} has {len(rows[0])}")
         first = first or number
@@ -178,18 +211,54 @@ def _read_text(path):
     if "nodata_value" in esri:
         heights[heights == float(units.as_float(esri["nodata_value"], f"{path}: NODATA_value"))] = np.nan
     if "cellsize" in esri:
-        header["pixel"] = _pixel_pair(esri["cellsize"])
+        header["cell"] = esri["cellsize"], esri["cellsize"]
     elif "dx" in esri and "dy" in esri:
-        header["pixel"] = _pixel_pair((esri["dx"], esri["dy"]))
+        header["cell"] = esri["dx"], esri["dy"]
     if "width" in header and "height" in header:
         header["pixel"] = header["width"] / heights.shape[1], header["height"] / heights.shape[0]
     return heights, header
 
 
+_KEYENCE = ("measured date", "model", "xy calibration", "unit", "output image data")
+
+
+def _instrument_header(text, header):
+    """Whether a line is of the header of a Keyence or MountainsMap export; its pixel size and unit go to `header`."""
+    cells = [cell.strip().strip('"') for cell in split(text, ",")]
+    key = cells[0].lower()
+    if key in _KEYENCE:
+        header["keyence"] = True
+    if header.get("keyence") and text and not is_number(cells[0]) and not is_missing(cells[0]):
+        if key == "xy calibration" and len(cells) > 2 and cells[2] in UNITS:
+            header["pixel"] = _pixel_pair(float(units.as_float(cells[1], "XY Calibration")) * UNITS[cells[2]])
+        elif key == "unit" and cells[-1] in UNITS:
+            header["scale"] = UNITS[cells[-1]]
+        return True
+    if header.get("keyence") and not any(cells):
+        return True
+    match = re.fullmatch(r"#\s?([xyz])-(pixels|length|unit) = (\S+)", text)
+    if not match:
+        return text.startswith("# ") and text.rstrip(":").endswith((" = ASCII", "Created", "Header", "Data", "scanspeed ="))
+    header[match[1] + match[2]] = match[3]
+    stated = {axis: header.get(f"{axis}unit") in UNITS for axis in "xyz"}
+    if stated["z"]:
+        header["scale"] = UNITS[header["zunit"]]
+    if stated["x"] and stated["y"] and all(f"{axis}{name}" in header for axis in "xy" for name in ("pixels", "length")):
+        header["pixel"] = _pixel_pair(
+            tuple(
+                float(units.as_float(header[f"{axis}length"], f"{axis}-length"))
+                * UNITS[header[f"{axis}unit"]]
+                / float(units.as_float(header[f"{axis}pixels"], f"{axis}-pixels"))
+                for axis in "xy"
+            )
+        )
+    return True
+
+
 def _gwyddion(text, header, where):
     match = re.match(r"#\s*(width|height)\s*:\s*([-+0-9.eE]+)\s*([a-zµμ]+)", text, re.IGNORECASE)
     if match and match[3] in UNITS:
-        header[match[1].lower()] = float(match[2]) * UNITS[match[3]]
+        header[match[1].lower()] = float(units.as_float(match[2], f"{where}: {match[1]}")) * UNITS[match[3]]
     match = re.match(r"#\s*value units?\s*:\s*(\S+)", text, re.IGNORECASE)
     if match and match[1] not in UNITS:
         raise DemlawsError(f"{where}: heights in {match[1]!r}; export them in one of {', '.join(UNITS)}")

@@ -263,3 +263,54 @@ def test_field_of_view():
     for field in ({"width": 31e-6}, {"width": 2e-6}):
         with pytest.raises(dl.DemlawsError):
             heights.cropped(**field)
+
+
+HEADERS = {
+    "keyence.csv": '"Measured date","2026/05/12"\n"Model","VK-X150"\n"Comment",""\n"XY Calibration","0.500","um"\n'
+    '"Horizontal","8"\n"Unit","um"\n""\n"Height"\n',
+    "mountains.txt": "# File Format = ASCII\n# Created\n# Start Header\n# x-pixels = 8\n# y-pixels = 6\n# x-length = 4\n"
+    "# y-length = 3\n# x-unit = um\n# y-unit = um\n# z-unit = um\n# scanspeed = \n# Start Data:\n",
+    "esri.asc": "ncols 8\nnrows 6\ncellsize 0.5\n",
+}
+
+
+@pytest.mark.filterwarnings("ignore::demlaws.errors.MapWarning")
+@pytest.mark.parametrize("name", HEADERS)
+def test_headers_of_instruments(name, tmp_path):
+    """Pixel size and unit of the file were not read; an ESRI grid in µm was refused as one of metres."""
+    z = np.random.default_rng(0).standard_normal((6, 8)).round(4)
+    rows = [[f'"{v}"' if name.startswith("key") else str(v) for v in row] for row in z]
+    mark = "," if name.startswith("key") else "\t"
+    (tmp_path / name).write_text(HEADERS[name] + "\n".join(mark.join(row) for row in rows) + "\n")
+    heights = surface.read(tmp_path / name, unit="um" if name == "esri.asc" else "m")
+    np.testing.assert_allclose(heights.heights, 1e-6 * z, rtol=1e-12)
+    assert (heights.pixel_x, heights.pixel_y) == pytest.approx((5e-7, 5e-7))
+
+
+def test_maps_that_cannot_be_read_name_the_remedy(tmp_path):
+    """ValueError, IndexError, TokenError and MemoryError, or "a height is not a number"."""
+    (tmp_path / "wyko.asc").write_text("Wyko ASCII Data File Format 0\t0\t1\nX Size\t4\nRAW_DATA\t3\t16\n" + "1\t2\t1\t2\n" * 4)
+    (tmp_path / "width.asc").write_text("# Width: 1e5e µm\n# Height: 1 mm\n" + "1 2 1 2\n" * 4)
+    np.save(tmp_path / "empty.npy", np.ones((0, 5)))
+    np.save(tmp_path / "large.npy", np.ones((4, 4)))
+    data = (tmp_path / "large.npy").read_bytes()
+    (tmp_path / "large.npy").write_bytes(data.replace(b"(4, 4), }" + b" " * 15, b"(400000000000, 4000), }" + b" "))
+    for name, reason in (
+        ("wyko.asc", "delete lines 1 to 3"),
+        ("width.asc", "Width"),
+        ("empty.npy", "shape"),
+        ("large.npy", "numpy"),
+    ):
+        with pytest.raises(dl.DemlawsError, match=reason):
+            surface.read(tmp_path / name, pixel=1e-6)
+
+
+def test_zeros_that_may_be_missing_pixels():
+    """Without a gap to the other heights they were not named: 269 of 12,288 pixels."""
+    from demlaws.surfaces import plausibility
+
+    z = surface.self_affine(64, 1e-6, 0.8, roughness=1e-6, seed=1)
+    assert not any("exactly" in text for text in plausibility.doubts(z))
+    heights = z.heights.copy()
+    heights[::7, ::5] = 0.0
+    assert any("missing=0" in text for text in plausibility.doubts(z.with_heights(heights)))

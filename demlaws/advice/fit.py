@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from demlaws.advice.fit_model import APPARATUS, COMPLIANCE, FORCE_ZERO, ZERO, Model, largest_compliance, parameters
+from demlaws.advice.fit_model import APPARATUS, COMPLIANCE, DRIFT, FORCE_ZERO, ZERO, Model, largest_compliance, parameters
 from demlaws.advice.fit_report import WEAK, Fit, fitted
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
@@ -80,7 +80,8 @@ def fit(
     unloading : str or sequence of str, optional
         Unloading rules. Default: each rule of the law if the points unload, else "elastic".
     free : sequence of str, optional
-        Names of the fitted quantities: of the contact, of the laws (`Fitting.parameters`), of the apparatus; [] for none.
+        Names of the fitted quantities: of the contact, of the laws (`Fitting.parameters`), of the apparatus ("compliance",
+        "drift": displacement [m] in proportion to the rows, "force_zero"); [] for none.
         Default: `Fitting.free` and "force_zero", which may be left out where the load cell was tared in air.
     options : dict, optional
         Name of the law → fixed options.
@@ -128,17 +129,27 @@ def fit(
     if force_noise and displacement_noise is None:
         raise DemlawsError("force_noise needs displacement_noise [m] beside it: only their ratio weights the points")
     displacement = displacement - number(compliance, "compliance", "m/N", 0.0, 1e-3, allow_low=True) * force
+    course = np.linspace(0.0, 1.0, force.size)
+    repeated = np.append(False, np.all(np.diff([displacement, force]) == 0.0, axis=0)) if force.size else np.zeros(0, bool)
+    displacement, force, course = (one[~repeated] for one in (displacement, force, course))
     keep, skipped = in_contact(force, force_noise)
-    displacement, force = displacement[keep], force[keep]
+    displacement, force, course = displacement[keep], force[keep], course[keep]
+    if np.any(repeated):
+        skipped[f"{int(np.sum(repeated))} repeated rows"] = "equal to the row before: no new reading"
     quantities = parameters()
     if unknown := [n for n in free or () if n not in quantities]:
         raise DemlawsError(f"cannot fit {', '.join(unknown)}: the quantities that a fit can vary are {', '.join(quantities)}")
     if force.size:
         refuse_other_units(displacement, force, contact, largest_compliance(contact) if COMPLIANCE in (free or ()) else 0.0)
+    if force.size and np.ptp(force) < 1e-3 * np.max(force):
+        raise DemlawsError(
+            f"all {force.size} forces are {np.max(force):.4g} N within 0.1 %: a hold shows creep or drift, no law; give "
+            "points of different forces"
+        )
     distinct = len(np.unique(np.column_stack([displacement, force]), axis=0))
-    test = _Test(contact, options, displacement, force, displacement_noise, force_noise, free)
+    test = _TestData(contact, options, displacement, force, course, displacement_noise, force_noise, free)
     fits, failed = [], {}
-    for name, rule, variables in progress(list(_jobs(names, rules, free, force, distinct))):
+    for name, rule, variables in progress(list(_models_to_fit(names, rules, free, force, distinct))):
         try:
             fits.append(test.fit(name, rule, variables))
         except DemlawsError as error:
@@ -152,20 +163,26 @@ def fit(
     return Ranking(ranking, failed | skipped, (displacement, force))
 
 
-class _Test(NamedTuple):
+class _TestData(NamedTuple):
     """Points in contact, and what is known of them."""
 
     contact: Contact
     options: dict  # name of the law → fixed options
     displacement: np.ndarray
     force: np.ndarray
+    course: np.ndarray  # place of each point in the test, from 0 to 1
     displacement_noise: float | None
     force_noise: float
     free: Sequence[str] | None  # as the user gave it
 
     def fit(self, name, rule, free):
         """The `Fit` of a law, its rule, and the names of its free quantities."""
-        points = {"displacement": self.displacement, "force": self.force, "noise": self.displacement_noise}
+        points = {
+            "displacement": self.displacement,
+            "force": self.force,
+            "noise": self.displacement_noise,
+            "course": self.course,
+        }
         model = Model(name, rule, free, contact=self.contact, options=self.options.get(name, {}), **points)
         one = fitted(model, self.displacement_noise, self.force_noise)
         if self.free is None and FORCE_ZERO in free and one.parameters[FORCE_ZERO].cause == WEAK:
@@ -173,7 +190,7 @@ class _Test(NamedTuple):
         return one
 
 
-def _jobs(names, rules, free, force, distinct):
+def _models_to_fit(names, rules, free, force, distinct):
     """(law, rule, free quantities) of each fit; distinct: number of different points."""
     # the curve of rule "table" has no parameters of the law
     available = [rule for rule in dict.fromkeys(r for name in names for r in find(name).offered()) if rule != GIVEN]
@@ -223,6 +240,7 @@ def _suspicions(best, test):
     hints = {
         "modulus": (1e-9, "GPa", wrong, "fit the modulus"),
         COMPLIANCE: (1e6, "µm/N", "the apparatus may be compliant", "measure the compliance and give it, or fit it"),
+        DRIFT: (1e6, "µm", "the displacement may drift", "remove the drift, or fit it (free)"),
         FORCE_ZERO: (1.0, "N", "the load cell may be off", "fit its zero (force_zero)"),
     }
     for name, (unit, symbol, meaning, remedy) in hints.items():
@@ -232,8 +250,10 @@ def _suspicions(best, test):
             other = test.fit(best.name, best.unloading, [*variables, name])
         except DemlawsError:
             continue
+        if name not in other.parameters:
+            continue  # not separately identifiable
         value, low, high = (other.parameters[name][n] * unit for n in (0, 2, 3))
-        if (value > 0.0 or name == FORCE_ZERO) and other.aicc < best.aicc - _DECISIVE:
+        if (value > 0.0 or name in (DRIFT, FORCE_ZERO)) and other.aicc < best.aicc - _DECISIVE:
             fall = f"from {best.misfit * 1e6:.3g} to {other.misfit * 1e6:.3g} µm"
             interval = f"{value:.4g} {symbol} [{low:.4g}, {high:.4g}]"
             yield f"{meaning}: with {interval} the misfit falls {fall}; {remedy}"

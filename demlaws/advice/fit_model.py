@@ -20,10 +20,13 @@ from demlaws.make import law as bind_law
 
 ZERO = "zero"
 COMPLIANCE = "compliance"
+DRIFT = "drift"
+"""Displacement [m] by which the apparatus moves from the first row to the last, in proportion to the rows."""
 FORCE_ZERO = "force_zero"
 """Reading of the load cell [N] without a load."""
 APPARATUS = {
     COMPLIANCE: Parameter("m/N", False, lambda c: (0.0, 1e-4), lambda c: [0.0]),
+    DRIFT: Parameter("m", False, lambda c: (-0.01 * c.radius, 0.01 * c.radius), lambda c: [0.0]),
     FORCE_ZERO: Parameter("N", False, lambda c: (-math.inf, math.inf), lambda c: [0.0]),
 }
 """Fitted quantities of the apparatus, not of a law; the range of the force zero is that of the points."""
@@ -51,7 +54,7 @@ def largest_compliance(contact):
 class Model:
     """A law with free quantities. Coordinates are these (ln of positive ones) and, last, the zero in units of `scale`."""
 
-    def __init__(self, name, rule, free, *, contact, options, displacement, force, noise):
+    def __init__(self, name, rule, free, *, contact, options, displacement, force, noise, course):
         self.definition, self.unloading, self.free = find(name), rule, tuple(free)
         self.rule = self.definition.rule(rule)
         self.parameters = {**OF_CONTACT, **APPARATUS, **self.definition.fitting.parameters}
@@ -67,6 +70,7 @@ class Model:
         self.options |= self.definition.read(options)
         self.definition.refuse_missing({*self.options, *free})
         self.measured, self.force = displacement, force
+        self.linear = {n: column for n, column in ((COMPLIANCE, force), (DRIFT, course)) if n in free}
         self.scale = float(np.ptp(displacement)) or float(np.max(np.abs(displacement))) or 1.0
         self.sigma = np.full(force.size, noise or self.scale)
         ends = [self._coordinate(n, self.parameters[n].bounds(self.contact)) for n in free]
@@ -102,7 +106,9 @@ class Model:
 
     def displacement(self, x):
         """Displacement [m] at each force, apparatus included."""
-        return self.overlap(x)[0] + self.values(x).get(COMPLIANCE, 0.0) * self.force + x[-1] * self.scale
+        values = self.values(x)
+        apparatus = sum(values[name] * column for name, column in self.linear.items())
+        return self.overlap(x)[0] + apparatus + x[-1] * self.scale
 
     def residual(self, x):
         """Measured less predicted displacement, over the noise."""
@@ -112,8 +118,8 @@ class Model:
         """Derivatives of `residual`: central differences for quantities of the law, exact for those of the apparatus."""
         columns = []
         for i, name in enumerate(self.free):
-            if name == COMPLIANCE:
-                columns.append(self.force)
+            if name in self.linear:
+                columns.append(self.linear[name])
                 continue
             step = _STEP * (self.high[i] if name == FORCE_ZERO else 1.0)
             ends = np.array([x, x])
@@ -122,15 +128,14 @@ class Model:
         return -np.column_stack([*columns, np.full(self.force.size, self.scale)]) / self.sigma[:, None]
 
     def project(self, x):
-        """Zero and compliance, in which the displacement is linear, of least squares at the other coordinates.
+        """Zero, compliance and drift, in which the displacement is linear, of least squares at the other coordinates.
 
         Returns the sum of squares that a curve of the same shape has, scaled by up to `_SCALE`: the first steps of the search
         find a scale, but not a joint.
         """
         columns, places = [np.full(self.force.size, self.scale)], [len(self.free)]
-        if COMPLIANCE in self.free:
-            columns.append(self.force)
-            places.append(self.free.index(COMPLIANCE))
+        columns += self.linear.values()
+        places += [self.free.index(name) for name in self.linear]
         matrix, overlap = np.array(columns).T / self.sigma[:, None], self.overlap(x)[0] / self.sigma
         measured = self.measured / self.sigma
         basis = np.linalg.qr(matrix)[0]

@@ -19,6 +19,12 @@ _CONFIDENCE = 0.95
 WEAK = "not separately identifiable from these points"
 SYSTEMATIC = "systematic misfit (drift, or a wrong law): do not trust these intervals"
 ALTERNATING = "neighbouring points deviate to opposite sides: are the rows in the order of the test, not sorted?"
+UNEVEN = (
+    "the scatter is {:.2g} times larger where the contact is soft, more than a noise of the force explains: are the rows in "
+    "the order of the test, not sorted?"
+)
+MOST_UNEVEN = 50.0
+"""Ratio of the largest weight's scatter to the smallest above which the law does not describe the points."""
 FEW_POINTS = 15
 """Points beyond the number of quantities from which on their scatter shows where it is larger."""
 _IMPROBABLE = 1e-3  # probability of a larger χ², with the given noise, below which a misfit is systematic
@@ -87,7 +93,9 @@ def fitted(model, displacement_noise, force_noise):
             model.sigma = model.scale * np.hypot(1.0, _noise_ratio(model, x, stiffness) / stiffness)
             x, squares = model.refine(x)
         uneven = float(np.max(model.sigma)) / model.scale
-        if uneven > 2.0:
+        if uneven > MOST_UNEVEN:
+            notes.append(UNEVEN.format(uneven))
+        elif uneven > 2.0:
             notes.append(
                 f"scatter up to {uneven:.2g} times larger where the contact is soft: points are weighted as with noise of the "
                 "force; intervals contained the true value in 81 to 98 % of tests: give the noise of force and displacement "
@@ -165,6 +173,7 @@ def _report(model, x, squares, absolute, notes):
     widening, correlation = _drift(residual, k)
     systematic = correlation > 0.5 or _correlation(residual, 3.0) != 0.0
     systematic |= bool(absolute and special.chdtrc(n - k, squares) < _IMPROBABLE)
+    systematic |= not absolute and float(np.max(model.sigma)) > MOST_UNEVEN * model.scale
     predicted, unit = model.displacement(x), np.append(np.ones(k - 1), model.scale)
     misfit = float(np.sqrt(np.mean((model.measured - predicted) ** 2)))
     systematic &= misfit > 1e-9 * np.ptp(model.measured)  # below it is rounding: a law of points without noise
@@ -207,7 +216,23 @@ def _intervals(model, solution, width, absolute):
         limit = quantile * math.sqrt(solution.variance) * solution.widening
         for i in np.flatnonzero(outside if np.all(solution.idle[outside]) else np.ones(k, bool)):
             ends[i] = model.profile(x, solution.squares, i, float(steps[i]), limit)
+    if solution.variance > 0.0:
+        _open_without_joint(model, solution, ends, quantile**2 * solution.variance * solution.widening**2)
     return errors, ends, covariance
+
+
+def _open_without_joint(model, solution, ends, most):
+    """Open the interval of the quantity that moves the joint of the curve (a yield pressure) towards curves without a joint
+    below the largest load, where one of them has a sum of squares that is larger by less than `most`."""
+    index = model.joint_index(solution.x)
+    if index is None:
+        return
+    place = float(model.joint_places(solution.x, index)[-1])
+    other = solution.x.copy()
+    other[index] = place
+    if model.solve(other, index, 1e-8, 60)[1] < solution.squares + most:
+        upper = place > solution.x[index]
+        ends[index, int(upper)] = (model.high if upper else model.low)[index]
 
 
 def _estimates(model, solution, errors, ends):

@@ -1,5 +1,6 @@
 """`demlaws table`: a law, or measured points, as a certified table."""
 
+import math
 from pathlib import Path
 
 from demlaws.cli import example
@@ -51,6 +52,7 @@ def measured_table(arguments, result):
     import numpy as np
 
     from demlaws.curves.point_files import read_points
+    from demlaws.curves.points import FEWEST_FOR_UNCERTAINTY
     from demlaws.law import Table
 
     if arguments.law is not None or arguments.option or arguments.max_force is not None:
@@ -75,10 +77,10 @@ def measured_table(arguments, result):
     if rest:
         result.say(f"{rest} points of unloading and reloading are not used: demlaws fit takes them, too")
     k = int(np.argmax(knots.uncertainty / knots.force))
-    result.print(
-        f"standard uncertainty of the force: at most {100 * knots.uncertainty[k] / knots.force[k]:.2g} % "
-        f"(at {knots.force[k]:.3g} N)"
-    )
+    share = 100.0 * knots.uncertainty[k] / knots.force[k]
+    few = f"none from {knots.points} points: at least {FEWEST_FOR_UNCERTAINTY} overlaps are needed"
+    most = f"at most {share:.2g} % (at {knots.force[k]:.3g} N)"
+    result.print(f"standard uncertainty of the force: {few if math.isnan(share) else most}")
     return table, points
 
 

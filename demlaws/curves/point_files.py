@@ -53,10 +53,22 @@ _COLUMNS = {
 }
 _NOT_VALUES = ("increment", "error", "uncertainty", "deviation")
 """Words of titles whose column has the unit of a displacement or a force and is none."""
-_TITLE = re.compile(r"([^(\[]*)[(\[]\s*([^()\[\]]*?)\s*[)\]]")
-"""Words of a title, then its unit in brackets: "Depth (nm)"."""
+_BRACKETS = re.compile(r"[(\[]([^()\[\]]*)[)\]]")
+LARGEST = 1e12
+"""Forces [N] and displacements [m] beyond which a value is no measurement."""
 _POWER = re.compile(r"10\s*(?:\^|\*\*|[⁰¹²³⁴-⁹⁻])|\de[-+]?\d", re.IGNORECASE)
 _NEED = "two columns titled 'displacement (um)' and 'force (N)' are needed, separated by commas, semicolons or tabs"
+
+
+def _unit(title):
+    """The unit of a title: in brackets, after a slash, or after an underscore: "Depth (nm)", "Depth / nm", "depth_nm"."""
+    match = _BRACKETS.search(title)
+    if match:
+        return plain_unit(match[1].strip())
+    text = title.strip(' "')
+    if "/" in text:
+        return plain_unit(text.rsplit("/", 1)[1].strip())
+    return plain_unit(re.sub("(?i)_micro_", "_u", text).rsplit("_", 1)[1]) if "_" in text else ""
 
 
 def _find(titles, column):
@@ -64,7 +76,7 @@ def _find(titles, column):
     words = _COLUMNS[column][0]
     values = [i for i, title in enumerate(titles) if not any(word in title.lower() for word in _NOT_VALUES)]
     matches = [i for i in values if any(word in titles[i].lower() for word in words)]
-    alone = [i for i in matches if re.split(r"[(\[]", titles[i])[0].strip(' "').lower() in words]
+    alone = [i for i in matches if re.split(r"[(\[/]", titles[i])[0].strip(' "').lower() in words]
     return alone or matches
 
 
@@ -72,9 +84,9 @@ def _place(titles, column, where):
     """Place and factor to SI of a column, whose title has its unit in brackets; a rate, or a time under load, is none."""
     units, found = _COLUMNS[column][1], {}
     for place in _find(titles, column):
-        match = _TITLE.search(titles[place])
-        if match and plain_unit(match[2]) in units and not _POWER.search(titles[place]):
-            found[place] = units[plain_unit(match[2])]
+        unit = _unit(titles[place])
+        if unit in units and not _POWER.search(titles[place]):
+            found[place] = units[unit]
     if len(found) == 1:
         return next(iter(found.items()))
     named = " and ".join(repr(titles[place].strip()) for place in found or _find(titles, column))
@@ -90,7 +102,7 @@ def _place(titles, column, where):
 
 def _is_row(cells):
     """Whether a line is one of numbers, two at least: measured values, not the words or the date of an instrument."""
-    return sum(map(is_number, cells)) > max(1, len(cells) // 2)
+    return is_number(cells[0]) and sum(map(is_number, cells)) > max(1, len(cells) // 2)
 
 
 def _with_units(titles, below):
@@ -168,9 +180,12 @@ def columns_of(points):
     dict. Titles are read as those of files ("Depth (nm)"); "displacement" and "force" alone are in SI."""
     if isinstance(points, str | os.PathLike):
         points = read_points(points)
-    if hasattr(points, "displacement"):
-        points = np.column_stack([unmasked(points.displacement), unmasked(points.force)])
-    titles = list(points if isinstance(points, Mapping) else getattr(points, "columns", ()))
+    columns = points if isinstance(points, Mapping) else getattr(points, "columns", ())
+    if isinstance(points, Points):
+        points, columns = np.column_stack([unmasked(points.displacement), unmasked(points.force)]), ()
+    elif callable(columns):  # a table of this package: a path, with units in its titles
+        points = columns = columns()
+    titles = list(columns)
     if titles and all(isinstance(title, str) for title in titles):
         points = _titled(points, titles)
     try:
@@ -181,6 +196,10 @@ def columns_of(points):
         raise DemlawsError(f"points have shape {array.shape}: give (n, 2), displacement in m and force in N")
     if not np.all(np.isfinite(array)):
         raise DemlawsError("points contain NaN or infinite values: remove those rows")
+    if np.any(np.abs(array) > LARGEST):
+        row, column = np.argwhere(np.abs(array) > LARGEST)[0]
+        name, unit = (("displacement", "m"), ("force", "N"))[column]
+        raise DemlawsError(f"points: the {name} {array[row, column]:g} {unit} of point {row + 1} is no measurement: remove it")
     return array.T
 
 

@@ -27,6 +27,8 @@ PIXELS = 10.0
 """Fewest pixels across the Hertz radius."""
 DISAGREEMENT = 0.2
 """Largest difference of Df by two methods; they differ by 0.1 on maps of known dimension."""
+REPEATED = 5.0
+"""Pixels of the most frequent height over those of the second, above which it may stand for missing pixels."""
 FAR = 20.0
 """Gap between a filler and the other heights over their interquartile range."""
 
@@ -49,6 +51,16 @@ def filler(z: np.ndarray) -> float | None:
     return None
 
 
+def repeated(z: np.ndarray) -> tuple[float, int] | None:
+    """A height that far more pixels have than any other, though none is at an end: missing pixels as 0; or None."""
+    values, counts = np.unique(z[np.isfinite(z)], return_counts=True)
+    if values.size < 20:
+        return None
+    last = int(np.argmax(counts))
+    usual = float(np.max(np.delete(counts, last)))
+    return (float(values[last]), int(counts[last])) if counts[last] > REPEATED * max(usual, 2.0) else None
+
+
 def doubts(heights, scale: float = 1.0) -> list[str]:
     """Reasons to doubt a `HeightMap`; scale: metres per unit of its file. Heights are judged without form of order 2."""
     found, z = [], heights.heights
@@ -60,6 +72,11 @@ def doubts(heights, scale: float = 1.0) -> list[str]:
             f"give missing={missing / scale:g} (--missing)"
         )
         heights = heights.with_heights(np.where(z == missing, np.nan, z))
+    elif (same := repeated(z)) is not None:
+        found.append(
+            f"{same[1]} pixels have exactly the height {same[0] / scale:g}, far more than any other: if these are missing "
+            f"pixels, give missing={same[0] / scale:g} (--missing)"
+        )
     level = heights if heights.form_order is not None else heights.without_form(2)
     z = level.heights - np.nanmedian(level.heights)
     robust, sq = robust_sq(z), level.sq
@@ -128,7 +145,7 @@ def resolution_doubts(heights, pair, force: float) -> list[str]:
 
 def refuse_other_arrays(array: np.ndarray, path) -> None:
     """DemlawsError for an array that is not a grid of heights: a stack of maps, axes beside a grid, a list of points."""
-    if array.ndim != 2:
+    if array.ndim != 2 or 0 in array.shape:
         raise DemlawsError(f"{path}: an array of shape {array.shape} is not one map: save one, with rows and columns")
     for name, grid in (("row", array), ("column", array.T)):
         if _is_even(grid[0]) and len(grid) > 4 and not _is_even(grid[1]):

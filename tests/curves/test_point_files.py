@@ -156,3 +156,45 @@ def test_titles_without_a_meaning_are_refused():
 def test_a_file_is_read_by_its_name(tmp_path):
     (tmp_path / "test.csv").write_text("displacement (um),force (N)\n1,0.5\n2,1.5\n3,3\n")
     np.testing.assert_allclose(columns_of(tmp_path / "test.csv"), [[1e-6, 2e-6, 3e-6], [0.5, 1.5, 3.0]])
+
+
+@pytest.mark.parametrize("titles", ["Displacement / nm;Load / mN", "depth_nm;load_mN", "depth_nm;load_milli_N (mN)"])
+def test_units_behind_a_slash_or_an_underscore(titles, tmp_path):
+    """They were refused as titles without a unit."""
+    (tmp_path / "a.txt").write_text(titles + "\n1500;500\n2000;1500\n3000;3000\n")
+    points = read_points(tmp_path / "a.txt")
+    np.testing.assert_allclose(points.displacement, 1e-9 * DEPTH, rtol=1e-12)
+    np.testing.assert_allclose(points.force, LOAD, rtol=1e-12)
+
+
+def test_a_header_with_numbers_behind_a_word(tmp_path):
+    """LabVIEW's "Samples 40 40" was taken for the first row."""
+    head = "LabVIEW Measurement\t\nChannels\t2\t\nSamples\t40\t40\nX0\t0.0\t0.0\n"
+    rows = "0\t1.5\t0.5\n1\t2\t1.5\n2\t3\t3\n"
+    (tmp_path / "a.lvm").write_text(head + "X_Value\tDisplacement (um)\tForce (N)\tComment\n" + rows)
+    np.testing.assert_allclose(read_points(tmp_path / "a.lvm").force, LOAD, rtol=1e-12)
+
+
+def test_results_of_the_package_are_points():
+    """A Path was a TypeError, a DataFrame with "displacement" and "load" an AttributeError."""
+    contact = dl.Contact(4e-3, 32e9)
+    path = dl.driver.force_controlled(dl.law("hertz", contact), [50.0], steps=30)
+    np.testing.assert_array_equal(columns_of(path), [path.overlap, path.force])
+    assert dl.fit(path, contact, laws="hertz").best.parameters["modulus"].value == pytest.approx(32e9, rel=1e-6)
+    assert dl.Table.from_points(path, contact).force(path.overlap[-2]) == pytest.approx(path.force[-2], rel=1e-2)
+    pandas = pytest.importorskip("pandas")
+    for force in ("load", "force (N)"):
+        frame = pandas.DataFrame({"displacement": path.overlap, force: path.force})
+        np.testing.assert_array_equal(columns_of(frame), [path.overlap, path.force])
+
+
+def test_impossible_forces_and_titles(tmp_path):
+    """1e308 N was TypeError or OverflowError, a title of 120 kB of blanks took 38 s, a jump by 1e9 gave a falling table."""
+    contact, force = dl.Contact(4e-3, 32e9), np.linspace(1.0, 30.0, 16)
+    overlap = dl.law("hertz", contact).overlap(force)
+    for last, use in ((1e308, dl.fit), (1e308, dl.Table.from_points), (24e9, dl.Table.from_points)):
+        with pytest.raises(DemlawsError, match=r"of point 16 is no measurement|from a rising curve"):
+            use(np.column_stack([overlap, np.append(force[:-1], last)]), contact)
+    (tmp_path / "a.csv").write_text("displacement (um),force" + " " * 2000 + "(" + " " * 400_000 + "\n1,2\n2,3\n3,4\n")
+    with pytest.raises(DemlawsError, match="no unit of force"):
+        read_points(tmp_path / "a.csv")
