@@ -70,11 +70,11 @@ void GranSubModNormalDemlaws::read_line(char **arg, int at, int narg) {
   static char zero[] = "0";
   arg[at++] = const_cast<char *>(READ);
   int end = at;
-  file = Models::read_material(error, arg, end, narg, material);
+  file = Words<Models::Table>::read_material(error, arg, end, narg, material);
   options.assign(Models::Table::COEFFICIENTS, std::numeric_limits<double>::quiet_NaN());
   options[Models::Table::YOUNG] = material[0];
   options[Models::Table::POISSON] = material[2];
-  end = Models::read_options(error, arg, end, narg, options.data());
+  end = Words<Models::Table>::read_options(error, arg, end, narg, options.data());
   num_coeffs = end - at;
   for (; at < end; at++) {
     words.emplace_back(arg + at, arg[at]);

@@ -7,27 +7,9 @@
 #include "energy.h"
 #include "granular_abi.h"
 #include "range.h"
+#include "words.h"
 
 namespace {
-
-// A number of an input line.
-inline double number(void *error, const std::string &of, const char *text) {
-  char *end;
-  const double value = strtod(text, &end);
-  if (end == text || *end || !(value - value == 0.))
-    raise(error, true, "demlaws/table: " + of + " is '" + text + "', not a finite number");
-  return value;
-}
-
-// The material that makes E* and G* of the pair those of the two materials: stock hertz/material takes E* for E here,
-// so that `mindlin NULL` is too soft by about half.
-inline void join(double E1, double nu1, double E2, double nu2, double &E, double &nu) {
-  const double modulus = 1. / ((1. - nu1 * nu1) / E1 + (1. - nu2 * nu2) / E2);
-  const double shear = 1. / (2. * (2. - nu1) * (1. + nu1) / E1 + 2. * (2. - nu2) * (1. + nu2) / E2);
-  const double ratio = modulus / shear;
-  nu = (ratio - 4.) / (ratio - 2.);
-  E = 2. * (1. - nu * nu) * modulus;
-}
 
 // ABI: LAMMPS's classes, mirrored in granular_abi.h, or its own (source/).
 template <class ABI> struct Granular {
@@ -451,9 +433,9 @@ template <class ABI> struct Granular {
       const double stiffness = normal_->shear_stiffness(), ratio = ratio_, limit = this->mu * normal_->Fncrit;
       const demlaws::Motion motion = motion_of(keep ? m->dt : 0., demlaws::unit_vector(numbers, size_));
       const demlaws::ShearStep step =
-          springs_ ? demlaws::SpringRow(numbers, springs_)
-                         .step(stiffness, normal_->unloading_curve(), ratio, limit, motion)
-                   : demlaws::shear_step(levels_, ratio * stiffness, limit, motion, numbers);
+          springs_
+              ? demlaws::SpringRow(numbers, springs_).step(stiffness, normal_->unloading_curve(), ratio, limit, motion)
+              : demlaws::shear_step(levels_, ratio * stiffness, limit, motion, numbers);
       this->damp = coeffs[DAMPING_RATIO] * m->damping_model->get_damp_prefactor();
       double damped[2];
       step.damp(this->damp, limit, motion.velocity, damped);
@@ -514,8 +496,12 @@ template <class ABI> struct Granular {
   };
 
   template <int RULE> static Table *make_table(Model *m, const demlaws::Table &table) {
-    if (RULE != table.unloading()) return make_table < RULE + 1 == demlaws::RULES ? RULE : RULE + 1 > (m, table);
-    return new typename ABI::template DirectPairs<RuleTable<(demlaws::Unloading)RULE>>(m, table);
+    constexpr int NEXT = RULE + 1 < demlaws::RULES ? RULE + 1 : RULE;
+    if (RULE == table.unloading())
+      return new typename ABI::template DirectPairs<RuleTable<(demlaws::Unloading)RULE>>(m, table);
+    if (NEXT == RULE)
+      throw std::runtime_error("unloading rule " + std::to_string(table.unloading()) + " is unknown here");
+    return make_table<NEXT>(m, table);
   }
   // The normal model with this file; outputs: room for those of compute pair/local. What was there before is not
   // deleted.
@@ -561,64 +547,6 @@ template <class ABI> struct Granular {
             "demlaws/table: particle types with the tables " + file + " and " + other +
                 " cannot be mixed: write the pair_coeff line of the two types");
     set_table(m, lmp, error, file, outputs)->mix_coeffs(a, b);
-  }
-
-  // The words FILE E eta nu from arg[at] on; goes behind them.
-  static std::string read_material(void *error, char **arg, int &at, int count, double *into) {
-    if (at + 4 > count)
-      raise(error, true,
-            "demlaws/table needs FILE E eta nu, then [roughness SIGMA] [against E2 nu2] [radius_tolerance X] "
-            "[extrapolation on] [shear elastic|loading|slip] [shear_ratio X] [levels N] [springs N]");
-    const std::string file = arg[at++];
-    static const char *const names[3] = {"E", "eta", "nu"};
-    for (int k = 0; k < 3; k++, at++) into[k] = number(error, std::string("(in FILE E eta nu) ") + names[k], arg[at]);
-    return file;
-  }
-  // The keywords from arg[at] on, which may change E and nu; returns the place behind them.
-  static int read_options(void *error, char **arg, int at, int count, double *into) {
-    bool levels = false;
-    for (int values; at < count; at += values + 1) {
-      const std::string word = arg[at], value = at + 1 < count ? arg[at + 1] : "nothing";
-      values = word == "against" ? 2 : 1;
-      const auto given = [&](int n) {
-        if (at + values >= count)
-          raise(error, true, "demlaws/table: " + word + (values == 2 ? " needs two numbers" : " needs a number"));
-        return number(error, word, arg[at + n]);
-      };
-      demlaws::Shear shear;
-      if (word == "extrapolation") {
-        if (value != "on" && value != "off")
-          raise(error, true, "demlaws/table: extrapolation is on or off, not " + value);
-        into[Table::EXTRAPOLATION] = value == "on";
-      } else if (word == "shear") {
-        if (!demlaws::shear_from_name(value, shear))
-          raise(error, true, "demlaws/table: shear is elastic, loading or slip, not " + value);
-        into[Table::SHEAR] = shear;
-      } else if (word == "roughness") {
-        into[Table::ROUGHNESS] = given(1);
-        if (!(given(1) > 0.)) raise(error, true, "demlaws/table: roughness " + value + " m: must be positive");
-      } else if (word == "shear_ratio") {
-        into[Table::RATIO] = given(1);
-        if (!(given(1) > 0.))
-          raise(error, true, "demlaws/table: shear_ratio " + value + ": K_t/K is above 0, at most 4/3");
-      } else if (word == "springs") into[Table::SPRINGS] = given(1);
-      else if (word == "levels") {
-        into[Table::LEVELS] = given(1);
-        levels = true;
-      } else if (word == "radius_tolerance") into[Table::TOLERANCE] = given(1);
-      else if (word == "against") {
-        const double E = given(1), nu = given(2);
-        if (!(E > 0.) || !(nu > -1. && nu <= 0.5) || !(into[0] > 0.) || !(into[2] > -1. && into[2] <= 0.5))
-          raise(error, true,
-                std::string("demlaws/table: E ") + std::to_string(into[0]) + " Pa against " + value + " Pa, nu " +
-                    std::to_string(into[2]) + " against " + arg[at + 2] +
-                    ": Young's moduli must be positive, Poisson's ratios are from -1 to 0.5");
-        join(into[0], into[2], E, nu, into[0], into[2]);
-      } else break;
-    }
-    if (levels && into[Table::SHEAR] == demlaws::SLIP_SHEAR)
-      raise(error, true, "demlaws/table: partial slip has springs, not levels: leave 'levels' out");
-    return at;
   }
 };
 

@@ -75,13 +75,13 @@ template <class ABI> struct Hooks {
     void *const error = *m->of.error;
     if (type == NORMAL) {
       double c[3];
-      const std::string file = Models::read_material(error, arg, at, count, c);
+      const std::string file = Words<typename Models::Table>::read_material(error, arg, at, count, c);
       delete m->sub_models[type];
       m->sub_models[type] = NULL;
       Table *const made = Models::set_table(m, m->of.lmp, error, file, outputs);
       std::copy(c, c + 3, made->coeffs);
       made->check_order();
-      at = Models::read_options(error, arg, at, count, made->coeffs);
+      at = Words<typename Models::Table>::read_options(error, arg, at, count, made->coeffs);
       made->coeffs_to_local();
       return at;
     }
