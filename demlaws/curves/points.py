@@ -130,8 +130,9 @@ def _smooth(x, force, sigma, counts):
 
     force, sigma: mean force of each place and its standard uncertainty [N]; counts: points of each place. Where an uncertainty
     is unknown (NaN, 0), the noise of all points is s² (P² + r² P_max²) with each r of `SHARES`. The curve is the mean over
-    smoothings and shares, weighted by their restricted likelihood (Wood 2011), and its uncertainty includes their spread. Residuals are those of the force, P - exp η, by the
-    working response η + (P - exp η)/exp η: noise does not shift the logarithm (Green & Silverman 1994, ch. 5).
+    smoothings and shares, weighted by their restricted likelihood (Wood 2011), and its uncertainty includes their spread.
+    Residuals are those of the force, P - exp η, by the working response η + (P - exp η)/exp η: noise does not shift the
+    logarithm (Green & Silverman 1994, ch. 5).
     """
     from scipy.interpolate import CubicSpline
 
