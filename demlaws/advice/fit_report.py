@@ -222,17 +222,14 @@ def _intervals(model, solution, width, absolute):
 
 
 def _open_without_joint(model, solution, ends, most):
-    """Open the interval of the quantity that moves the joint of the curve (a yield pressure) towards curves without a joint
-    below the largest load, where one of them has a sum of squares that is larger by less than `most`."""
+    """Open the interval of the quantity that moves the joint of the curve (a yield pressure) to an end of its range where the
+    sum of squares there is larger by less than `most`: between, it may be larger, with a joint among the points."""
     index = model.joint_index(solution.x)
-    if index is None:
-        return
-    place = float(model.joint_places(solution.x, index)[-1])
-    other = solution.x.copy()
-    other[index] = place
-    if model.solve(other, index, 1e-8, 60)[1] < solution.squares + most:
-        upper = place > solution.x[index]
-        ends[index, int(upper)] = (model.high if upper else model.low)[index]
+    for side, bound in enumerate(() if index is None else (model.low[index], model.high[index])):
+        other = solution.x.copy()
+        other[index] = bound
+        if model.solve(other, index, 1e-8, 60)[1] < solution.squares + most:
+            ends[index, side] = bound
 
 
 def _estimates(model, solution, errors, ends):

@@ -66,8 +66,9 @@ def _unit(title):
     if match:
         return plain_unit(match[1].strip())
     text = title.strip(' "')
-    if "/" in text:
-        return plain_unit(text.rsplit("/", 1)[1].strip())
+    _, slash, after = text.rpartition("/")
+    if slash:
+        return plain_unit(after.strip())
     return plain_unit(re.sub("(?i)_micro_", "_u", text).rsplit("_", 1)[1]) if "_" in text else ""
 
 

@@ -130,12 +130,11 @@ def _smooth(x, force, sigma, counts):
 
     force, sigma: mean force of each place and its standard uncertainty [N]; counts: points of each place. Where an uncertainty
     is unknown (NaN, 0), the noise of all points is s² (P² + r² P_max²) with each r of `SHARES`. The curve is the mean over
-    smoothings and shares, weighted by their restricted likelihood (Wood 2011), and its uncertainty includes their spread; s is
-    unknown, so that ± 1.96 of them are the interval of Student's t. Residuals are those of the force, P - exp η, by the
-    working response η + (P - exp η)/exp η: noise does not shift the logarithm (Green & Silverman 1994, ch. 5).
+    smoothings and shares, weighted by their restricted likelihood (Wood 2011), and its uncertainty includes their spread.
+    Residuals are those of the force, P - exp η, by the working response η + (P - exp η)/exp η: noise does not shift the
+    logarithm (Green & Silverman 1994, ch. 5).
     """
     from scipy.interpolate import CubicSpline
-    from scipy.special import stdtrit
 
     known, top, values = bool(np.all(sigma > 0.0)), float(np.max(force)), np.log(np.maximum(force, 0.03 * np.max(force)))
     unit, fine = (x - x[0]) / (x[-1] - x[0]), np.linspace(x[0], x[-1], 4 * x.size)
@@ -159,7 +158,7 @@ def _smooth(x, force, sigma, counts):
     means = np.concatenate([one.mean(at) for one in splines])
     variances = np.concatenate([one.variance(at) for one in splines])
     mean = weight @ means
-    error = np.sqrt(weight @ (variances + (means - mean) ** 2)) * (1.0 if known else stdtrit(x.size - 2.0, 0.975) / 1.96)
+    error = np.sqrt(weight @ (variances + (means - mean) ** 2))
     noises = [r * top / math.sqrt(1.0 + r * r) * np.sqrt(one.scale) for r, one in zip(SHARES, splines, strict=False)]
     noise = 0.0 if known else float(weight @ np.concatenate(noises))
     return _Smoothed(values, noise, x[0] + at * (x[-1] - x[0]), mean, error)
