@@ -14,7 +14,6 @@
 
 namespace demlaws {
 
-const int OCTAVES_COMPARED = 16; // of curves, from their last row down
 
 // Messages between the ranks of a run: bytes only.
 class Ranks {
@@ -83,50 +82,6 @@ inline const Table &load_table(const Ranks &ranks, const std::string &path) {
   return *table;
 }
 
-// A number to 16 bits, a part in 65,536, as text.
-inline std::string rounded(double x) {
-  int exponent;
-  const long mantissa = std::lround(std::frexp(x, &exponent) * 65536.);
-  return std::labs(mantissa) == 65536 ? rounded(std::ldexp(mantissa / 65536., exponent))
-                                      : std::to_string(mantissa) + "p" + std::to_string(exponent);
-}
-// The same of the numbers in a text; a digit within a word is none.
-inline std::string rounded(const std::string &text) {
-  static const char *const digits = "0123456789";
-  std::string out;
-  for (size_t at = 0; at < text.size();) {
-    const bool begins =
-        strchr(digits, text[at]) && !(at && (isalnum((unsigned char)text[at - 1]) || text[at - 1] == '_'));
-    size_t end = begins ? std::min(text.find_first_not_of("0123456789.eE+-", at), text.size()) : at + 1;
-    double x;
-    if (begins && plain_number(text.substr(at, end - at), x)) out += rounded(x);
-    else out += text.substr(at, end - at);
-    at = end;
-  }
-  return out;
-}
-// What histories depend on: law, options, contact, rule, the certified range, and the curves at powers of 2 of the
-// overlap, which are rows of every table. Tables of one command have the same, whatever processor made them: they may
-// differ in their last bits.
-inline uint32_t identity(const Table &table) {
-  std::string text = table.text("unloading") + table.text("collapses");
-  for (const char *prefix : {"", "unloading_"})
-    for (const char *key : {"law", "options", "effective_radius", "effective_modulus", "roughness", "fractal_dimension",
-                            "hardness", "range_overlap"})
-      text += "\n" + rounded(table.text(std::string(prefix) + key));
-  for (const Curve *curve : {&table.loading_curve(), &table.unloading_curve()}) {
-    if (curve == &table.unloading_curve() && table.unloading() != GIVEN) continue;
-    int exponent;
-    std::frexp(curve->last(), &exponent);
-    for (int k = 1; k <= OCTAVES_COMPARED; k++) {
-      double s, slope;
-      curve->evaluate(std::ldexp(1., exponent - k), s, slope);
-      text += "\n" + rounded(s);
-    }
-  }
-  return crc32(0, text.data(), text.size());
-}
-
 // The law of two materials.
 struct Law {
   Pair pair;
@@ -139,7 +94,7 @@ struct Law {
     pair = Pair::checked(table, modulus, roughness);
     watch = Watch(pair);
     const float numbers[2] = {(float)modulus, (float)roughness}; // another computer may round a mixed modulus otherwise
-    checksum_ = crc32(identity(table), (const char *)numbers, sizeof numbers);
+    checksum_ = crc32(table.fingerprint(), (const char *)numbers, sizeof numbers);
     slips = shear == SLIP_SHEAR;
     if (slips && !HAS_SPRINGS[pair.rule])
       throw std::runtime_error("'shear slip' needs unloading elastic, hertz, thornton, table, etsion or jackson, " +

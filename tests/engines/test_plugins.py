@@ -135,19 +135,15 @@ def test_a_restart_in_mid_unloading_goes_on(engine, tmp_path, law, rule, ranks):
 
 @both
 def test_a_restart_with_a_table_made_again(engine, tmp_path, law):
-    """Another processor writes the same law with other last digits; another law, contact or range is refused."""
+    """The same law made again continues; another law, contact or range is refused."""
     table = tmp_path / "law.tbl"
     law.tabulate(max_force=100.0).save(table)
     text, moves = spheres(engine, "", [*LOAD_UNLOAD, (0.2, 0, 100)], **ENERGY), [(-0.2, 0, 600), (0.2, 0, 1800)]
     whole, rest = assert_goes_on(engine, tmp_path, text, moves, 1)
     first, contact = table.read_bytes(), law.contact
-    values = {
-        name: np.nextafter(getattr(contact, name), 1e20) for name in ("roughness", "modulus", "radius", "fractal_dimension")
-    }
-    again = dl.law(law.name, contact.with_values(**values), law.unloading)
+    again = dl.law(law.name, contact, law.unloading)
     again.tabulate(max_force=100.0).save(table)
-    rows = [[line.rpartition(" ")[0] for line in data.decode().splitlines()] for data in (first, table.read_bytes())]
-    assert len(rows[0]) == len(rows[1]) and sum(a != b for a, b in zip(*rows, strict=True)) > 10
+    assert table.read_bytes() == first  # on every processor: tests/curves/test_same_bytes.py
     same = simulate(engine, tmp_path, continued(engine, text, moves, **ENERGY))
     np.testing.assert_allclose(same["force"], rest["force"], rtol=0, atol=1e-12 * whole["force"].max())
     others = {"roughness": 1.001 * contact.roughness, "modulus": 1.001 * contact.modulus, "fractal_dimension": 2.221}

@@ -41,7 +41,7 @@ template <class ABI> struct Granular {
       EXTRAPOLATION,
       SHEAR,
       SPRINGS,
-      IDENTITY,
+      FINGERPRINT,
       LEVELS,
       RATIO,
       COEFFICIENTS
@@ -81,7 +81,7 @@ template <class ABI> struct Granular {
       coeffs[TOLERANCE] = 0.01;
       coeffs[SHEAR] = demlaws::ELASTIC_SHEAR;
       coeffs[SPRINGS] = demlaws::SPRINGS;
-      coeffs[IDENTITY] = demlaws::identity(table);
+      coeffs[FINGERPRINT] = table.fingerprint();
       coeffs[LEVELS] = demlaws::LEVELS;
       Range::of(of.lmp).tables++;
     }
@@ -100,7 +100,7 @@ template <class ABI> struct Granular {
       check(coeffs[RATIO] >= 0. && coeffs[RATIO] <= demlaws::LARGEST_SHEAR_RATIO, "shear_ratio", coeffs[RATIO],
             ": K_t/K is above 0, at most 4/3");
       this->num_coeffs = NUMBERS;
-      if (coeffs[IDENTITY] != (double)demlaws::identity(table_))
+      if (coeffs[FINGERPRINT] != (double)table_.fingerprint())
         refuse("this is not the table that the restart file was written with (another law, options, contact or range): "
                "bring that file back, or " +
                demlaws::FROM_POSITIONS);
@@ -128,7 +128,7 @@ template <class ABI> struct Granular {
         if (a[word] != b[word])
           refuse("both types must have the same 'shear', 'shear_ratio', 'levels' and 'springs' to be mixed; write "
                  "pair_coeff for this pair of types, too");
-      for (int word : {SHEAR, SPRINGS, LEVELS, RATIO, IDENTITY}) coeffs[word] = a[word];
+      for (int word : {SHEAR, SPRINGS, LEVELS, RATIO, FINGERPRINT}) coeffs[word] = a[word];
       coeffs_to_local();
     }
 
