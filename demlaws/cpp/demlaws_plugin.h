@@ -14,7 +14,6 @@
 
 namespace demlaws {
 
-
 // Messages between the ranks of a run: bytes only.
 class Ranks {
 public:

@@ -34,9 +34,7 @@ public:
   static const int MOST_SIZE = 4 * MOST + 2;
   static bool may_have(double springs) { return springs == (int)springs && springs >= 2. && springs <= MOST; }
   // Whether a number has the other sign seen from the other body: see Motion.
-  static bool changes_sign(int number, int springs) {
-    return number >= 2 * springs - 1 && number < 3 * springs - 1;
-  }
+  static bool changes_sign(int number, int springs) { return number >= 2 * springs - 1 && number < 3 * springs - 1; }
   SpringRow(double *numbers, int springs)
       : bound_(numbers), rest_(numbers + springs), u_(numbers + 2 * springs - 1), v_(numbers + 3 * springs - 1),
         springs_(springs), last_(springs - 1) {}
@@ -218,8 +216,8 @@ private:
         const double end = std::min(bound[j], high);
         if (end > low) {
           if (!curve.hertzian)
-            sums += (end - low) * (touched[j] + 0.5 * slope(curve.depth, bound, touched, start, j) *
-                                                    (low + end - start - bound[j]));
+            sums += (end - low) *
+                    (touched[j] + 0.5 * slope(curve.depth, bound, touched, start, j) * (low + end - start - bound[j]));
           first += (end - low) * u[j];
           second += (end - low) * v[j];
           low = end;
