@@ -56,7 +56,8 @@ class MissingQuantity(DemlawsError):
     def of(cls, user: str, quantity: str) -> "MissingQuantity":
         """The error of a law or criterion (`user`, text) for a field of the contact."""
         smooth = ", 0 for smooth surfaces" if quantity == "roughness" else ""
-        return cls(f"{user} needs the contact's {quantity}, which is not given: give {quantity}{smooth}")
+        option = f"--{quantity.replace('_', '-')}"
+        return cls(f"{user} needs the contact's {quantity}, which is not given: give {quantity} ({option}){smooth}")
 
 
 class EngineStopped(DemlawsError, RuntimeError):

@@ -63,7 +63,7 @@ def test_unknown_roughness_is_never_smooth(use):
     """A law of smooth contacts takes the contact; one that needs the roughness names it, and how it is given."""
     contact = use(dl.materials.basalt)
     assert contact.roughness is None and dl.law("hertz", contact).force(1e-6) > 0.0
-    with pytest.raises(dl.DemlawsError, match=r"needs the contact's roughness, .* give roughness, 0 for smooth surfaces"):
+    with pytest.raises(dl.DemlawsError, match=r"needs the contact's roughness, .* \(--roughness\), 0 for smooth surfaces"):
         dl.law("rms", contact)
 
 

@@ -14,6 +14,8 @@ from demlaws.core.fastmath import cbrt, sqrt
 from demlaws.core.numba_compat import kernel, loop
 from demlaws.core.unloading import Elastic, Given, Hertz, Thornton
 
+SPRINGS = 11
+"""Springs of a contact in the engines by default (`slip`)."""
 DEFAULT_LEVELS, MOST_LEVELS = 3, 8
 """Levels of springs (`levels`)."""
 LARGEST_SHEAR_RATIO = 4.0 / 3.0

@@ -33,13 +33,11 @@ import numpy as np
 from demlaws.core.dispatch import gather, generic, scatter, step, unloaded
 from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import kernel, loop
-from demlaws.core.shear import unloading_stiffness
+from demlaws.core.shear import SPRINGS, unloading_stiffness
 from demlaws.core.unloading import rule_of
 
 SAMPLES = 512
 """Points at which `slip_loop` reads the unloading curve of a rule that has no springs of its own."""
-SPRINGS = 11
-"""Springs of a contact in the engines by default."""
 STEPS = (0.3377, 0.5869, 0.7335, 0.8272, 0.8891, 0.932, 0.9583, 0.9745, 0.9855, 0.996, 1.0)
 """Ladder of `SPRINGS`: the largest error of the loss of a cycle of Hertz's law from 0.05 μP on, or a third of that at 0.02, is
 least."""

@@ -19,6 +19,7 @@ from demlaws.core.grid import MOST_BITS, MOST_KINKS, Nodes, node, node_number
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.curves.table import Rows
 from demlaws.errors import DemlawsError
+from demlaws.laws import POHRT_POPOV
 from demlaws.laws.definition import Numbers
 from demlaws.laws.registry import registry
 from demlaws.units import LARGEST_ROUGHNESS, RANGES
@@ -138,7 +139,7 @@ def law_keys():
     return found
 
 
-INNER = ("option_loading", "pohrt-popov")
+INNER = ("option_loading", POHRT_POPOV)
 """Key and default of the law that another one holds before the bulk yields."""
 
 

@@ -10,8 +10,7 @@ from numpy.lib.recfunctions import repack_fields
 from demlaws.contact import Contact, Material, Surface, surface_of
 from demlaws.core.dispatch import leaves, refuse_other_values
 from demlaws.core.loops import clamped_roughness, loading_part, scale_contact
-from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, LARGEST_SHEAR_RATIO, MOST_LEVELS, SLIP
-from demlaws.core.slip import SPRINGS
+from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, LARGEST_SHEAR_RATIO, MOST_LEVELS, SLIP, SPRINGS
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.curves.closed import ClosedForm
 from demlaws.curves.unloading import Bound, Unloading, refuse_unless_passive

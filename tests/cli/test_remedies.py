@@ -45,10 +45,13 @@ MISTAKES = [
     (f"curve --law conical-damage {CONTACT} --forces 10", ["strength=VALUE", "angle=VALUE"]),
     (f"curve --law rough-plastic {CONTACT} --forces 10", ["yield_pressure=VALUE"]),
     (f"curve --law hertz {CONTACT} --forces 10 --option softness=3", ["has no options", "'softness'"]),
-    ("curve --law pohrt-popov --radius 8mm 8mm --young 60GPa --poisson 0.2 --forces 1", ["give roughness, 0 for smooth"]),
+    (
+        "curve --law pohrt-popov --radius 8mm 8mm --young 60GPa --poisson 0.2 --forces 1",
+        ["(--roughness), 0 for smooth"],
+    ),
     (
         "curve --law pohrt-popov --radius 8mm 8mm --roughness 1um --young 60GPa --poisson 0.2 --forces 1",
-        ["give fractal_dimension\n"],
+        ["give fractal_dimension (--fractal-dimension)\n"],
     ),
     ("curve --law hertz --radius 8mm 8mm --young=-60GPa --poisson 0.2 --forces 1", ["young = -6e+10 Pa", "positive"]),
     ("curve --law hertz --effective-radius=-8mm --modulus 30GPa --forces 1", ["error: radius = -0.008 m", "positive"]),

@@ -117,8 +117,7 @@ def test_a_forgotten_quantity_in_a_command(law, name, way, tmp_path, capsys):
     """One line, status 2, the option or the line of the file that gives it; nothing written."""
     assert COMMANDS[way](law, name, tmp_path) == 2
     printed = [line for line in capsys.readouterr().err.splitlines() if "warning" not in line]
-    option = name if way == "scene" else f"--{name.replace('_', '-')}"
-    assert len(printed) == 1 and f"give {option}" in printed[0] and "Traceback" not in printed[0]
+    assert len(printed) == 1 and f"give {name} (--{name.replace('_', '-')})" in printed[0] and "Traceback" not in printed[0]
     assert not list((tmp_path / "case").rglob("*.tbl"))
 
 

@@ -322,10 +322,10 @@ def test_columns_of_contacts(omega):
 
 @pytest.mark.parametrize("kind", ["pair", "wall"])
 def test_balance_of_energy(omega, kind):
-    """It closes in proportion to the step without YADE's scaled shear; with it δ/(r1 + r2) of the loss is missing."""
+    """It closes in proportion to the step without YADE's scaled shear; with it two spheres miss δ/(r1 + r2) of the loss."""
     from studies.shear import yade_balance
 
     coarse, fine = (yade_balance.impact(kind, False, share)[0] for share in (0.1, 0.025))
     assert abs(fine) < 6e-5 and fine / coarse == pytest.approx(0.25, rel=0.15)
     excess = yade_balance.impact(kind, True, 0.025)[0] - fine
-    assert 1e-4 < excess < 5e-4
+    assert abs(excess) < 1e-9 if kind == "wall" else 1e-4 < excess < 5e-4  # on flats the displacement is ours
