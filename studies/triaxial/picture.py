@@ -12,7 +12,7 @@ def draw(rows):
     """A figure of four panels, one for each load."""
     from demlaws.plots import figure
 
-    fig, axes = figure(rows=2, columns=2, width=4.6, height=4.4)
+    fig, axes = figure(rows=2, columns=2, width=4.6, height=3.9)
     found, tests = groups(simulated(rows)), measured()
     names = sorted({name for name, *_ in found})
     for ax, load in zip(np.ravel(axes), LOADS, strict=True):
@@ -23,7 +23,7 @@ def draw(rows):
         ax.set(xscale="log", yscale="log", xlim=(1, 2000), ylim=(0.02, 40.0), title=f"p = {load[0]:g}, q = {load[1]:g} kPa")
         ax.set(xlabel="cycle", ylabel="permanent axial strain (%)")
     lines = {label: line for ax in np.ravel(axes) for line, label in zip(*ax.get_legend_handles_labels(), strict=True)}
-    fig.legend(lines.values(), lines.keys(), fontsize=8, ncols=2, loc="outside lower center")
+    axes[1, 1].legend(lines.values(), lines.keys(), fontsize=7, loc="lower right")  # a panel with collapses only
     return fig
 
 
