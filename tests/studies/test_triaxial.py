@@ -1,0 +1,64 @@
+"""The triaxial study: known courses, the measured data, a short run that continues after an interruption, kept results."""
+
+import numpy as np
+import pytest
+
+from studies.assembly.study import read
+from studies.triaxial import cell, cycles, report
+from studies.triaxial.__main__ import QUICK
+
+
+def test_numbers_of_a_known_course():
+    number = np.unique(np.round(np.geomspace(1, 2000, 60)))
+    one = report.Course(number, 0.4 * number**0.25)
+    assert one.at(200) == pytest.approx(0.4 * 200**0.25, rel=1e-3) and np.isnan(one.at(3000))
+    assert one.exponent(2, 200) == pytest.approx(0.25)
+    assert report.SHAPES["s(1)/s(200)"](one) == pytest.approx(200**-0.25, rel=1e-3)
+    assert np.isnan(report.Course(number[number < 100], number[number < 100]).exponent(2, 200))
+
+
+def test_measured_tests_have_the_ranges_of_the_criteria():
+    tests = report.measured()
+    assert len(tests) == len(report.measured("volumetric")) == 23
+    shares = [one.at(200) / one.at(2000) for one in tests.values()]
+    assert (np.nanmin(shares), np.nanmax(shares)) == pytest.approx((0.43, 0.84), abs=0.01)
+    assert np.isfinite(shares).sum() == 20
+    assert max(one.at(1) / one.at(200) for one in tests.values()) == pytest.approx(0.33, abs=0.01)
+
+
+def test_grains_have_their_volume_and_mass():
+    grains = cell.loose("tetrapods", 20, 1)
+    mass = np.bincount(grains.rows[:, 0].astype(int), grains.rows[:, 2] * np.pi / 6 * grains.rows[:, 1] ** 3)[1:]
+    assert mass.sum() == pytest.approx(cell.DENSITY * grains.solid) and mass.size == 20
+    places = grains.rows[:, 3:]
+    assert places.min() > 0.0 and places.max() < grains.side
+
+
+@pytest.fixture(scope="module")
+def quick(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("triaxial")
+    case, number = QUICK[0]
+    cycles.run_case(case, number, folder / "cycles.csv", folder)
+    return case, folder
+
+
+@pytest.mark.slow
+@pytest.mark.lammps
+def test_pistons_carry_their_loads(quick):
+    rows = read(quick[1] / "cycles.csv")
+    for row in rows:
+        assert row["q_kPa"] == pytest.approx(230.0, rel=0.02) and row["side_kPa"] == pytest.approx(60.0, rel=0.02)
+        assert 0.0 < row["resilient"] < 1.0 and row["side_off_kPa"] < 6.0
+    assert [row["cycle"] for row in rows][:3] == [1, 2, 3]
+
+
+@pytest.mark.slow
+@pytest.mark.lammps
+def test_a_case_continues_after_its_last_part(quick):
+    case, folder = quick
+    before = read(folder / "cycles.csv")
+    cycles.run_case(case, 10, folder / "cycles.csv", folder)
+    assert read(folder / "cycles.csv") == before  # ten cycles are there
+    cycles.run_case(case, 11, folder / "cycles.csv", folder)
+    after = read(folder / "cycles.csv")
+    assert after[: len(before)] == before and after[-1]["cycle"] == 50
