@@ -62,7 +62,54 @@ def test_processes_may_build_together(plugin, tmp_path, monkeypatch):
     count.unlink()
     assert plugin.build() == plugin.library_path() and not count.exists()
     assert plugin.build(force=True) == plugin.library_path() and count.read_text() == "run\n"
-    assert list(plugin.library_path().parent.iterdir()) == [plugin.library_path()]
+    library = plugin.library_path()
+    assert set(library.parent.iterdir()) == {library, library.with_suffix(".digest")}
+
+
+@both
+def test_a_damaged_plugin_is_compiled_again(plugin, tmp_path, monkeypatch):
+    """A truncated one was loaded: a bus error without a message."""
+    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(plugin, "compile_command", lambda portable=False: ["bash", "-c", 'echo compiled > "$2"', "-"])
+    library = plugin.build()
+    library.write_bytes(library.read_bytes()[:3])
+    assert plugin.build() == library and library.read_text() == "compiled\n"
+    library.with_suffix(".digest").unlink()
+    library.write_bytes(b"half")
+    assert plugin.build() == library and library.read_text() == "compiled\n"
+
+
+COMPILING = """
+import sys
+from demlaws.lammps.build import PLUGIN
+PLUGIN.compile_command = lambda portable=False: ["bash", "-c", 'touch "$2"; echo ready >&2; exec sleep "$0"', sys.argv[1]]
+PLUGIN.build()
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGKILL])
+@pytest.mark.parametrize("engine", ["lammps"])
+def test_a_signal_while_compiling_leaves_no_folder(plugin, tmp_path, monkeypatch, number):
+    """Of a killed process the next one that compiles removes it."""
+    environment = {**os.environ, "DEMLAWS_CACHE": str(tmp_path / "cache"), "PYTHONPATH": HOME}
+    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path / "cache"))
+    line = [sys.executable, "-c", COMPILING, "1000"]
+    with subprocess.Popen(line, env=environment, stderr=subprocess.PIPE, text=True, preexec_fn=usual_signals) as process:
+        folder = plugin.library_path().parent
+        while not list(folder.glob("building-*/*")):
+            assert process.poll() is None
+            time.sleep(0.05)
+        children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+        process.send_signal(number)
+        process.wait(timeout=60)
+        if number == signal.SIGKILL:
+            for child in children:
+                os.kill(int(child), signal.SIGKILL)
+    assert bool(list(folder.iterdir())) == (number == signal.SIGKILL)
+    monkeypatch.setattr(plugin, "compile_command", lambda portable=False: ["touch"])
+    monkeypatch.setattr(subprocess, "run", lambda command, **_: Path(command[-1]).touch() or subprocess.CompletedProcess([], 0))
+    library = plugin.build()
+    assert set(folder.iterdir()) == {library, library.with_suffix(".digest")}
 
 
 @both
@@ -95,6 +142,7 @@ def test_a_plugin_compiled_elsewhere_is_taken_without_a_compiler(plugin, tmp_pat
     assert library != plugin.library_path(portable=True)
     library.parent.mkdir()
     library.write_bytes(b"compiled on the login node")
+    library.with_suffix(".digest").write_text(engines._digest([library.read_bytes()]))
     absent = [("CXX", "no-such-compiler"), ("DEMLAWS_LIGGGHTS_INCLUDE", "/nowhere")]
     for variable, value in absent[: 2 if plugin.engine == "liggghts" else 1]:
         with monkeypatch.context() as there:
