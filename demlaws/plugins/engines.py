@@ -5,6 +5,7 @@ Importing needs the standard library only: LAMMPS asks for the plugin at every s
 
 import contextlib
 import fcntl
+import functools
 import hashlib
 import itertools
 import os
@@ -239,6 +240,17 @@ def own_session(environment):
         yield {name: folder for name in FOLDERS_OF_OPEN_MPI} | dict(environment)
 
 
+@functools.lru_cache
+def open_mpi_run(path):
+    """The first mpirun of Open MPI in the folders of `path`: MPICH's, which pip installs, may come before it."""
+    for folder in path.split(os.pathsep):
+        for name in ("mpirun.openmpi", "mpirun"):
+            program = shutil.which(name, path=folder)
+            if program and re.search("Open MPI|OpenRTE", output_of([program, "--version"])):
+                return program
+    raise DemlawsError("no mpirun of Open MPI on PATH: sudo apt install openmpi-bin")
+
+
 class Engine:
     """A program that runs inputs with the plugin."""
 
@@ -270,10 +282,8 @@ class Engine:
         if ranks > 1 and mpiexec:  # MPICH hands the environment on
             line = [str(mpiexec), "-n", str(ranks), *line]
         elif ranks > 1:
-            if not shutil.which("mpirun"):
-                raise DemlawsError("mpirun not found: sudo apt install openmpi-bin")
             root = os.geteuid() == 0
-            mpirun = ["mpirun", "-np", str(ranks), *(["--allow-run-as-root"] if root else [])]
+            mpirun = [open_mpi_run(os.environ.get("PATH", "")), "-np", str(ranks), *(["--allow-run-as-root"] if root else [])]
             mpirun += ["--oversubscribe"] if root or ranks > len(os.sched_getaffinity(0)) else []
             for name, value in loading.items():  # for the ranks only, not for mpirun
                 mpirun += ["-x", f"{name}={value}"]

@@ -112,6 +112,32 @@ def test_a_signal_while_compiling_leaves_no_folder(plugin, tmp_path, monkeypatch
     assert set(folder.iterdir()) == {library, library.with_suffix(".digest")}
 
 
+@pytest.mark.parametrize("engine", ["lammps"])
+def test_the_environment_that_make_test_makes_is_found(engine, tmp_path, monkeypatch):
+    """.venv-lammps beside .venv, without a variable or anything on the path."""
+    program = tmp_path / ".venv-lammps" / "bin" / "lmp"
+    program.parent.mkdir(parents=True)
+    program.write_text("")
+    for name, value in (("PATH", str(tmp_path)), ("DEMLAWS_LAMMPS", "")):
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr(sys, "prefix", str(tmp_path / ".venv"))
+    assert part(engine, "run").executable().path == program
+
+
+@pytest.mark.parametrize("engine", ["liggghts"])
+def test_the_mpirun_of_open_mpi_is_taken(engine, tmp_path, monkeypatch):
+    """`pip install mpich` puts another one before it, which knows other options."""
+    mpich = tmp_path / "mpirun"
+    mpich.write_text("#!/bin/bash\necho HYDRA build details:\n")
+    mpich.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
+    found = part(engine, "run").command("in.case", 2)[0][0]
+    assert Path(found).name.startswith("mpirun") and Path(found) != mpich
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(DemlawsError, match="no mpirun of Open MPI"):
+        engines.open_mpi_run(str(tmp_path))
+
+
 @both
 def test_cache_key_follows_sources_version_and_flags(plugin, sources, monkeypatch):
     before = plugin.library_path()
@@ -205,7 +231,7 @@ def test_command_line_of_a_run(engine, plugin, monkeypatch):
     assert any(value in (library, str(Path(library).parent)) for value in changed)
     if engine == "liggghts":
         line, environment = command("in.case", 2)
-        assert line[:3] == ["mpirun", "-np", "2"] and f"LD_PRELOAD={library}" in line
+        assert [Path(line[0]).name.split(".")[0], *line[1:3]] == ["mpirun", "-np", "2"] and f"LD_PRELOAD={library}" in line
         assert "demlaws" not in environment.get("LD_PRELOAD", "")
         assert ("--allow-run-as-root" in line) == (os.geteuid() == 0)
         monkeypatch.setattr(os, "geteuid", lambda: 1000)
@@ -468,7 +494,7 @@ def test_import_needs_no_engine_no_numpy_and_no_numba(engine, tmp_path):
     """LAMMPS asks for the plugin at every start; without any program in reach the message names the package to install."""
     code = f"import sys, demlaws.{engine} as e, demlaws.{engine}.run as run\n"
     code += "print(sorted({'numpy', 'numba'} & set(sys.modules)))\n"
-    code += "try:\n e.run('in.case')\nexcept ValueError as error: print(error)"
+    code += "sys.prefix = '/nowhere'\ntry:\n e.run('in.case')\nexcept ValueError as error: print(error)"
     environment = {name: value for name, value in os.environ.items() if not name.startswith("DEMLAWS_L")}
     environment |= {"PYTHONPATH": HOME, "PATH": str(tmp_path)}
     (tmp_path / "in.case").write_text("")
