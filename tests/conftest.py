@@ -4,7 +4,6 @@ processes."""
 import contextlib
 import gc
 import os
-from pathlib import Path
 
 # One thread of YADE in the test process, set before any module loads OpenMP, which reads it then: two add forces in changing
 # order, and trajectories of a packing part from rounding. What two threads do is tested in processes of its own.
@@ -26,22 +25,17 @@ gc.set_threshold(100_000, 20, 20)
 
 
 MPI_FOLDER = contextlib.ExitStack()
-
-
-def _remove_shared_memory():
-    """Remove what processes of MPICH that were killed left: no later process of the same number could start."""
-    for file in Path("/dev/shm").glob("mpich_shm_*_*"):
-        with contextlib.suppress(OSError, ValueError):  # of another user, or removed by another process of the tests
-            number = int(file.name.split("_")[2], 16)  # of several ranks a checksum, nearly always a larger number
-            if number < 2**22 and not Path(f"/proc/{number}").exists():
-                file.unlink()
+BEFORE = set()
+"""Files of MPICH's shared memory that were there when the tests began."""
 
 
 def pytest_configure():
     """Each process of the tests has a folder for the files of MPI: tests that start an engine's command themselves need it."""
+    from processes import shared_memory
+
     from demlaws.plugins.engines import own_session
 
-    _remove_shared_memory()
+    BEFORE.update(shared_memory())
     os.environ.update(MPI_FOLDER.enter_context(own_session({})))
 
 
@@ -106,8 +100,10 @@ def pytest_runtest_logreport(report):
 
 def pytest_sessionfinish(session, exitstatus):
     """In CI a test that needs an engine and did not run is a failure: there the engines can be installed."""
+    from processes import remove_shared_memory
+
     MPI_FOLDER.close()
-    _remove_shared_memory()
+    remove_shared_memory(BEFORE)
     if os.environ.get("CI") and _skipped_engines and exitstatus == 0:
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
 

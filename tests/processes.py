@@ -1,5 +1,6 @@
 """Programs in processes of their own: Python, how many functions numba compiled there, ranks in folders of their own."""
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -69,3 +70,27 @@ def usual_signals():
     """`preexec_fn` of a process that signals are to end: under nohup, and in the background, it would ignore them."""
     for number in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):
         signal.signal(number, signal.SIG_DFL)
+
+
+def shared_memory():
+    """Files of MPICH's processes."""
+    return set(Path("/dev/shm").glob("mpich_shm_*_*"))
+
+
+def remove_shared_memory(before):
+    """Remove what processes of MPICH of this run left when they were killed: no later one of the same number could start.
+
+    before: files of other programs; nor are those removed that a living process uses.
+    """
+    for file in shared_memory() - before:
+        with contextlib.suppress(OSError):  # of another user, or removed by another process of the tests
+            maps = (maps for maps in Path("/proc").glob("[0-9]*/maps") if os.access(maps, os.R_OK))
+            if not any(str(file) in _text_of(each) for each in maps):
+                file.unlink()
+
+
+def _text_of(path):
+    try:
+        return path.read_text(errors="replace")
+    except OSError:  # the process has ended
+        return ""

@@ -77,7 +77,7 @@ public:
     return look_up(u, s, slope) || outside(u, s, slope);
   }
 
-  // Dimensionless work of virgin loading from 0 to u: integral of f du; Gauss quadrature, for output only.
+  // Dimensionless work of first loading from 0 to u: integral of f du; Gauss quadrature, for output only.
   double energy(double u) const {
     if (!(u > 0.)) return u > 0. || u <= 0. ? 0. : u;
     if (u < u_first_) return energy_below(u);

@@ -103,7 +103,7 @@ struct Law {
   // Of the contacts that begin under this law and keep so many values: never 0.
   double mark(int values) const { return ONE_SHAPE * (2 * values + (slips ? 2 : 1)) + checksum_; }
   // Whether a contact with another mark goes on: it keeps nothing that depends on the law, and as many values.
-  static bool goes_on(double mark, double now, bool keeps) {
+  static bool can_continue(double mark, double now, bool keeps) {
     return mark == 0. || (!keeps && std::floor(mark / ONE_SHAPE) == std::floor(now / ONE_SHAPE));
   }
   // After a step with this force [N].

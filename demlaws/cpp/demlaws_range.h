@@ -146,7 +146,7 @@ public:
     }
   }
   // Whether there may be something to report; asked at every step of every contact.
-  inline bool sees(double overlap, double radius) const {
+  inline bool exceeds(double overlap, double radius) const {
     return (overlap > deep_ * radius) | (overlap > above_) | (overlap < below_ + below_per_radius_ * radius) |
            (radius < smallest_);
   }

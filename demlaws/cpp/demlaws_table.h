@@ -10,9 +10,9 @@
 //
 //     demlaws::Table table("granite.tbl");                        // throws std::runtime_error that names file and line
 //     demlaws::Pair pair(table, modulus, roughness);              // E* in Pa, combined rms roughness in m
-//     demlaws::State state;                                       // zeros: a virgin contact; keep one for each contact
-//     demlaws::Force now = demlaws::step(pair, radius, overlap, state);
-//     if (now.outside) ...                                        // overlap beyond the last row: no certified value
+//     demlaws::State state;                                       // zeros: before first loading; keep one for each
+//     contact demlaws::Force now = demlaws::step(pair, radius, overlap, state); if (now.outside) ... // overlap beyond
+//     the last row: no certified value
 //
 // docs/how-to/own-code.md: a complete contact, MPI, restart.
 //

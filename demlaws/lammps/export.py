@@ -75,7 +75,7 @@ def wall_lines(models, fixes):
     return lines
 
 
-def loose(grains, count, seed=15485863):
+def random_positions(grains, count, seed=15485863):
     """Types, radii, centres and box of `count` grains on a shaken lattice, all kinds equally often; without contacts."""
     random = np.random.default_rng(seed)
     largest = max(g.radius for g in grains)
@@ -102,7 +102,7 @@ def export(folder, law=USUAL, grains=(), *, unloading=None, options=None, **more
     if stock is not None and stock != find(case.law).advice.native.get("lammps"):
         raise DemlawsError(f"stock = {stock!r} with law {case.law!r}: LAMMPS has only law 'hertz' of its own, as stock='hertz'")
     lines = stock_models(grains, case.restitution, case.friction) if stock else models(case, folder)
-    types, radii, centres, (side, height) = loose(grains, case.count)
+    types, radii, centres, (side, height) = random_positions(grains, case.count)
     margin = 0.1 * max(radii)
     data = [f"{case.count} grains, written by demlaws {demlaws.__version__}", "", f"{case.count} atoms"]
     data += [f"{len(grains)} atom types", "", *(f"{-margin:.10g} {side + margin:.10g} {axis}lo {axis}hi" for axis in "xy")]

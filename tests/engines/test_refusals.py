@@ -37,6 +37,10 @@ LIGGGHTS = [  # pair style, line of a wall or (old, new) of the text, words of t
     (f"{GRAN} pairtable 1 1 law.tbl", "", "types 1 and 2"),
     (f"{GRAN} table law.tbl pairtable 1 3 law.tbl", "", "type 3"),
     (f"{GRAN} table law.tbl bogus on", "", "bogus"),
+    (f"{GRAN} table law.tbl limitForce", "", "'limitForce' needs a value"),
+    (f"{GRAN} table law.tbl radius_tolerance", "", "'radius_tolerance' needs a value"),
+    ("model demlaws/table tangential", "", "'tangential' needs a value"),
+    (f"{GRAN} table law.tbl", f"{WALL} limitForce", "'limitForce' needs a value"),
     (f"{GRAN} cohesion sjkr table law.tbl", "", MODELS),
     (f"{GRAN} rolling_friction epsd3 table law.tbl", "", MODELS),
     (f"{GRAN} surface multicontact table law.tbl", "", MODELS),
@@ -92,6 +96,7 @@ SLIP = "demlaws/table law.tbl 60.6e9 1.0 0.25 shear slip "
         ),
         (SLIP + "springs 1 tangential demlaws 0.0 0.5 damping velocity", "springs = 1: a whole number from 2 to 22"),
         (SLIP + "tangential demlaws 0.0", "needs XT MU"),
+        (LAMMPS.replace("demlaws 1.0 0.5", "demlaws 1e308 0.5"), "at most 1000"),
         (SLIP + "tangential demlaws 0.0 high", "friction of tangential demlaws is 'high'"),
         (SLIP + "tangential demlaws 0.0 -1 damping velocity", "must not be negative"),
         (f"{LAMMPS}\ncompute e all demlaws/energy more", "compute demlaws/energy"),
@@ -124,6 +129,13 @@ def test_lammps(engine, folder, words, named):
 @both
 def test_words_of_both(engine, folder, words, more, named):
     assert named in refused(engine, folder, spheres(engine, words, PRESS, more=more))
+
+
+@pytest.mark.parametrize("engine", ["lammps"])
+def test_a_friction_of_degrees_is_reported(engine, folder):
+    for friction, reported in (("0.5", False), ("60", True)):
+        simulate(engine, folder, inputs_for_lammps.two_spheres(LAMMPS.replace("1.0 0.5", f"1.0 {friction}"), PRESS))
+        assert ("friction MU = 60" in said_in(engine, folder)) == reported
 
 
 @pytest.mark.parametrize("engine", ["lammps"])

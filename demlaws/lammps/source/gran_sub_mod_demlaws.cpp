@@ -185,7 +185,7 @@ void FixDemlaws::init() {
                              pair->models_list[0]->sub_models[type]->size_history;
     }
     if (ours && !equal) error->all(FLERR, MIXED_SIZES);
-    if (ours) range.look_across(lmp, error);
+    if (ours) range.warn_of_thin_box(lmp, error);
     else if (pair->nmodels) range.look_at_pairs(lmp, error);
   }
   // its lists mark no contacts: FixNeighHistory would drop all histories whenever lists are built
@@ -205,4 +205,4 @@ void FixDemlaws::setup_pre_force(int) {
   Ledger::of(lmp).begin(NULL);
 }
 
-void FixDemlaws::post_run() { Range::of(lmp).tell(lmp, error); }
+void FixDemlaws::post_run() { Range::of(lmp).print_counts(lmp, error); }

@@ -273,7 +273,7 @@ void demlaws_pair_init(void *pair) {
   void *const lmp = instance_of(pair), *const error = error_of(pair);
   if (ours) {
     Range::refuse_respa(lmp, error);
-    Range::of(lmp).look_across(lmp, error);
+    Range::of(lmp).warn_of_thin_box(lmp, error);
   } else if (!lines.empty()) Range::of(lmp).look_at_pairs(lmp, error);
 }
 
@@ -294,7 +294,7 @@ void demlaws_region_forces(void *wall, int vflag) { forces_of_wall(wall, vflag, 
 
 void demlaws_post_run(void *modify) {
   Stock::get().post_run(modify);
-  Range::of(instance_of(modify)).tell(instance_of(modify), error_of(modify));
+  Range::of(instance_of(modify)).print_counts(instance_of(modify), error_of(modify));
 }
 
 void demlaws_delete_atoms(void *command, int count, char **arg) {

@@ -202,7 +202,7 @@ template <class ABI> struct Granular {
     template <demlaws::Unloading RULE> inline double finish(const demlaws::Force now) {
       Model *const m = gm;
       if (__builtin_expect(m->contact_type > LAST_TYPE, 0)) refuse_contact();
-      if (__builtin_expect(now.outside | law_.watch.sees(m->delta, m->Reff), 0)) examine(now);
+      if (__builtin_expect(now.outside | law_.watch.exceeds(m->delta, m->Reff), 0)) examine(now);
       if (__builtin_expect(!law_.pair.serves(m->Reff, coeffs[TOLERANCE]), 0)) refuse_radius();
       if (__builtin_expect(m->history[history_index + demlaws::MOST_STATE] != mark_, 0)) check_mark();
       stiffness_ = now.stiffness;
@@ -300,7 +300,7 @@ template <class ABI> struct Granular {
       double *const state = gm->history + history_index, &mark = state[demlaws::MOST_STATE];
       const bool kept =
           unloads_otherwise() || slips() || std::count(state, state + demlaws::MOST_STATE, 0.) < demlaws::MOST_STATE;
-      if (!demlaws::Law::goes_on(mark, mark_, kept)) raise(*of.error, false, who() + demlaws::other_law());
+      if (!demlaws::Law::can_continue(mark, mark_, kept)) raise(*of.error, false, who() + demlaws::other_law());
       if (gm->history_update) mark = mark_;
     }
     __attribute__((noinline, cold)) void refuse_radius() const {
@@ -380,7 +380,17 @@ template <class ABI> struct Granular {
         raise(*this->of.error, true,
               "tangential demlaws " + std::to_string(coeffs[DAMPING_RATIO]) + " " + std::to_string(this->mu) +
                   ": damping XT and friction MU must not be negative");
+      if (coeffs[DAMPING_RATIO] > LARGEST_DAMPING_RATIO)
+        raise(*this->of.error, true,
+              "tangential demlaws: damping XT = " + std::to_string(coeffs[DAMPING_RATIO]) +
+                  " times that of the normal force: at most 1000");
+      if (this->mu > LARGEST_USUAL_FRICTION)
+        Range::of(this->of.lmp)
+            .announce(this->of.lmp, *this->of.error, "friction " + std::to_string(this->mu),
+                      "tangential demlaws: friction MU = " + std::to_string(this->mu) +
+                          " is a coefficient (tangent of an angle), and rarely above 2");
     }
+    static constexpr double LARGEST_DAMPING_RATIO = 1e3, LARGEST_USUAL_FRICTION = 10.;
     void mix_coeffs(double *a, double *b) {
       for (int k = 0; k < COEFFICIENTS; k++) coeffs[k] = sqrt(a[k] * b[k]);
       coeffs_to_local();

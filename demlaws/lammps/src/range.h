@@ -82,7 +82,7 @@ struct Range {
     if (counts.reported.insert(what).second && Stock::get().setting(lmp, "world_rank") == 0) warn(lmp, error, text);
   }
   // At the end of a run, on all ranks: the sums.
-  void tell(void *lmp, void *error) {
+  void print_counts(void *lmp, void *error) {
     if (!used()) return;
     const Ranks ranks(lmp, error);
     for (const std::string &line : counts.summaries(ranks))
@@ -142,7 +142,7 @@ struct Range {
     }
   }
 
-  // LAMMPS finds the history of a contact by the number of the partner: with new numbers contacts would be virgin ones,
+  // LAMMPS finds the history of a contact by the number of the partner: with new numbers contacts would begin anew,
   // or go on with the history of others.
   void keep_numbers(void *error) const {
     if (has_contacts)
@@ -151,7 +151,7 @@ struct Range {
             "write 'delete_atoms ... compress no', and 'reset_atoms id' before the first run");
   }
 
-  void look_across(void *lmp, void *error) {
+  void warn_of_thin_box(void *lmp, void *error) {
     const Stock &stock = Stock::get();
     const int *const periodic = (const int *)stock.global(lmp, "periodicity");
     if (!periodic) return;

@@ -5,6 +5,7 @@
 
 #include "instance.h"
 #include <cstdlib>
+#include <cstring>
 
 namespace demlaws {
 
@@ -35,6 +36,12 @@ public:
       }
     }
     count = (int)kept_.size();
+    static const char *const valued[] = {
+        "tangential", "rolling_friction", "cohesion",         "surface",     "tangential_damping",
+        "limitForce", "surfaceRoughness", "radius_tolerance", "shear_ratio", "extrapolation",
+        "springs",    "levels",           "torsionTorque"};
+    for (const char *word : valued) // LIGGGHTS would read beyond the line
+      if (count && !strcmp(kept_[count - 1], word)) refuse(std::string("'") + word + "' needs a value behind it");
     kept_.push_back(NULL);
     arguments = &kept_[0];
   }

@@ -11,20 +11,20 @@
 namespace demlaws {
 
 // Names a private member: an explicit instantiation may.
-template <class TAG, typename TAG::type MEMBER> struct Access {
-  friend typename TAG::type get(TAG) { return MEMBER; }
+template <class TAG, typename TAG::type MEMBER> struct PrivateMember {
+  friend typename TAG::type pointer(TAG) { return MEMBER; }
 };
 // where a style is registered at run time
 struct ComputeMap {
   typedef std::map<std::string, Compute *(*)(LAMMPS *, int, int, char **)> *Modify::*type;
-  friend type get(ComputeMap);
+  friend type pointer(ComputeMap);
 };
-template struct Access<ComputeMap, &Modify::compute_map>;
+template struct PrivateMember<ComputeMap, &Modify::compute_map>;
 struct FixMap {
   typedef std::map<std::string, Fix *(*)(LAMMPS *, int, char **)> *Modify::*type;
-  friend type get(FixMap);
+  friend type pointer(FixMap);
 };
-template struct Access<FixMap, &Modify::fix_map>;
+template struct PrivateMember<FixMap, &Modify::fix_map>;
 // compute ID all demlaws/energy: stored and dissipated energy of all contacts, [1] and [2], pairs and walls, and what
 // dashpots took, [3].
 class ComputeEnergy : public Compute {
@@ -42,7 +42,7 @@ public:
   }
   ~ComputeEnergy() {
     Ledger &ledger = instance_->ledger;
-    if (!--ledger.readers) ledger.taken = ledger.viscous = 0., ledger.books = false;
+    if (!--ledger.readers) ledger.taken = ledger.viscous = 0., ledger.counts_stored = false;
     delete[] vector;
   }
   void init() {
@@ -85,16 +85,16 @@ public:
     else look_at_pairs();
   }
   void setup_pre_force(int vflag) {
-    look_across();
+    warn_of_thin_box();
     pre_force(vflag);
   }
   void pre_force(int) {
     Ledger &ledger = instance_->ledger;
     ledger.forget_walls();
-    const bool moves = update->ntimestep > update->firststep, lacks = ledger.readers && !ledger.books;
-    ledger.begins = lacks && moves;
-    ledger.lacks = lacks && !moves;
-    if (moves) ledger.books = ledger.readers;
+    const bool moves = update->ntimestep > update->firststep, lacks = ledger.readers && !ledger.counts_stored;
+    ledger.adds_stored = lacks && moves;
+    ledger.lacks_stored = lacks && !moves;
+    if (moves) ledger.counts_stored = ledger.readers;
   }
   void post_run() {
     double *const number = numbers();
@@ -108,7 +108,7 @@ public:
     double kept[] = {ledger.taken, 0., ledger.viscous}, all[3];
     MPI_Reduce(kept, all, 3, MPI_DOUBLE, MPI_SUM, 0, world);
     if (comm->me != 0) return;
-    all[1] = WITH_VISCOUS + ledger.books; // former files: `books`, and no third number
+    all[1] = WITH_VISCOUS + ledger.counts_stored; // former files: `counts_stored`, and no third number
     std::copy(all, all + 3, kept);
     const int size = sizeof kept;
     fwrite(&size, sizeof size, 1, file);
@@ -121,7 +121,7 @@ public:
     if (viscous) memcpy(kept, data, sizeof kept);
     Ledger &ledger = instance_->ledger;
     if (comm->me == 0) ledger.taken = kept[0], ledger.viscous = kept[2];
-    ledger.books = kept[1] - WITH_VISCOUS * viscous != 0.;
+    ledger.counts_stored = kept[1] - WITH_VISCOUS * viscous != 0.;
   }
   static Fix *create(LAMMPS *lmp, int narg, char **arg) { return new FixKept(lmp, narg, arg); }
   static const char *name() { return "demlaws/kept"; }
@@ -140,7 +140,7 @@ private:
     one_ = neighbor->oneatom;
   }
 
-  void look_across() {
+  void warn_of_thin_box() {
     const double reach = neighbor->cutneighmax - neighbor->skin;
     for (int k = 0; k < domain->dimension && instance_->source; k++)
       if (domain->periodicity[k] && domain->prd[k] < 2. * reach)
@@ -192,8 +192,8 @@ private:
 
 // Makes the styles known to this instance of LIGGGHTS.
 inline void register_styles(Modify *modify) {
-  (*(modify->*get(ComputeMap())))["demlaws/energy"] = &ComputeEnergy::create;
-  (*(modify->*get(FixMap())))[FixKept::name()] = &FixKept::create;
+  (*(modify->*pointer(ComputeMap())))["demlaws/energy"] = &ComputeEnergy::create;
+  (*(modify->*pointer(FixMap())))[FixKept::name()] = &FixKept::create;
 }
 
 // Adds the fix where it is missing; in the first init at the latest, when what a restart file holds for it is still

@@ -38,12 +38,12 @@ struct PairSettings {
 struct Ledger {
   double taken = 0., viscous = 0.; // viscous: what dashpots took while there were readers
   int readers = 0;                 // computes that will ask: without one the work of shear is not added up
-  bool books = false; // `taken` contains the energy of shear that contacts store; else their next step adds it
-  bool begins = false, lacks = false;         // this step adds it; `taken` lacks it until then
-  double wall_stored = 0., wall_pending = 0.; // pending: taken less booked
-  bigint step = -1;                           // of these
+  bool counts_stored = false; // `taken` contains the energy of shear that contacts store; else their next step adds it
+  bool adds_stored = false, lacks_stored = false; // this step adds it; `taken` lacks it until then
+  double wall_stored = 0., wall_pending = 0.;     // pending: taken less booked
+  bigint step = -1;                               // of these
   // The part of a contact's stored energy of shear that `taken` contains.
-  double booked(double stored) const { return lacks ? 0. : stored; }
+  double booked(double stored) const { return lacks_stored ? 0. : stored; }
   void forget_walls() { wall_stored = wall_pending = 0.; }
   void add_wall(bigint now, double stored, double pending) {
     if (now != step) forget_walls();

@@ -148,7 +148,7 @@ public:
     if (WALL && update)
       for (int k = 0; k < state_size_; k++) before[k] = state[k];
     const demlaws::Force now = demlaws::step(type.pair, radius, data.deltan, state, update, WALL ? 0. : sum / product);
-    if (__builtin_expect(now.outside | type.watch.sees(data.deltan, radius), 0))
+    if (__builtin_expect(now.outside | type.watch.exceeds(data.deltan, radius), 0))
       examine(data, radius, type, now, update);
 
     const double damping = type.damping * sqrt(now.stiffness * data.meff);
@@ -339,7 +339,7 @@ private:
     const double *const state = state_of(data);
     const bool kept = type.pair.rule != demlaws::ELASTIC || type.slips ||
                       (state && std::count(state, state + state_size_, 0.) < state_size_);
-    if (!demlaws::Law::goes_on(mark, type.mark, kept)) refuse(data, demlaws::other_law());
+    if (!demlaws::Law::can_continue(mark, type.mark, kept)) refuse(data, demlaws::other_law());
     if (update) mark = type.mark;
   }
   // keeps: else the forces of a step are computed once more.

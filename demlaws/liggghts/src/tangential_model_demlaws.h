@@ -92,7 +92,7 @@ public:
     double *const numbers = keep ? kept : copy;
     const demlaws::Motion motion = motion_of<WALL>(data, keep ? update->dt : 0., demlaws::unit_vector(numbers, size()));
     const bool counts = keep && instance_->ledger.readers;
-    if (__builtin_expect(counts && instance_->ledger.begins, 0)) add_work(energy(kept, data), data);
+    if (__builtin_expect(counts && instance_->ledger.adds_stored, 0)) add_work(energy(kept, data), data);
     demlaws::ShearStep step;
     if (slips_) {
       const double ratio = normal_->shear_ratio(data);
