@@ -237,7 +237,8 @@ private:
     return (touched[j + 1] - touched[std::max(j - 1, 0)]) / (0.5 * (before + bound[j + 1] - bound[j]) + width);
   }
   // Divides springs that contain the most steps of the ladder, while there are empty ones behind `edge`, the outermost.
-  __attribute__((noinline)) void divide(double top, const UnloadingCurve &curve, const double *steps, int edge, double *rest) {
+  __attribute__((noinline)) void divide(double top, const UnloadingCurve &curve, const double *steps, int edge,
+                                        double *rest) {
     while (edge < last_) {
       int most = 0, at = -1, step = last_ - 1;
       double place = 0.;
