@@ -168,10 +168,8 @@ private:
       v_[last_] *= share;
     }
     if (!curve.hertzian) rest[edge] = curve.depth - outermost(top, curve, edge, rest);
-    if (edge < last_) {
-      if (curve.hertzian) set_rest(top, curve.depth, rest);
-      divide(top, curve.depth, steps, edge, rest);
-    } else if (top > held && bound_[last_ - 1] < top - LADDER_SLACK * (1. - steps[last_ - 1]) * top)
+    if (edge < last_) divide(top, curve, steps, edge, rest);
+    else if (top > held && bound_[last_ - 1] < top - LADDER_SLACK * (1. - steps[last_ - 1]) * top)
       lift(top, curve, steps, rest);
   }
   // A new contact: its curve is taken as a power law.
@@ -239,7 +237,8 @@ private:
     return (touched[j + 1] - touched[std::max(j - 1, 0)]) / (0.5 * (before + bound[j + 1] - bound[j]) + width);
   }
   // Divides springs that contain the most steps of the ladder, while there are empty ones behind `edge`, the outermost.
-  __attribute__((noinline)) void divide(double top, double depth, const double *steps, int edge, double *rest) {
+  __attribute__((noinline)) void divide(double top, const UnloadingCurve &curve, const double *steps, int edge,
+                                        double *rest) {
     while (edge < last_) {
       int most = 0, at = -1, step = last_ - 1;
       double place = 0.;
@@ -253,22 +252,25 @@ private:
         }
       }
       if (at < 0) break;
-      const double low = below(at), high = bound_[at], whole = (high - low) * rest[at],
-                   part = integral(at, place, low, high, whole, depth, top, rest);
+      const double low = below(at), high = bound_[at];
+      if (!curve.hertzian) {
+        const double whole = (high - low) * rest[at],
+                     part = integral(at, place, low, high, whole, curve.depth, top, rest);
+        for (int j = edge + 1; j > at; j--) rest[j] = rest[j - 1];
+        rest[at] = part / (place - low);
+        rest[at + 1] = (whole - part) / (high - place);
+      }
       for (int j = edge + 1; j > at; j--) {
         bound_[j] = bound_[j - 1];
-        rest[j] = rest[j - 1];
         u_[j] = u_[j - 1];
         v_[j] = v_[j - 1];
       }
       bound_[at] = place;
-      rest[at] = part / (place - low);
-      rest[at + 1] = (whole - part) / (high - place);
       edge++;
     }
     for (int j = edge + 1; j < springs_; j++) {
       bound_[j] = top;
-      rest[j] = depth;
+      rest[j] = curve.depth;
       u_[j] = u_[edge];
       v_[j] = v_[edge];
     }
