@@ -82,12 +82,14 @@ def move(bound, stretch, stiffness, du, dv, limit):
     [J].
 
     The work is the mean of the forces before and after the step times the displacement. So that no step loses less than
-    nothing, springs of the stiffness k that open carry ¼ k (du² + dv²) more, and where a step turns the force round the one
-    before is at most the limit, which may have fallen. [our derivation]
+    nothing, springs of the stiffness k that open carry ¼ k d² more, d² = du² + dv², at most the work of Coulomb's limit or of
+    the force before over d/2, and where a step turns the force round the one before is at most the limit, which may have
+    fallen. [our derivation]
     """
     first, second, _ = levels_force(bound, stretch)
     opened = max(bound[bound.size - 1] - stiffness, 0.0)
-    work = 0.5 * (first * du + second * dv) + 0.25 * opened * (du * du + dv * dv)
+    work = 0.5 * (first * du + second * dv)
+    moves, largest = du * du + dv * dv, max(limit * limit, first * first + second * second)
     set_stiffness(bound, stretch, stiffness)
     held_u, held_v, _ = levels_force(bound, stretch)
     for i in range(bound.size):
@@ -103,6 +105,8 @@ def move(bound, stretch, stiffness, du, dv, limit):
             stretch[0, i] *= share
             stretch[1, i] *= share
     work += 0.5 * (first * du + second * dv)
+    if opened > 0.0:
+        work += 0.25 * opened * moves if opened * opened * moves <= 4.0 * largest else 0.5 * sqrt(largest * moves)
     return first, second, work, stored * share * share
 
 

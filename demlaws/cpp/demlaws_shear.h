@@ -156,15 +156,16 @@ public:
 
   // One step: K_t, Coulomb's limit mu P [N] and the motion of the step, all of now. The work is the mean of the forces
   // before and after the step times the displacement d. So that no step loses less than nothing, springs of the
-  // stiffness k that open carry 1/4 k d^2 more, and where a step turns the force round the one before is at most the
-  // limit, which may have fallen. Energies that the caller does not read are not computed.
+  // stiffness k that open carry 1/4 k d^2 more, at most the work of Coulomb's limit or of the force before over
+  // d/2, and where a step turns the force round the one before is at most the limit, which may have fallen. Energies
+  // that the caller does not read are not computed.
   DEMLAWS_INLINE ShearStep step(double now, double limit, const Motion &motion) {
     const double *const d = motion.displacement;
     double moved[M ? M : MOST_LEVELS][2], start[2] = {0., 0.}, held[2] = {0., 0.}, force[2] = {0., 0.};
     ShearStep step;
     step.before = energy();
     for (int i = 0; i < count(); i++) add(stiffness(i), stretch(i), start);
-    step.work = 0.5 * dot(start, d) + 0.25 * std::max(bound_[count() - 1] - now, 0.) * dot(d, d);
+    const double opened = std::max(bound_[count() - 1] - now, 0.);
     const double kept = press(now);
     for (int i = 0; i < count(); i++) {
       const double share = i == count() - 1 ? kept : 1., left[2] = {share * stretch(i)[0], share * stretch(i)[1]};
@@ -178,7 +179,11 @@ public:
     for (int i = 0; i < count(); i++)
       for (int k = 0; k < 2; k++) stretch(i)[k] = scale * moved[i][k];
     for (int k = 0; k < 2; k++) step.force[k] = scale * force[k];
-    step.work += 0.5 * dot(step.force, d);
+    step.work = 0.5 * (dot(start, d) + dot(step.force, d));
+    if (opened > 0.) {
+      const double moves = dot(d, d), largest = std::max(limit * limit, dot(start, start));
+      step.work += opened * opened * moves <= 4. * largest ? 0.25 * opened * moves : 0.5 * std::sqrt(largest * moves);
+    }
     if (dot(held, force) < 0.) step.work -= 0.5 * (1. - shortened(dot(held, held), limit)) * dot(held, d);
     step.energy = energy();
     return step;
