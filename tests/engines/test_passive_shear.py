@@ -21,7 +21,7 @@ def test_force_along_a_path_is_pythons(engine, tmp_path, name, shear):
     log = simulate(engine, tmp_path, spheres(engine, f"shear {shear}", SHEARED, every=2, **ENERGY))
     path, normal, across, kept = sheared_along(law, log, shear)
     found = path.force * across / DIAMETER - log["side"][kept]  # the normal turns
-    tolerance = {"elastic": 3e-3, "loading": 3e-3, "slip": 7e-2, "slip springs 22": 5e-2}[shear]
+    tolerance = {"elastic": 3e-3, "loading": 3e-3, "slip": 0.11, "slip springs 22": 5e-2}[shear]
     np.testing.assert_allclose(found, path.shear_force, atol=tolerance * 0.5 * path.force.max())
     few = 5e-2 if shear.startswith("slip") else 2e-2  # the reference has 2,000 springs
     assert log["e[2]"][-1] == pytest.approx(normal.dissipated[-1] + path.dissipated[-1], rel=few)
