@@ -34,6 +34,7 @@ STORED = {
     "pictures/regime.png": "studies.jamari --figure {out}",
     "pictures/repeated.png": "studies.jamari --repeat isotropic --figure {out}",
     "validation/ballast.png": "studies.ballast --report --figure {out}",
+    "validation/triaxial.png": "studies.triaxial --report --figure {out}",
     "validation/experiment.png": "studies.experiment --report --figure {out}",
     "validation/small-strain.png": "studies.assembly --report --figure {out}",
     "tables/angular-bed.csv": "studies.shapes --figure {scratch}/angular.png",
