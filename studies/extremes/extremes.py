@@ -56,8 +56,7 @@ class Group(NamedTuple):
         """Overlap [m] below which a Python table goes on straight, where the engines' reader keeps to its power law."""
         if self.case.evaluation != "table":
             return 0.0
-        loading = loading_part(self.law.params)
-        return loading.grid.floor * loading.length
+        return loading_part(self.law.shape).grid.floor * loading_part(self.law.params).length
 
     @property
     def size(self):
