@@ -210,7 +210,7 @@ def compare(group, kinds, overlap, force):
     for k in np.flatnonzero((kinds == "again") & (force[0] > 0.0)):
         same = overlap[:, k] == overlap[0, k]
         reload = max(reload, float(np.max(np.abs(force[same, k] / force[0, k] - 1.0))) / EPS)
-    made = (kinds == "broken") & ~apart  # at two overlaps in turn, the larger first
+    made = (kinds == "broken") & held & ~apart  # at two overlaps in turn, the larger first
     usual = np.where(overlap == overlap[0], force[0], force[2])
     anew = int(np.count_nonzero(made & ((force != usual) | (wrong_by_law > 1e-4 * exact))))
     return Compared(int(np.count_nonzero(~finite)), to_law, decades, later, reload, anew + stray)
