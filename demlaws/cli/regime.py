@@ -14,7 +14,7 @@ def register(add):
         "that apply.",
         **example(
             "  demlaws regime --radius 3.175mm inf --young 430GPa 75.2GPa --poisson 0.17 0.34 --hardness 0.24GPa \\\n"
-            "      --combined-roughness 1.3um --load 0.2"
+            "      --sigma 1.3um --load 0.2"
         ),
     )
     add_contact_arguments(regime)
@@ -40,8 +40,8 @@ def run_regime(arguments, result):
     pair, limit = contact_from(arguments), arguments.yield_pressure
     if arguments.yield_load is not None:
         limit = float(hertz_pressure(pair, arguments.yield_load))
-    if pair.roughness is None:
-        raise MissingQuantity.of("the criterion", "roughness")
+    if pair.sigma is None:
+        raise MissingQuantity.of("the criterion", "sigma")
     if pair.hardness is None and limit is None:
         raise MissingQuantity.of("the criterion", "hardness")
     if arguments.load is None:
@@ -56,7 +56,7 @@ def run_regime(arguments, result):
         result.values = {"contact": pair, "assessment": assessment, "laws": laws}
         result.say(str(assessment))
         first = FIRST * arguments.load
-        result.print(f"laws from {first:.3g} N (α = {float(pair.roughness_parameter(first)):.3g}) to {arguments.load:.4g} N:")
+        result.print(f"laws from {first:.3g} N (α = {float(pair.sigma_parameter(first)):.3g}) to {arguments.load:.4g} N:")
         for advice in laws:
             result.say(f"  {advice.law:16} {'applies' if advice.fits else 'no':7} {advice.reason}", " " * 27)
     draw(result, arguments.figure, lambda plots: plots.regime_figure(pair, arguments.load))

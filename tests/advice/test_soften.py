@@ -63,7 +63,7 @@ def test_first_loading_is_stretched(name):
         )
         np.testing.assert_allclose(quiet(softened.energy, delta * stretch), quiet(law.energy, delta) * stretch, rtol=10 * rtol)
         force = quiet(law.force, delta)
-        found, seat = quiet(softened.overlap, force), rtol * softened.contact.roughness  # a small overlap is a difference
+        found, seat = quiet(softened.overlap, force), rtol * softened.contact.sigma  # a small overlap is a difference
         np.testing.assert_allclose(found, quiet(law.overlap, force) * stretch, rtol=10 * rtol, atol=seat)
         back = dl.soften(softened, 1.0 / factor)
         np.testing.assert_allclose(quiet(back.force, delta), force, rtol=10 * rtol)

@@ -138,7 +138,7 @@ def test_material_outside_the_scene_list(omega):
         omega.bodies.append(sphere((0, 0, height), 0.01, fixed=True, material=stone))
     set_engines(law)
     advance(2)
-    assert law.contacts().roughness[0] == pytest.approx(2.4e-6 * 2**0.5)
+    assert law.contacts().sigma[0] == pytest.approx(2.4e-6 * 2**0.5)
 
 
 def test_rows_of_contacts_that_end_are_used_again(omega):

@@ -181,10 +181,10 @@ def test_a_surface_for_bodies_that_come_later(omega):
     still(law)
     omega.bodies.append(sphere((0, 0, -0.02 + OVERLAP), 0.01, fixed=True, material=floor))
     advance(4)
-    assert sorted(law.contacts().roughness) == pytest.approx([2.4e-6, 2.4e-6 * 2**0.5])
+    assert sorted(law.contacts().sigma) == pytest.approx([2.4e-6, 2.4e-6 * 2**0.5])
     omega.bodies.append(sphere((0, 0, 0.04 - 2 * OVERLAP), 0.01, fixed=True, material=later))
     advance(3)
-    assert sorted(law.contacts().roughness) == pytest.approx([2.4e-6, 2.6e-6, 2.4e-6 * 2**0.5])
+    assert sorted(law.contacts().sigma) == pytest.approx([2.4e-6, 2.6e-6, 2.4e-6 * 2**0.5])
 
 
 def test_smooth_is_allowed_by_the_user(omega):
