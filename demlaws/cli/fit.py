@@ -82,7 +82,8 @@ def surfaces(fit, given):
     """
     if "sigma" not in fit.parameters or fit.parameters["sigma"].open_end == "both":
         return None
-    sigma, (first, *_, second) = fit.parameters["sigma"].value, (*(given or [0.0]), *(given or [0.0]))
+    sigma = fit.parameters["sigma"].value
+    first, second = (given[0], given[-1]) if given else (0.0, 0.0)
     if first != second and sigma > second:
         return math.sqrt((sigma - second) * (sigma + second)), second
     return sigma / math.sqrt(2.0), sigma / math.sqrt(2.0)
