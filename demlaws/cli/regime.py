@@ -56,7 +56,7 @@ def run_regime(arguments, result):
         result.values = {"contact": pair, "assessment": assessment, "laws": laws}
         result.say(str(assessment))
         first = FIRST * arguments.load
-        result.print(f"laws from {first:.3g} N (α = {float(pair.sigma_parameter(first)):.3g}) to {arguments.load:.4g} N:")
+        result.print(f"laws from {first:.3g} N (α = {float(pair.roughness_parameter(first)):.3g}) to {arguments.load:.4g} N:")
         for advice in laws:
             result.say(f"  {advice.law:16} {'applies' if advice.fits else 'no':7} {advice.reason}", " " * 27)
     draw(result, arguments.figure, lambda plots: plots.regime_figure(pair, arguments.load))
