@@ -45,13 +45,13 @@ def follow(tmp_path_factory):
 
 
 @pytest.mark.parametrize(
-    ("change", "named"), [({"modulus": 32.0}, "32 Pa"), ({"roughness": -2e-6}, "-2e-06 m"), ({"roughness": 2.4}, "2.4 m")]
+    ("change", "named"), [({"modulus": 32.0}, "32 Pa"), ({"sigma": -2e-6}, "-2e-06 m"), ({"sigma": 2.4}, "2.4 m")]
 )
 def test_quantities_in_other_units_are_refused_with_their_value(example, tmp_path, change, named):
     """They were used: a force of 1e-9 of the contact's, or that of a contact of the table's own roughness."""
     law = dl.law("pohrt-popov", GRANITE)
     law.tabulate().save(tmp_path / "law.tbl")
-    values = {"modulus": GRANITE.modulus, "radius": GRANITE.radius, "roughness": GRANITE.sigma} | change
+    values = {"modulus": GRANITE.modulus, "radius": GRANITE.radius, "sigma": GRANITE.sigma} | change
     done = example(tmp_path / "law.tbl", types.SimpleNamespace(**values), [1e-6])
     assert done.returncode == 1 and named in done.stderr and not done.stdout
 
