@@ -55,7 +55,7 @@ def test_two_spheres_every_law(omega, name, rule, more):
     recorder.step(400)
     omega.bodies[1].state.vel = (0.0, 0, -0.5)  # again, deeper
     recorder.step(600)
-    if find(name).fitting.free == ("roughness",) and find(name).solved:  # the law has the mean of four curves, YADE the four
+    if find(name).fitting.free == ("sigma",) and find(name).solved:  # the law has the mean of four curves, YADE the four
         wrong, tangent, steps = recorder.worst(name, rule, **wanted)
         assert wrong <= 1e-12 and tangent <= 1e-11 and steps > 300
     else:

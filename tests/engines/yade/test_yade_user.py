@@ -508,7 +508,7 @@ def test_contacts_are_a_table(omega):
         totals.dissipated
     )
     assert contacts.shear_stored.sum() == totals.shear_stored and contacts.viscous.sum() == totals.viscous
-    assert contacts.roughness[contacts.body2 == ids[1]] == pytest.approx(2**0.5 * dl.materials.granite.surface.roughness)
+    assert contacts.sigma[contacts.body2 == ids[1]] == pytest.approx(2**0.5 * dl.materials.granite.surface.roughness)
     for one in range(2):
         for number, centre in ((contacts.body1[one], contacts.centre1[one]), (contacts.body2[one], contacts.centre2[one])):
             body = omega.bodies[int(number)]
