@@ -10,11 +10,9 @@ from numpy.typing import ArrayLike
 from demlaws.errors import DemlawsError, MissingQuantity, did_you_mean, warn
 from demlaws.units import RANGES, as_float, as_given, judge, number, outside, positive, refuse_plain_radius
 
-PER_CONTACT = ("radius", "modulus", "roughness")
+PER_CONTACT = ("radius", "modulus", "sigma")
 """Fields of a `Contact` that may have one entry per contact."""
-SIZES = ("radius", "modulus", "sigma")
-"""Of a contact, on which the curve of a law with given options depends besides Df and hardness."""
-_OPTIONAL = ("roughness", "fractal_dimension", "hardness", "density", "edge_radius")
+_OPTIONAL = ("sigma", "roughness", "fractal_dimension", "hardness", "density", "edge_radius")
 LOWEST_HARDNESS = 1e-6
 """Hardness or yield pressure over effective modulus below which one of them is in another unit: sodium's 1e-4 is the least."""
 HIGHEST_HARDNESS = 10.0
@@ -189,12 +187,14 @@ class Contact:
         Effective radius R [m], 1/R = 1/R1 + 1/R2: half the radius for two equal spheres.
     modulus : float, str or ndarray, shape (n,)
         Effective modulus E* [Pa], 1/E* = (1-ν1²)/E1 + (1-ν2²)/E2.
-    roughness : float, str or ndarray, shape (n,)
-        Combined rms roughness σ = √(Sq1² + Sq2²) [m]; 0 is smooth.
+    sigma : float, str or ndarray, shape (n,), optional
+        Combined roughness of the pair, σ = √(Sq1² + Sq2²) [m]; 0 is smooth.
     fractal_dimension : float, optional
         Fractal dimension Df, 2 to 3, of all contacts.
     hardness : float or str, optional
         Hardness H_m of the softer body [Pa], of all contacts.
+    roughness : float, str or ndarray, optional
+        Former name of `sigma`, taken with a FutureWarning.
 
     Raises
     ------
@@ -205,7 +205,7 @@ class Contact:
     --------
     >>> granite = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9)
     >>> pair = dl.Contact.between(granite, granite, radius1=8.76e-3, radius2=8.63e-3, roughness1=1.56e-6, roughness2=1.84e-6)
-    >>> print(f"R = {pair.radius * 1e3:.3f} mm, E* = {pair.modulus / 1e9:.2f} GPa, σ = {pair.roughness * 1e6:.3f} µm")
+    >>> print(f"R = {pair.radius * 1e3:.3f} mm, E* = {pair.modulus / 1e9:.2f} GPa, σ = {pair.sigma * 1e6:.3f} µm")
     R = 4.347 mm, E* = 32.32 GPa, σ = 2.412 µm
     >>> dl.Contact(radius=[1e-3, 2e-3], modulus=32e9).size
     2
@@ -213,12 +213,26 @@ class Contact:
 
     radius: float | np.ndarray | Any  # any: lists, text with a unit
     modulus: float | np.ndarray | Any
-    roughness: float | np.ndarray | Any = None
+    sigma: float | np.ndarray | Any = None
     fractal_dimension: float | None = None
     hardness: float | Any = None
 
-    def __post_init__(self) -> None:
-        _check(self, "radius", "modulus", "roughness", scalar=False)
+    def __init__(
+        self,
+        radius: Any,
+        modulus: Any,
+        sigma: Any = None,
+        fractal_dimension: float | None = None,
+        hardness: Any = None,
+        *,
+        roughness: Any = None,
+    ) -> None:
+        if roughness is not None:
+            sigma = _as_sigma(sigma, roughness)
+        values = (radius, modulus, sigma, fractal_dimension, hardness)
+        for field, value in zip(fields(self), values, strict=True):
+            object.__setattr__(self, field.name, value)
+        _check(self, "radius", "modulus", "sigma", scalar=False)
         _check(self, "fractal_dimension", "hardness")
         _refuse_lengths({name: getattr(self, name) for name in PER_CONTACT})
         if self.hardness is not None:
@@ -230,9 +244,9 @@ class Contact:
                 "(0.42 E* where a = R), so that nothing deforms plastically; give the hardness of the softer body in Pa"
             )
         # the relatively roughest contact and the largest one
-        radius, roughness = (np.atleast_1d(v) for v in np.broadcast_arrays(self.radius, self.sigma))
-        for place in {int(np.argmax(roughness / radius)), int(np.argmax(radius))} if radius.size else ():
-            for finding in judge(radius=float(radius[place]), roughness=float(roughness[place])):
+        radius, sigma = (np.atleast_1d(v) for v in np.broadcast_arrays(self.radius, self.sigma_or_zero))
+        for place in {int(np.argmax(sigma / radius)), int(np.argmax(radius))} if radius.size else ():
+            for finding in judge(radius=float(radius[place]), sigma=float(sigma[place])):
                 if not finding.admissible:
                     raise DemlawsError(finding.text)
                 warn(finding.text)
@@ -268,7 +282,7 @@ class Contact:
             Radii of both spheres [m], both required; "flat" or inf is a flat.
         roughness1, roughness2 : float, str or ndarray, optional
             Rms roughness Sq of each surface [m]; default: that of the material's `surface`. Where one of the two is not known,
-            the contact has no roughness: a law that uses it raises an error.
+            the contact has no sigma: a law that uses it raises an error.
         fractal_dimension : float, optional
             Fractal dimension Df, 2 to 3; default: the mean of the materials' surfaces.
         hardness : float or str, optional
@@ -303,34 +317,40 @@ class Contact:
         combined = {
             "radius": effective_radius(radius1, radius2),
             "modulus": effective_modulus(material1, material2),
-            "roughness": combined_roughness(values.get("roughness1"), values.get("roughness2")),
+            "sigma": combined_roughness(values.get("roughness1"), values.get("roughness2")),
         }
         return cls(**combined, fractal_dimension=fractal_dimension, hardness=hardness)
 
     @property
     def size(self) -> int | None:
         """Number of contacts, or None for a single one."""
-        shape = np.broadcast_shapes(np.shape(self.radius), np.shape(self.modulus), np.shape(self.sigma))
+        shape = np.broadcast_shapes(np.shape(self.radius), np.shape(self.modulus), np.shape(self.sigma_or_zero))
         return shape[0] if shape else None
 
     @property
-    def sigma(self) -> float | np.ndarray:
-        """σ [m] for laws of smooth contacts, whose curve does not depend on it: the roughness, 0 by default."""
-        return 0.0 if self.roughness is None else self.roughness
+    def sigma_or_zero(self) -> float | np.ndarray:
+        """σ [m] for laws of smooth contacts, whose curve does not depend on it: 0 where it is not given."""
+        return 0.0 if self.sigma is None else self.sigma
+
+    @property
+    def roughness(self) -> float | np.ndarray | None:
+        """Former name of `sigma`, with a FutureWarning."""
+        warn_of_roughness()
+        return self.sigma
 
     @property
     def is_smooth(self) -> bool | np.ndarray:
-        """Whether the roughness is at most SMOOTHEST times the radius, or not given: no effect in double precision."""
+        """Whether σ is at most SMOOTHEST times the radius, or not given: no effect in double precision."""
         from demlaws.core.loops import SMOOTHEST
 
-        smooth = np.asarray(self.sigma) <= SMOOTHEST * np.asarray(self.radius)
+        smooth = np.asarray(self.sigma_or_zero) <= SMOOTHEST * np.asarray(self.radius)
         return bool(smooth) if smooth.ndim == 0 else smooth
 
     def representatives(self) -> list[int]:
         """Indices of the contacts used by checks: the relatively smoothest, the roughest and the middle one of an array."""
         if self.size is None:
             return [0]
-        order = np.argsort(np.broadcast_to(self.sigma, self.size) / self.radius)
+        order = np.argsort(np.broadcast_to(self.sigma_or_zero, self.size) / self.radius)
         return sorted({int(order[0]), int(order[order.size // 2]), int(order[-1])})
 
     def with_values(self, **changes: Any) -> "Contact":
@@ -345,6 +365,8 @@ class Contact:
         -------
         Contact
         """
+        if "roughness" in changes:
+            changes["sigma"] = _as_sigma(changes.get("sigma"), changes.pop("roughness"))
         unknown = changes.keys() - {field.name for field in fields(self)}
         if unknown:
             names = ", ".join(field.name for field in fields(self))
@@ -364,9 +386,25 @@ class Contact:
         -------
         float or ndarray
         """
-        if self.roughness is None:
-            raise MissingQuantity.of("the roughness parameter α", "roughness")
-        return self.roughness / smooth_overlap(self, positive(force, "force", "N"))
+        if self.sigma is None:
+            raise MissingQuantity.of("the roughness parameter α", "sigma")
+        return self.sigma / smooth_overlap(self, positive(force, "force", "N"))
+
+
+def warn_of_roughness() -> None:
+    """Say which quantity a contact's `roughness` is, at the line of the user who wrote it."""
+    text = "the roughness of a contact is σ = √(Sq1² + Sq2²) of the pair, not Sq of one surface: write sigma; "
+    warn(f"{text}the next release refuses roughness here", FutureWarning)
+
+
+def _as_sigma(sigma: Any, roughness: Any) -> Any:
+    """σ as given by its former name, with a FutureWarning; DemlawsError if both are given."""
+    if sigma is not None:
+        raise DemlawsError(
+            f"sigma = {sigma!r:.60} and roughness = {roughness!r:.60} are the same quantity of a contact: give sigma"
+        )
+    warn_of_roughness()
+    return roughness
 
 
 def smooth_overlap(contact: Contact, force: Any) -> Any:

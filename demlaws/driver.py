@@ -97,7 +97,7 @@ def force_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> P
 
     Examples
     --------
-    >>> pair = dl.Contact(radius=4e-3, modulus=32e9, roughness=2e-6, fractal_dimension=2.2)
+    >>> pair = dl.Contact(radius=4e-3, modulus=32e9, sigma=2e-6, fractal_dimension=2.2)
     >>> path = dl.driver.force_controlled(dl.law("pohrt-popov", pair, unloading="hertz"), [50.0, 0.0])
     >>> bool(path.plastic_overlap[-1] > 0.0), bool(abs(path.work[-1] - path.dissipated[-1]) < 1e-15)
     (True, True)

@@ -45,19 +45,20 @@ class NotPassive(DemlawsError):
 
 
 class MissingQuantity(DemlawsError):
-    """A law, or a criterion, uses a quantity of the contact that is not given; for a roughness 0 is a value, too: smooth.
+    """A law, or a criterion, uses a quantity of the contact that is not given; for sigma 0 is a value, too: smooth.
 
     >>> dl.law("rms", dl.Contact(radius=4e-3, modulus=32e9))
     Traceback (most recent call last):
-    demlaws.errors.MissingQuantity: law 'rms' needs the contact's roughness, which is not given: give ...
+    demlaws.errors.MissingQuantity: law 'rms' needs the contact's sigma, which is not given: give ...
     """
 
     @classmethod
     def of(cls, user: str, quantity: str) -> "MissingQuantity":
         """The error of a law or criterion (`user`, text) for a field of the contact."""
-        smooth = ", 0 for smooth surfaces" if quantity == "roughness" else ""
-        option = f"--{quantity.replace('_', '-')}"
-        return cls(f"{user} needs the contact's {quantity}, which is not given: give {quantity} ({option}){smooth}")
+        remedy = f"{quantity} (--{quantity.replace('_', '-')})"
+        if quantity == "sigma":
+            remedy = "sigma of the pair (--sigma), or the roughness of each surface (--roughness), 0 for smooth surfaces"
+        return cls(f"{user} needs the contact's {quantity}, which is not given: give {remedy}")
 
 
 class EngineStopped(DemlawsError, RuntimeError):

@@ -243,7 +243,7 @@ def read_unloading(unloading: Any) -> Any:
 class Table(Law):
     """A law whose curve is a certified table; its files.
 
-    >>> law = dl.law("pohrt-popov", dl.Contact(4e-3, 32e9, roughness=2e-6, fractal_dimension=2.2), unloading="hertz")
+    >>> law = dl.law("pohrt-popov", dl.Contact(4e-3, 32e9, sigma=2e-6, fractal_dimension=2.2), unloading="hertz")
     >>> table = law.tabulate(rtol=1e-5)
     >>> bool(table.force_error < 1e-5), table.collapses, abs(table.force(1e-6) / law.force(1e-6) - 1) < 1e-5
     (True, True, True)

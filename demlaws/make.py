@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from demlaws.contact import SIZES, Contact, as_contact
+from demlaws.contact import Contact, as_contact
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.curves.closed import ClosedForm
 from demlaws.errors import DemlawsError, did_you_mean
@@ -43,7 +43,7 @@ def law(name: str, contact: Contact, unloading: str | os.PathLike | Law | None =
 
     Examples
     --------
-    >>> pair = dl.Contact(radius=4e-3, modulus=32e9, roughness=2e-6, fractal_dimension=2.2)
+    >>> pair = dl.Contact(radius=4e-3, modulus=32e9, sigma=2e-6, fractal_dimension=2.2)
     >>> law = dl.law("pohrt-popov", pair, unloading="hertz")
     >>> law.force(1e-6) < dl.law("hertz", pair).force(1e-6)
     True
@@ -73,7 +73,10 @@ def rebound(unloading, contact):
     """Unloading for another contact: a rule as it is, a law as the same law there, a table that collapses likewise."""
     if not isinstance(unloading, Law):
         return unloading
-    if all(np.allclose(*(getattr(c, n) for c in (unloading.contact, contact)), rtol=1e-6, atol=0.0) for n in SIZES):
+    if all(
+        np.allclose(*(getattr(c, n) for c in (unloading.contact, contact)), rtol=1e-6, atol=0.0)
+        for n in ("radius", "modulus", "sigma_or_zero")
+    ):
         return unloading
     return unloading.bound_to(contact, surface_matters=False)
 
@@ -84,7 +87,7 @@ def example_curve(name, contact, **options):
     The law itself on surfaces a quarter as rough (what first loading has flattened), with its definition's own changes.
     """
     options = {**find(name).drawing.example, **options, **find(name).drawing.example_curve}
-    return law(name, contact.with_values(roughness=0.25 * np.asarray(contact.sigma)), "elastic", **options)
+    return law(name, contact.with_values(sigma=0.25 * np.asarray(contact.sigma_or_zero)), "elastic", **options)
 
 
 def example(name: str, contact: Contact, unloading: str | Law = "elastic", **options: Any) -> Law:

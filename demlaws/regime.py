@@ -23,7 +23,7 @@ from demlaws.solvers.criterion import (
     pressure_drop,
     pressure_ratio,
     transition_force,
-    transition_roughness,
+    transition_sigma,
 )
 from demlaws.units import check_overlaps, number
 
@@ -40,7 +40,7 @@ __all__ = [
     "pressure_ratio",
     "regime",
     "transition_force",
-    "transition_roughness",
+    "transition_sigma",
 ]
 
 
@@ -60,7 +60,7 @@ class Regime(NamedTuple):
     ratio: float  # p(0)/H_m; with a measured yield pressure p0/p_y, to be compared with 1
     deforms: str  # "asperities", "both" or "bulk"
     transition_force: float  # force at which p(0)/H_m = 0.6
-    transition_roughness: float  # roughness at which it is, at this force; 0 where even a smooth bulk stays elastic
+    transition_sigma: float  # σ at which it is, at this force; 0 where even a smooth bulk stays elastic
     mu: float | None = None  # of Greenwood & Tripp's solution, where p(0) comes from it
     yield_pressure: float | None = None  # [Pa], measured
 
@@ -80,8 +80,8 @@ class Regime(NamedTuple):
         how = "(closed fit)" if self.mu is None else f"(Greenwood & Tripp's solution at μ = {self.mu:g})"
         change = f"{self.transition_force:.4g} N" if math.isfinite(self.transition_force) else "no force"
         roughness = (
-            f"at this force for σ below {self.transition_roughness * 1e6:.3g} µm"
-            if self.transition_roughness > 0
+            f"at this force for σ below {self.transition_sigma * 1e6:.3g} µm"
+            if self.transition_sigma > 0
             else "at this force even a smooth contact has an elastic bulk"
         )
         return (
@@ -131,7 +131,7 @@ def regime(contact: Contact, force: Any, mu: float | None = None, *, yield_press
 
     Examples
     --------
-    >>> pair = dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.4e-6, hardness=6.266e9)
+    >>> pair = dl.Contact(radius=4.35e-3, modulus=32.32e9, sigma=2.4e-6, hardness=6.266e9)
     >>> found = dl.regime(pair, "10N")
     >>> found.deforms, round(found.ratio, 3)
     ('asperities', 0.036)
@@ -158,7 +158,7 @@ def regime(contact: Contact, force: Any, mu: float | None = None, *, yield_press
         ratio=ratio,
         deforms=deforming_part(ratio),
         transition_force=transition_force(contact, mu=mu),
-        transition_roughness=transition_roughness(contact, force, mu=mu),
+        transition_sigma=transition_sigma(contact, force, mu=mu),
         mu=mu,
     )
 
@@ -230,7 +230,7 @@ class RegimeFunctions:
     pressure_drop = staticmethod(pressure_drop)
     pressure_ratio = staticmethod(pressure_ratio)
     transition_force = staticmethod(transition_force)
-    transition_roughness = staticmethod(transition_roughness)
+    transition_sigma = staticmethod(transition_sigma)
     BAND, YIELD_RATIO = BAND, YIELD_RATIO
     LawAdvice, Regime = LawAdvice, Regime
 

@@ -210,6 +210,7 @@ RANGES = {
         "Pa", SOFTEST / 2, math.inf, f"the effective modulus E* is above {SOFTEST / 2:g} Pa; did you mean GPa (1 GPa = 1e9 Pa)?"
     ),
     "roughness": Range("m", 0.0, math.inf, "rms roughness Sq cannot be negative", low_included=True),
+    "sigma": Range("m", 0.0, math.inf, "the combined roughness σ cannot be negative", low_included=True),
 }
 LARGEST_ROUGHNESS = 0.5
 """σ/R above which a roughness is refused: no rough sphere is left."""
@@ -237,7 +238,7 @@ def outside(name: str, values: float | np.ndarray) -> np.ndarray:
 def judge(**quantities: float) -> list[Finding]:
     """Findings on one body, surface or contact: keywords of `RANGES` in SI units; an empty list where all is well.
 
-    roughness is compared with radius where both are given (combined roughness and effective radius of a contact).
+    roughness of a surface, or sigma of a contact, is compared with the contact's effective radius where both are given.
 
     >>> from demlaws.units import judge
     >>> print(judge(young=60.6, poisson=0.25)[0].text)
@@ -250,19 +251,20 @@ def judge(**quantities: float) -> list[Finding]:
             findings.append(Finding(False, name, f"{name} = {value:g} {RANGES[name].unit}".rstrip() + f": {remedy}"))
     if findings:
         return findings
-    radius, roughness = quantities.get("radius", 0.0), quantities.get("roughness", 0.0)
+    radius, rough = quantities.get("radius", 0.0), "sigma" if "sigma" in quantities else "roughness"
+    height = quantities.get(rough, 0.0)
     if radius > LARGE_RADIUS:
         findings.append(
             Finding(True, "radius", f"radius = {radius:g} m is above {LARGE_RADIUS:g} m; did you mean mm (1 mm = 0.001 m)?")
         )
-    if radius and roughness > LARGE_ROUGHNESS * radius:
-        admissible = roughness <= LARGEST_ROUGHNESS * radius
+    if radius and height > LARGE_ROUGHNESS * radius:
+        admissible = height <= LARGEST_ROUGHNESS * radius
         limit = LARGE_ROUGHNESS if admissible else LARGEST_ROUGHNESS
         findings.append(
             Finding(
                 admissible,
-                "roughness",
-                f"roughness = {roughness:g} m is {roughness / radius:.3g} of the radius {radius:g} m, above {limit:g}: the "
+                rough,
+                f"{rough} = {height:g} m is {height / radius:.3g} of the radius {radius:g} m, above {limit:g}: the "
                 "laws assume a roughness far below the radius; did you mean µm (1 µm = 1e-6 m)?",
             )
         )

@@ -88,14 +88,14 @@ def there_and_back(test="SS(12-18)", low=1.0, high=100.0):
     contact = granite.find_test(test).contact
 
     def curve(roughness, dimension):
-        bound = law(POHRT_POPOV, contact.with_values(roughness=roughness, fractal_dimension=dimension), "elastic")
+        bound = law(POHRT_POPOV, contact.with_values(sigma=roughness, fractal_dimension=dimension), "elastic")
         return lambda h: (bound.force(h), bound.stiffness(h))
 
     def stone(*values):
         return Stone.on(contact, *values).load
 
     with quiet():
-        target = curve(contact.roughness, contact.fractal_dimension)
+        target = curve(contact.sigma, contact.fractal_dimension)
         overlap = law(POHRT_POPOV, contact, "elastic").overlap(np.geomspace(low, high, 200))
         starts = [(depth, force, straight) for depth in (5e-6, 2e-5) for force in (3.0, 30.0) for straight in (1e-6, 1e-3)]
         values, nearest = fitted(stone, starts, STONES, overlap, target(overlap)[0])

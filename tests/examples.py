@@ -13,9 +13,9 @@ from demlaws.core.unloading import GIVEN
 from demlaws.laws.registry import registry
 from demlaws.make import example
 
-GRANITE = dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22, hardness=6.266e9)
-SMOOTHER = dl.Contact(radius=4.04e-3, modulus=32.32e9, roughness=0.15e-6, fractal_dimension=2.075, hardness=6.266e9)
-SOFT = dl.Contact(radius=2e-4, modulus=3e8, roughness=1e-7, fractal_dimension=2.6, hardness=4e7)
+GRANITE = dl.Contact(radius=4.35e-3, modulus=32.32e9, sigma=2.40e-6, fractal_dimension=2.22, hardness=6.266e9)
+SMOOTHER = dl.Contact(radius=4.04e-3, modulus=32.32e9, sigma=0.15e-6, fractal_dimension=2.075, hardness=6.266e9)
+SOFT = dl.Contact(radius=2e-4, modulus=3e8, sigma=1e-7, fractal_dimension=2.6, hardness=4e7)
 PLASTIC = {
     "thornton-ning": {"yield_pressure": 1.66e9},
     "conical-damage": {"strength": 1.66e9, "angle": 1.2},

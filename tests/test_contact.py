@@ -1,7 +1,7 @@
 """Materials, surfaces and contacts: derived quantities and input checks."""
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -78,11 +78,11 @@ def test_surface_combined():
         (lambda: dl.Material(60.6, 0.25), "young = 60.6 Pa"),
         (lambda: dl.Material(60.6e9, 0.25, density=2.65), "density = 2.65 kg/m³"),
         (lambda: dl.Contact(radius=4e-3, modulus=32.32), "modulus = 32.32 Pa"),
-        (lambda: dl.Contact(radius=[4e-3, 5e-3], modulus=32e9, roughness=3.4e-3), "roughness = 0.0034 m is 0.85"),
+        (lambda: dl.Contact(radius=[4e-3, 5e-3], modulus=32e9, sigma=3.4e-3), "sigma = 0.0034 m is 0.85"),
         (lambda: dl.Contact.between(GRANITE, GRANITE, radius1=8.76, radius2=8.63e-3), "radius1 = 8.76 m"),
         (lambda: dl.Contact.between(GRANITE, GRANITE, radius1=8.76e-3, radius2=np.array([8.63e-3, 8.63])), "radius2 = 8.63 m"),
         (lambda: dl.Surface(1e-6, fractal_dimension=1.9), "fractal_dimension"),
-        (lambda: dl.Contact(radius=1e-3, modulus=1e9, roughness=2e-3), "roughness"),
+        (lambda: dl.Contact(radius=1e-3, modulus=1e9, sigma=2e-3), "sigma"),
         (lambda: dl.Contact(radius=[1e-3, -1e-3], modulus=1e9), "radius"),
         (lambda: dl.Contact(radius=[1e-3, 1e-3], modulus=[1e9] * 3), "modulus"),
         (lambda: dl.Contact(radius=1e-3, modulus=1e9, hardness=[1e9, 2e9]), "hardness"),
@@ -108,9 +108,9 @@ def test_contacts_are_compared_entry_by_entry():
 
 def test_unlikely_values_warn_at_the_line_of_the_caller():
     with pytest.warns(dl.ValidityWarning) as seen:
-        dl.Contact(radius=5e-3, modulus=32e9, roughness=[2e-6, 7e-4])
+        dl.Contact(radius=5e-3, modulus=32e9, sigma=[2e-6, 7e-4])
         dl.Contact(radius=8.76, modulus=32e9)
-    assert ["roughness = 0.0007 m" in str(one.message) for one in seen] == [True, False]
+    assert ["sigma = 0.0007 m" in str(one.message) for one in seen] == [True, False]
     assert {one.filename for one in seen} == {__file__}
     with pytest.warns(dl.ValidityWarning, match="hardness = 3.2e.13 Pa is 1e.03 times"):
         dl.Contact(radius=5e-3, modulus=[32e9, 64e9], hardness=32e12)
@@ -159,3 +159,18 @@ def test_the_softer_body_decides_in_every_way_to_a_contact():
     between = dl.Contact.between(*bodies, radius1=5e-3, radius2=5e-3)
     assert between.hardness == first.contact(second).hardness == scene.contacts(2.5e-3)[1].hardness == 1e9
     assert first.contact(first).hardness == scene.contacts(2.5e-3)[0].hardness == 5e9
+
+
+def test_sigma_by_its_former_name():
+    """`roughness` was Sq of one surface in commands and σ of the pair here: √2 apart, without a word."""
+    said = r"^the roughness of a contact is σ = √\(Sq1² \+ Sq2²\) of the pair, not Sq of one surface: write sigma"
+    new = dl.Contact(4e-3, 32e9, sigma=2e-6)
+    with pytest.warns(FutureWarning, match=said) as seen:
+        assert dl.Contact(4e-3, 32e9, roughness="2um") == new
+        assert new.with_values(roughness=3e-6) == new.with_values(sigma=3e-6)
+        assert new.roughness == 2e-6
+    assert len(seen) == 3 and {one.filename for one in seen} == {__file__}
+    for twice in (lambda: dl.Contact(4e-3, 32e9, 2e-6, roughness=2e-6), lambda: new.with_values(sigma=1e-6, roughness=1e-6)):
+        with pytest.raises(dl.DemlawsError, match="are the same quantity of a contact: give sigma"):
+            twice()
+    assert "roughness" not in repr(new) and [field.name for field in fields(new)][2] == "sigma"

@@ -12,7 +12,7 @@ import demlaws as dl
 from studies.half_space.axisymmetric import solve
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-VALUES = {"radius": GRANITE.radius, "modulus": GRANITE.modulus, "roughness": GRANITE.roughness, "fractal_dimension": 2.22}
+VALUES = {"radius": GRANITE.radius, "modulus": GRANITE.modulus, "roughness": GRANITE.sigma, "fractal_dimension": 2.22}
 HERTZ = Hertz(GRANITE.radius, GRANITE.modulus)
 
 
@@ -25,9 +25,7 @@ def test_sums_of_a_pair():
     radius = 1 / sum(1 / r for _, _, r, _ in bodies)
     modulus = 1 / sum((1 - v**2) / e for e, v, _, _ in bodies)
     roughness = mpmath.sqrt(sum(s**2 for _, _, _, s in bodies))
-    assert (pair.radius, pair.modulus, pair.roughness) == pytest.approx(
-        tuple(map(float, (radius, modulus, roughness))), rel=1e-15
-    )
+    assert (pair.radius, pair.modulus, pair.sigma) == pytest.approx(tuple(map(float, (radius, modulus, roughness))), rel=1e-15)
     alpha = roughness * mpmath.cbrt(16 * radius * modulus**2 / (9 * mpf(25) ** 2))
     assert pair.roughness_parameter(25.0) == pytest.approx(float(alpha), rel=1e-15)
 
@@ -37,7 +35,7 @@ def test_sums_of_a_pair():
 
 def pressure_ratio(load):
     """p(0)/H_m with p0 = (6 P E*²/(π³ R²))^(1/3) and p(0)/p0 = 1 - exp(-2/(3 α^0.6))."""
-    radius, modulus, roughness, load = map(mpf, (GRANITE.radius, GRANITE.modulus, GRANITE.roughness, load))
+    radius, modulus, roughness, load = map(mpf, (GRANITE.radius, GRANITE.modulus, GRANITE.sigma, load))
     pressure = mpmath.cbrt(6 * load * modulus**2 / (mp.pi**3 * radius**2))
     alpha = roughness * mpmath.cbrt(16 * radius * modulus**2 / (9 * load**2))
     return pressure * (1 - mpmath.exp(-2 / (3 * alpha ** mpf("0.6")))) / mpf(GRANITE.hardness)
@@ -93,7 +91,7 @@ def test_shear_stiffness_where_little_of_the_overlap_is_recoverable():
     law = dl.law("pohrt-popov", GRANITE.with_values(fractal_dimension=3.0), "hertz")
     exact = REFERENCES["pohrt-popov"](**{**VALUES, "fractal_dimension": 3.0})
     recoverable = []
-    for overlap in GRANITE.roughness * np.geomspace(1e-10, 10.0, 21):
+    for overlap in GRANITE.sigma * np.geomspace(1e-10, 10.0, 21):
         force = exact.force(overlap)
         recoverable.append(float(HERTZ.overlap(force) / mpf(overlap)))
         wanted = mpf("0.8") * HERTZ.stiffness(HERTZ.overlap(force))

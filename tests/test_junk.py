@@ -43,7 +43,7 @@ GOOD = {
     **dict.fromkeys(("friction", "shear_ratio", "mu0", "c1"), 0.5),
     "c2": 1e-8,
     **dict.fromkeys(("coordination", "edge_radius"), 4.0),
-    **dict.fromkeys(("roughness1", "pixel", "pixel_x", "pixel_y", "spacing"), 1e-6),
+    **dict.fromkeys(("sigma", "roughness", "roughness1", "pixel", "pixel_x", "pixel_y", "spacing"), 1e-6),
     **dict.fromkeys(("force_noise", "compliance", "roughness2", "shortest"), 0.0),
     **dict.fromkeys(("parallel", "tables", "periodic"), False),
     **dict.fromkeys(("scene", "form_order"), None),
@@ -99,6 +99,7 @@ def spring(p, overlap):
 
 GOOD_OF = {
     "Scene": RADII,
+    "Contact": {"roughness": None},
     "combined": {"other": dl.Surface(1e-6)},
     "HeightMap.with_heights": {"heights": MAP.heights},
     "HeightMap.contact": {"heights": MAP},

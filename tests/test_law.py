@@ -34,7 +34,7 @@ every_contact = pytest.mark.parametrize(("name", "contact"), EACH)
 BATCH_OF_CONTACTS = dl.Contact(
     radius=np.array([3e-3, 4.35e-3, 5e-3, 6e-3, 4.1e-3]),
     modulus=np.array([32.32e9, 30e9, 32.32e9, 25e9, 32.32e9]),
-    roughness=np.array([4e-6, 2.4e-6, 2e-6, 3e-6, 2.5e-6]),
+    sigma=np.array([4e-6, 2.4e-6, 2e-6, 3e-6, 2.5e-6]),
     fractal_dimension=2.22,
     hardness=6.266e9,
 )
@@ -56,7 +56,7 @@ def test_the_curve_passes_every_check(name, contact):
 def test_positive_and_finite_at_every_overlap(name, contact):
     """From 1e-15 of the roughness to 0.2 of the radius; the checks of the curve look from 1e-9 to 0.1 of the radius."""
     law = make(name, contact=contact)
-    overlap = np.geomspace(1e-15 * law.contact.roughness, 0.2 * law.contact.radius, 20000)
+    overlap = np.geomspace(1e-15 * law.contact.sigma, 0.2 * law.contact.radius, 20000)
     force = law.force(overlap)
     for values in (force, law.stiffness(overlap), law.energy(overlap), law.overlap(force)):
         assert np.all(np.isfinite(values)) and np.all(values > 0)
@@ -89,7 +89,7 @@ def test_goes_over_into_its_smooth_limit_without_a_jump(name):
     """σ → 0 at equal force: what differs from σ = 0 shrinks with σ, through denormal numbers, to nothing; that is Hertz."""
 
     def curve(roughness):
-        law = dl.law(name, GRANITE.with_values(roughness=roughness), **smooth_options(name))
+        law = dl.law(name, GRANITE.with_values(sigma=roughness), **smooth_options(name))
         overlap = law.overlap(np.geomspace(1.0, 1e4, 12))
         # differences of overlap: a law with a seating load counts from there
         return np.concatenate([overlap[1:] - overlap[:-1], law.stiffness(overlap)])
@@ -104,7 +104,7 @@ def test_goes_over_into_its_smooth_limit_without_a_jump(name):
     assert last <= 16 * EPS
     if any(rule.name == "linear" for rule in registry()[name].rules.own):  # straight, not Hertz's
         return
-    law, hertz = dl.law(name, GRANITE.with_values(roughness=0.0), **smooth_options(name)), dl.law("hertz", GRANITE)
+    law, hertz = dl.law(name, GRANITE.with_values(sigma=0.0), **smooth_options(name)), dl.law("hertz", GRANITE)
     overlap = np.geomspace(1e-9, 1e-4, 40)
     # Bahrami's constants have three digits: their p0' = 1 is 1.00035 of Hertz's overlap
     rtol = 6e-4 if name == "bahrami" else 1e-13
@@ -143,7 +143,7 @@ def test_contacts_in_arrays_follow_their_own_paths(name, unloading, rng):
         radii = GRANITE.radius * np.geomspace(1.0, 1.05**2, 3)[[0, 1, 2, 0, 2]]
         batch = GRANITE.with_values(radius=radii)
     ones = [
-        GRANITE.with_values(**{k: float(np.broadcast_to(getattr(batch, k), 5)[i]) for k in ("radius", "modulus", "roughness")})
+        GRANITE.with_values(**{k: float(np.broadcast_to(getattr(batch, k), 5)[i]) for k in ("radius", "modulus", "sigma")})
         for i in range(batch.size)
     ]
     many = example(name, batch, unloading, **options)
@@ -454,7 +454,7 @@ def test_passivity_is_measured_where_it_is_worst():
 
 @pytest.mark.parametrize("force", [-5.0, 0.0])
 def test_a_force_without_contact_has_no_overlap_and_no_warning(force):
-    contact = dl.Contact(radius=4e-3, modulus=32e9, roughness=2e-6, fractal_dimension=2.2, hardness=6e9)
+    contact = dl.Contact(radius=4e-3, modulus=32e9, sigma=2e-6, fractal_dimension=2.2, hardness=6e9)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert all(dl.law(name, contact).overlap(force) == 0.0 for name in ("hertz", "pohrt-popov"))

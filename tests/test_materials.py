@@ -32,12 +32,12 @@ def test_contact_takes_the_usual_surfaces():
     glass, granite = dl.materials.glass, dl.materials.granite
     pair = dl.Contact.between(glass, granite, radius1="2mm", radius2="3mm")
     joined = glass.surface.combined(granite.surface)
-    assert (pair.roughness, pair.fractal_dimension) == (joined.roughness, 2.22)
+    assert (pair.sigma, pair.fractal_dimension) == (joined.roughness, 2.22)
     assert pair.hardness == glass.hardness < granite.hardness
     measured = dl.Contact.between(
         glass, granite, radius1="2mm", radius2="flat", roughness1="1um", roughness2=0, fractal_dimension=2.4
     )
-    assert (measured.roughness, measured.fractal_dimension) == (1e-6, 2.4)
+    assert (measured.sigma, measured.fractal_dimension) == (1e-6, 2.4)
 
 
 def test_grain_scene_and_softening_take_them_too():
@@ -62,8 +62,8 @@ def test_grain_scene_and_softening_take_them_too():
 def test_unknown_roughness_is_never_smooth(use):
     """A law of smooth contacts takes the contact; one that needs the roughness names it, and how it is given."""
     contact = use(dl.materials.basalt)
-    assert contact.roughness is None and dl.law("hertz", contact).force(1e-6) > 0.0
-    with pytest.raises(dl.DemlawsError, match=r"needs the contact's roughness, .* \(--roughness\), 0 for smooth surfaces"):
+    assert contact.sigma is None and dl.law("hertz", contact).force(1e-6) > 0.0
+    with pytest.raises(dl.DemlawsError, match=r"needs the contact's sigma, .* \(--roughness\), 0 for smooth surfaces"):
         dl.law("rms", contact)
 
 
@@ -71,7 +71,7 @@ def test_unknown_roughness_may_be_given():
     pair = dl.Contact.between(
         dl.materials.basalt, dl.materials.basalt, radius1=1e-3, radius2="flat", roughness1=0, roughness2=2e-6
     )
-    assert pair.roughness == 2e-6
+    assert pair.sigma == 2e-6
 
 
 def test_a_surface_is_a_surface():

@@ -14,12 +14,12 @@ from studies.jamari import published
 
 TESTS = published.published_tests()
 
-pytestmark = pytest.mark.filterwarnings("ignore:(roughness|hardness) = :demlaws.errors.ValidityWarning")
+pytestmark = pytest.mark.filterwarnings("ignore:(sigma|hardness) = :demlaws.errors.ValidityWarning")
 contacts = st.builds(
     dl.Contact,
     radius=st.floats(1e-5, 1.0),
     modulus=st.floats(1e6, 1e12),
-    roughness=st.floats(1e-12, 1e-7),
+    sigma=st.floats(1e-12, 1e-7),
     hardness=st.floats(1e6, 1e11),
 )
 
@@ -77,8 +77,8 @@ def test_the_answer_changes_at_the_transition(contact):
     load = regime.transition_force(contact)
     assert regime.pressure_ratio(contact, load) == pytest.approx(0.6, rel=1e-12)
     # on a nearly smooth contact the ratio says little about the roughness, so the ratio is what must agree
-    rough = contact.with_values(roughness=min(regime.transition_roughness(contact, 1.5 * load), 0.5 * contact.radius))
-    if rough.roughness < 0.5 * contact.radius:
+    rough = contact.with_values(sigma=min(regime.transition_sigma(contact, 1.5 * load), 0.5 * contact.radius))
+    if rough.sigma < 0.5 * contact.radius:
         assert regime.pressure_ratio(rough, 1.5 * load) == pytest.approx(0.6, rel=1e-9)
     assert regime.pressure_ratio(contact, load * 1.01) > 0.6 > regime.pressure_ratio(contact, load * 0.99)
 
@@ -90,7 +90,7 @@ def test_with_mu_the_answer_changes_where_the_solution_says():
     found = regime.assess(test.contact, test.load, mu=test.mu)
     assert found.ratio == pytest.approx(0.5794, abs=1e-3) and found.transition_force > test.load
     assert regime.pressure_ratio(test.contact, found.transition_force, test.mu) == pytest.approx(0.6, rel=1e-4)
-    rough = test.contact.with_values(roughness=found.transition_roughness)
+    rough = test.contact.with_values(sigma=found.transition_sigma)
     assert regime.pressure_ratio(rough, test.load, test.mu) == pytest.approx(0.6, rel=1e-4)
 
 
@@ -98,7 +98,7 @@ def test_with_mu_the_answer_changes_where_the_solution_says():
 def test_the_ratio_rises_with_load_and_falls_with_roughness(contact, load1, load2):
     low, high = sorted((load1, load2))
     assert regime.pressure_ratio(contact, low) <= regime.pressure_ratio(contact, high) * (1 + 1e-12)
-    rougher = contact.with_values(roughness=2 * contact.roughness)
+    rougher = contact.with_values(sigma=2 * contact.sigma)
     assert regime.pressure_ratio(rougher, low) <= regime.pressure_ratio(contact, low) * (1 + 1e-12)
 
 
@@ -107,8 +107,8 @@ def test_arrays_agree_with_single_calls():
     loads, roughnesses = np.array([0.1, 1.0, 10.0]), np.array([1e-7, 1e-6])
     singles = [regime.pressure_ratio(contact, load) for load in loads]
     np.testing.assert_allclose(regime.pressure_ratio(contact, loads), singles, rtol=1e-12)
-    many = contact.with_values(roughness=roughnesses)
-    singles = [regime.transition_force(contact.with_values(roughness=r)) for r in roughnesses]
+    many = contact.with_values(sigma=roughnesses)
+    singles = [regime.transition_force(contact.with_values(sigma=r)) for r in roughnesses]
     np.testing.assert_allclose(regime.transition_force(many), singles, rtol=1e-12)
 
 
@@ -119,7 +119,7 @@ def test_advice_follows_the_regime():
     advice = {a.law: a for a in regime.advise(test.contact, 100.0)}
     assert advice["rough-plastic"].fits and not advice["asperity"].fits
     assert "bulk yields" in advice["yip-venart"].reason
-    bare = dl.Contact(radius=1e-3, modulus=1e9, roughness=1e-7)
+    bare = dl.Contact(radius=1e-3, modulus=1e9, sigma=1e-7)
     # rough granite: Hertz's and the fitted law are far off at small loads, choose finds 780 %
     advice = {a.law: a for a in regime.advise(GRANITE, 50.0)}
     assert advice["pohrt-popov"].fits and not advice["hertz"].fits and not advice["rms"].fits
@@ -131,7 +131,7 @@ def test_advice_follows_the_regime():
     "call",
     [
         lambda: regime.assess(dl.Contact(radius=1e-3, modulus=1e9), 1.0),
-        lambda: regime.assess(TESTS[0].contact.with_values(roughness=np.array([1e-6, 2e-6])), 1.0),
+        lambda: regime.assess(TESTS[0].contact.with_values(sigma=np.array([1e-6, 2e-6])), 1.0),
     ],
 )
 def test_bad_input_is_named(call):
@@ -141,7 +141,7 @@ def test_bad_input_is_named(call):
 
 def test_hertz_on_a_rough_contact_warns():
     """It has no roughness: at 0.1 N its overlap is 0.107 µm where Pohrt & Popov's is 0.748 µm. Smooth contacts do not warn."""
-    pair = dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.4e-6, fractal_dimension=2.22)
+    pair = dl.Contact(radius=4.35e-3, modulus=32.32e9, sigma=2.4e-6, fractal_dimension=2.22)
     with pytest.warns(dl.ValidityWarning, match="no roughness"):
         overlap = dl.law("hertz", pair).overlap(0.1)
     assert overlap == pytest.approx(0.107e-6, rel=0.01)
@@ -150,24 +150,24 @@ def test_hertz_on_a_rough_contact_warns():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         dl.law("hertz", pair).overlap(1.001 * limit.minimum_force)
-        dl.law("hertz", pair.with_values(roughness=0.0)).overlap(0.1)
+        dl.law("hertz", pair.with_values(sigma=0.0)).overlap(0.1)
         dl.law("pohrt-popov", pair).overlap(0.1)
     with pytest.warns(dl.ValidityWarning, match="no roughness"):
         dl.law("rough-plastic", pair, loading="hertz", yield_pressure=1e9).overlap(0.1)
-    many = pair.with_values(radius=np.array([1e-3, 4e-3]), roughness=np.array([0.0, 1e-6]))
+    many = pair.with_values(radius=np.array([1e-3, 4e-3]), sigma=np.array([0.0, 1e-6]))
     with pytest.warns(dl.ValidityWarning, match="no roughness"):
         dl.law("hertz", many).overlap(np.array([0.1, 0.1]))
 
 
 def test_laws_warn_where_the_bulk_yields():
     """Every law that keeps the bulk elastic is limited by the criterion; the law in which it yields is not."""
-    pair = dl.Contact(radius=0.96e-3, modulus=32.32e9, roughness=5.04e-6, fractal_dimension=2.22, hardness=6.266e9)
+    pair = dl.Contact(radius=0.96e-3, modulus=32.32e9, sigma=5.04e-6, fractal_dimension=2.22, hardness=6.266e9)
     load = regime.transition_force(pair)
     for name in ("hertz", "pohrt-popov", "rms"):
         limits = dl.law(name, pair).limits()
         assert any("bulk yields" in limit.reason and limit.maximum_force == pytest.approx(load) for limit in limits)
     with pytest.warns(dl.ValidityWarning, match="bulk yields"):
-        dl.law("hertz", pair.with_values(roughness=0.0)).overlap(2.0 * load)
+        dl.law("hertz", pair.with_values(sigma=0.0)).overlap(2.0 * load)
     yielding = dl.law("rough-plastic", pair, yield_pressure=1.66e9)
     assert not any("bulk yields" in limit.reason for limit in yielding.limits())
 
@@ -203,7 +203,7 @@ def test_the_command_states_the_loads_at_which_laws_are_judged(capsys):
     """A law is judged from 0.01 of the load: α there differs from that at the load."""
     from demlaws.cli import main
 
-    contact = ["--effective-radius", "4.35mm", "--modulus", "32.32GPa", "--combined-roughness", "2.4um", "--hardness", "6GPa"]
+    contact = ["--effective-radius", "4.35mm", "--modulus", "32.32GPa", "--sigma", "2.4um", "--hardness", "6GPa"]
     assert main(["regime", *contact, "--load", "50"]) == 0
     alpha = dl.Contact(4.35e-3, 32.32e9, 2.4e-6).roughness_parameter(0.5)
     assert f"laws from 0.5 N (α = {alpha:.3g}) to 50 N:" in capsys.readouterr().out

@@ -223,7 +223,7 @@ def test_many_levels_are_all_springs(any_levels):
 every_pair = pytest.mark.parametrize(
     ("name", "unloading"), [p for p in pairs() if telling(p) and (p[0] == "pohrt-popov" or p[1] not in RULES)]
 )
-DEEP = 5.0 * GRANITE.roughness
+DEEP = 5.0 * GRANITE.sigma
 BACK = np.array([0.4, 1.0, 1.0 - 1e-11, 0.999, 1.0, 1.0 + 1e-11, 1.1]) * DEEP
 
 

@@ -65,7 +65,7 @@ def main():
         speeds = []
         for force in forces:
             contact = dl.Contact(DIAMETER / 4, 0.5 * 60.6e9 / (1 - 0.25**2), 2**0.5 * 1.7e-6, 2.22, 6.266e9)
-            law = dl.law(name, contact if name != "hertz" else contact.with_values(roughness=0.0))
+            law = dl.law(name, contact if name != "hertz" else contact.with_values(sigma=0.0))
             overlap = law.overlap(force)
             frequency = np.sqrt(law.stiffness(overlap) / mass)
             found = strike(name, force, overlap, 1e-3 * force / (frequency * mass), 0.04 / frequency, 1870)

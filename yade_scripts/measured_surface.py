@@ -85,7 +85,7 @@ def main():
     table = dl.Table.load(arguments.table) if arguments.table else synthetic_table()
     contact = table.contact
     radius = 2.0 * contact.radius  # equal spheres
-    surface = dl.Surface(roughness=contact.roughness / 2**0.5, hardness=contact.hardness)
+    surface = dl.Surface(roughness=contact.sigma / 2**0.5, hardness=contact.hardness)
     pressures = np.geomspace(3e4, 3e6, 4 if arguments.quick else 9)
     count = 60 if arguments.quick else 200
     figure, axis = plt.subplots(figsize=(6, 4), constrained_layout=True)

@@ -39,7 +39,7 @@ def run(test, name, steps):
     O.bodies.append([sphere((0, 0, z), radius, material="granite") for z in (0, 2 * radius)])
     for body in O.bodies:
         body.state.blockedDOFs = "xyzXYZ"
-    surface = dl.Surface(test.roughness / 2**0.5, test.fractal_dimension, granite.GRANITE.hardness)
+    surface = dl.Surface(test.sigma / 2**0.5, test.fractal_dimension, granite.GRANITE.hardness)
     functor = Law2_ScGeom_MindlinPhys_Demlaws(name, "hertz", {"granite": surface}, **law.options)
     O.engines = engines(functor)
     O.dt = 1e-9

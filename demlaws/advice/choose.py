@@ -199,12 +199,12 @@ def reference_plan(scene):
         definition = find(scene.reference)
     else:
         contacts = scene.contacts(scene.effective_radii()[0])
-        if any(c.roughness is None for c in contacts):
+        if any(c.sigma is None for c in contacts):
             warn(
                 "the scene's surfaces have no roughness: the reference is a law of smooth contacts; give the roughness of each "
                 "surface, 0 for a smooth one"
             )
-        rough = contact.with_values(roughness=max(c.sigma for c in contacts))
+        rough = contact.with_values(sigma=max(c.sigma_or_zero for c in contacts))
         candidates = [d for d in _determined(rough) if d.advice.rank]
         definition = next((d for d in candidates if _reaches(d, scene)), candidates[-1])
         if scene.yield_pressure is not None:

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from demlaws.advice.fit_model import APPARATUS, COMPLIANCE, DRIFT, FORCE_ZERO, ZERO, Model, largest_compliance, parameters
 from demlaws.advice.fit_report import WEAK, Fit, fitted
-from demlaws.contact import Contact
+from demlaws.contact import Contact, warn_of_roughness
 from demlaws.core.unloading import GIVEN
 from demlaws.curves.point_files import columns_of, in_contact, refuse_other_units
 from demlaws.errors import DemlawsError
@@ -122,7 +122,7 @@ def fit(
     displacement, force = columns_of(points)
     usual = [n for n, definition in registry().items() if definition.fitting.identifiable and not definition.needs_map]
     names = [find(n).name for n in _texts(laws, "laws") or usual]
-    free, rules, options = _texts(free, "free"), _texts(unloading, "unloading"), _checked_options(options or {})
+    free, rules, options = _named(_texts(free, "free")), _texts(unloading, "unloading"), _checked_options(options or {})
     if displacement_noise is not None:
         displacement_noise = number(displacement_noise, "displacement_noise", "m", 1e-13, 1e-2, allow_low=True)
     force_noise = number(force_noise, "force_noise", "N", allow_low=True)
@@ -220,6 +220,14 @@ def _texts(value, name):
     if words is not None and not (isinstance(words, list | tuple | set) and all(isinstance(one, str) for one in words)):
         raise DemlawsError(f"{name} must be a name or a list of names, got {value!r:.60}")
     return None if words is None else list(words)
+
+
+def _named(free):
+    """Names of free quantities, σ of the pair by its own name."""
+    if "roughness" not in (free or ()):
+        return free
+    warn_of_roughness()
+    return ["sigma" if name == "roughness" else name for name in free]
 
 
 def _checked_options(options):

@@ -23,7 +23,7 @@ from demlaws.units import number
 EXPONENTS = {
     Material: {"young": -1.0, "poisson": 0.0, "hardness": PRESSURE, "density": 0.0},
     Surface: {"roughness": 2 / 3, "fractal_dimension": 0.0, "hardness": PRESSURE, "edge_radius": 0.0},
-    Contact: {"radius": 0.0, "modulus": -1.0, "roughness": 2 / 3, "fractal_dimension": 0.0, "hardness": PRESSURE},
+    Contact: {"radius": 0.0, "modulus": -1.0, "sigma": 2 / 3, "fractal_dimension": 0.0, "hardness": PRESSURE},
 }
 """Exponent of the factor by which each measured quantity grows."""
 
@@ -56,10 +56,10 @@ def soften(thing: Any, factor: float) -> Any:
 
     Examples
     --------
-    >>> pair = dl.Contact(radius=4e-3, modulus=32e9, roughness=2e-6, fractal_dimension=2.2)
+    >>> pair = dl.Contact(radius=4e-3, modulus=32e9, sigma=2e-6, fractal_dimension=2.2)
     >>> law = dl.law("pohrt-popov", pair)
     >>> softer = dl.soften(law, 8)
-    >>> softer.contact.modulus, round(softer.contact.roughness * 1e6, 9), round(softer.overlap(10.0) / law.overlap(10.0), 6)
+    >>> softer.contact.modulus, round(softer.contact.sigma * 1e6, 9), round(softer.overlap(10.0) / law.overlap(10.0), 6)
     (4000000000.0, 8.0, 4.0)
     """
     return Softening(factor).of(thing)
@@ -139,9 +139,9 @@ class Softening:
             value = getattr(thing, name)
             if exponent and value is not None:
                 changes[name] = value * power_of(self.factor, exponent)
-        if isinstance(thing, Contact) and np.any(changes.get("roughness", 0.0) > np.asarray(thing.radius)):
+        if isinstance(thing, Contact) and np.any(changes.get("sigma", 0.0) > np.asarray(thing.radius)):
             raise DemlawsError(
-                f"factor = {self.factor:g} makes the roughness {float(np.max(changes['roughness'])):g} m, more than the "
+                f"factor = {self.factor:g} makes sigma {float(np.max(changes['sigma'])):g} m, more than the "
                 f"effective radius of {float(np.min(thing.radius)):g} m: use a smaller factor"
             )
         if isinstance(thing, Material) and isinstance(thing.surface, Surface):

@@ -57,7 +57,9 @@ def add_contact_arguments(parser, test=True, modulus=True):
         **pair,
         help="rms roughness Sq of each surface in m, required by laws of rough contacts; 0 is smooth",
     )
-    contact.add_argument("--combined-roughness", type=length, help="σ = √(Sq1² + Sq2²) in m, in place of --roughness")
+    contact.add_argument(
+        "--sigma", "--combined-roughness", type=length, help="σ = √(Sq1² + Sq2²) of the pair in m, in place of --roughness"
+    )
     contact.add_argument("--fractal-dimension", type=plain, help="fractal dimension Df, from 2 to 3")
     contact.add_argument("--hardness", type=pressure, help="hardness of the softer body in Pa")
 
@@ -108,7 +110,7 @@ def contact_from(arguments, base=None, **measured):
     given = {
         "radius": arguments.effective_radius,
         "modulus": arguments.modulus,
-        "roughness": arguments.combined_roughness,
+        "sigma": arguments.sigma,
         "fractal_dimension": arguments.fractal_dimension,
         "hardness": arguments.hardness,
     }
@@ -126,10 +128,10 @@ def contact_from(arguments, base=None, **measured):
         if radii == (math.inf, math.inf):
             raise DemlawsError("--radius flat flat: two flats have no Hertz contact; give one a radius in m")
         given["radius"] = effective_radius(*radii)
-    if (sq := _pair(arguments, "roughness", "combined_roughness")) is not None:
+    if (sq := _pair(arguments, "roughness", "sigma")) is not None:
         for value in sq:
             refuse_rough("--roughness", value, math.inf if given["radius"] is None else given["radius"])
-        given["roughness"] = float(combined_roughness(*sq))
+        given["sigma"] = float(combined_roughness(*sq))
     fields |= {name: value for name, value in {**given, **measured}.items() if value is not None}
     if getattr(arguments, "test", None) is not None:
         base = granite.find_test(arguments.test).contact
@@ -153,7 +155,7 @@ def _of_bodies(bodies):
     if bodies is None:
         return {}
     pair = Contact.between(*bodies, radius1=1.0, radius2=1.0)
-    names = ("modulus", "roughness", "fractal_dimension", "hardness")
+    names = ("modulus", "sigma", "fractal_dimension", "hardness")
     return {name: value for name in names if (value := getattr(pair, name)) is not None}
 
 
@@ -189,7 +191,7 @@ def unloads(law):
 def describe(contact):
     """One line with the effective quantities of a contact."""
     text = f"contact: R = {contact.radius * 1e3:.5g} mm, E* = {contact.modulus / 1e9:.5g} GPa"
-    return text if contact.roughness is None else text + f", σ = {contact.roughness * 1e6:.4g} µm"
+    return text if contact.sigma is None else text + f", σ = {contact.sigma * 1e6:.4g} µm"
 
 
 def draw(result, path, make):

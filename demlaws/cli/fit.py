@@ -1,5 +1,6 @@
 """`demlaws fit`: laws fitted to measured points."""
 
+import math
 from pathlib import Path
 
 from demlaws.cli import example
@@ -22,7 +23,7 @@ def register(add):
         **example(
             '  demlaws fit points.csv --test "SS(18-18)" --figure fit.png\n'
             "  demlaws fit points.csv --radius 8.7mm 8.7mm --modulus 32.3GPa --roughness 1.4um --fractal-dimension 2.2 \\\n"
-            "      --law rms --law pohrt-popov --free roughness modulus\n\n"
+            "      --law rms --law pohrt-popov --free sigma modulus\n\n"
             "points.csv: two columns with units in the header, for instance\n"
             "  displacement (um),force (N)"
         ),
@@ -74,7 +75,31 @@ def shown(name, estimate, unit):
     return f"{text} {unit}".rstrip() + (f" ({estimate.cause})" if estimate.cause else "")
 
 
-def table_lines(ranking):
+def surfaces(fit, given):
+    """Sq [m] of both surfaces, of which the σ of the pair in a fit consists; None where it is not fitted.
+
+    given: values of --roughness. Of two unlike ones the second is kept, unless σ is below it; else both surfaces are alike.
+    """
+    if "sigma" not in fit.parameters or fit.parameters["sigma"].open_end == "both":
+        return None
+    sigma = fit.parameters["sigma"].value
+    first, second = (given[0], given[-1]) if given else (0.0, 0.0)
+    if first != second and sigma > second:
+        return math.sqrt((sigma - second) * (sigma + second)), second
+    return sigma / math.sqrt(2.0), sigma / math.sqrt(2.0)
+
+
+def of_surfaces(sq):
+    """In words, Sq of the surfaces of a fit; no words without them."""
+    if sq is None:
+        return []
+    first, second = (f"{1e6 * one:.5g} µm" for one in sq)
+    if sq[0] == sq[1]:
+        return [f"roughness Sq {first} of each of two equal surfaces"]
+    return [f"roughness Sq {first} of the first surface, {second} of the second"]
+
+
+def table_lines(ranking, given=None):
     """The ranking: a line for each law, its parameters and notes below; a note that several laws share comes last."""
     from demlaws.advice.fit import parameters
     from demlaws.advice.fit_report import SYSTEMATIC
@@ -87,6 +112,7 @@ def table_lines(ranking):
         kind = "systematic" if f.systematic else "scatter"
         yield f"{f.name:16} {f.unloading:9} {f.misfit * 1e6:11.4g} {f.delta:9.1f} {f.weight:7.3f}  {kind}"
         yield wrapped("; ".join(shown(n, e, units[n]) for n, e in f.parameters.items()), "    ")
+        yield from (wrapped(text, "    ") for text in of_surfaces(surfaces(f, given)))
         yield from (wrapped(note, "    * ", "      ") for note in f.notes if note != SYSTEMATIC)
     if any(f.systematic for f in ranking):
         yield wrapped(SYSTEMATIC)
@@ -112,11 +138,13 @@ def run(arguments, result):
         progress=progress("fit"),
     )
     result.print(f"{points.source}: {ranking.points[1].size} points to {ranking.points[1].max():.4g} N; intervals hold 95 %\n")
-    result.print(*table_lines(ranking))
+    result.print(*table_lines(ranking, arguments.roughness))
     fields = ("name", "unloading", "misfit", "systematic", "aicc", "delta", "weight", "notes")
     laws = [{name: getattr(f, name) for name in fields} for f in ranking]
     for one, f in zip(laws, ranking, strict=True):
         one["parameters"] = {name: {**e._asdict(), "note": e.note} for name, e in f.parameters.items()}
+        if (sq := surfaces(f, arguments.roughness)) is not None:
+            one["roughness"] = sq
     result.values = {"laws": laws, "skipped": dict(ranking.skipped)}
     for name, reason in ranking.skipped.items():
         result.say(f"not fitted: {name}: {reason}")

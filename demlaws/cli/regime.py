@@ -14,7 +14,7 @@ def register(add):
         "that apply.",
         **example(
             "  demlaws regime --radius 3.175mm inf --young 430GPa 75.2GPa --poisson 0.17 0.34 --hardness 0.24GPa \\\n"
-            "      --combined-roughness 1.3um --load 0.2"
+            "      --sigma 1.3um --load 0.2"
         ),
     )
     add_contact_arguments(regime)
@@ -40,8 +40,8 @@ def run_regime(arguments, result):
     pair, limit = contact_from(arguments), arguments.yield_pressure
     if arguments.yield_load is not None:
         limit = float(hertz_pressure(pair, arguments.yield_load))
-    if pair.roughness is None:
-        raise MissingQuantity.of("the criterion", "roughness")
+    if pair.sigma is None:
+        raise MissingQuantity.of("the criterion", "sigma")
     if pair.hardness is None and limit is None:
         raise MissingQuantity.of("the criterion", "hardness")
     if arguments.load is None:

@@ -8,7 +8,7 @@ from demlaws.errors import DemlawsError
 _UNITS = {
     "radius": ("mm", 1e3),
     "modulus": ("GPa", 1e-9),
-    "roughness": ("µm", 1e6),
+    "sigma": ("µm", 1e6),
     "fractal_dimension": ("", 1),
     "hardness": ("GPa", 1e-9),
 }

@@ -216,7 +216,7 @@ def _contact(arguments, result, name):
         raise DemlawsError("--load missing: the load in N (or --table, for the law alone)")
     heights = _levelled(arguments, result, name)
     material = bodies[1].poisson, arguments.plastic_factor, arguments.plastic_ratio
-    contact = RoughContact(heights, contact_from(arguments, roughness=heights.sq), *material)
+    contact = RoughContact(heights, contact_from(arguments, sigma=heights.sq), *material)
     if arguments.table is not None:
         _table(arguments, result, contact)
     if arguments.load is None:

@@ -141,7 +141,7 @@ def force_loop(shape, params, overlap):
 
 def clamped_roughnesses(contact):
     """The same for a contact or an array of contacts."""
-    return np.maximum(contact.sigma, SMOOTHEST * np.asarray(contact.radius))
+    return np.maximum(contact.sigma_or_zero, SMOOTHEST * np.asarray(contact.radius))
 
 
 def bind_params(shape, contact):

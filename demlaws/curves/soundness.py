@@ -279,17 +279,17 @@ def refuse_unless_collapses(law, contact) -> None:
     if contact.size is not None:
         return
     rough = definition.length == "roughness" and not contact.is_smooth
-    length = contact.roughness if rough else contact.radius
+    length = contact.sigma if rough else contact.radius
     u = np.geomspace(1e-6, 0.05 * contact.radius / length, 60)
 
     def curve(other):
-        scale = other.roughness if rough else other.radius
+        scale = other.sigma if rough else other.radius
         shape = definition.shape(other, **law.options)
         params = bind_params(shape, other)
         return curve_loop(shape, params, u * scale)[0] / (params.hertz_coefficient * scale**1.5)
 
     base = curve(contact)
-    factors = {"radius": 2.0, "modulus": 3.0, "roughness": 1.7}
+    factors = {"radius": 2.0, "modulus": 3.0, "sigma": 1.7}
     for changes in (
         {name: factor * getattr(contact, name)} for name, factor in factors.items() if getattr(contact, name) is not None
     ):

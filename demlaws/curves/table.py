@@ -27,7 +27,9 @@ if TYPE_CHECKING:
 def plain_params(shape: Any, contact: Contact) -> Any:
     """Params of one contact as Python computes them: each sum and product rounded by itself, on every processor alike."""
     with np.errstate(all="ignore"):
-        return scale(shape, float(contact.radius), float(contact.modulus), clamped_roughness(contact.sigma, contact.radius))
+        return scale(
+            shape, float(contact.radius), float(contact.modulus), clamped_roughness(contact.sigma_or_zero, contact.radius)
+        )
 
 
 class Rows(NamedTuple):
@@ -92,10 +94,10 @@ class TableCurve:
             raise DemlawsError(
                 f"the table of {self.definition.name!r} holds for the contact it was made for only: make one for this contact"
             )
-        if self.shape.length_over_roughness and contact.roughness is None:
-            raise MissingQuantity.of(f"the table of {self.definition.name!r}", "roughness")
-        if self.shape.length_over_roughness and np.any(np.asarray(contact.roughness) == 0.0):
-            raise DemlawsError("roughness = 0 m: this table scales with roughness; use law 'hertz' for a smooth contact")
+        if self.shape.length_over_roughness and contact.sigma is None:
+            raise MissingQuantity.of(f"the table of {self.definition.name!r}", "sigma")
+        if self.shape.length_over_roughness and np.any(np.asarray(contact.sigma) == 0.0):
+            raise DemlawsError("sigma = 0 m: this table scales with sigma; use law 'hertz' for a smooth contact")
         for name in ("fractal_dimension", "hardness"):  # what the curve's form depends on
             made_for, value = getattr(self.made_for, name), getattr(contact, name)
             if not surface_matters:

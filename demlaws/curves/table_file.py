@@ -63,7 +63,7 @@ def compose(contact: Contact, curve: TableCurve, unloading: Unloading, collapses
 def _curve_keys(curve, contact):
     """Keys that describe a curve, for the contact that it was made for: of an array of contacts the first rough one."""
     definition = curve.definition
-    one = contact_at(contact, int(np.argmax(np.ravel(contact.sigma) > 0.0)))
+    one = contact_at(contact, int(np.argmax(np.ravel(contact.sigma_or_zero) > 0.0)))
     keys = {"law": definition.name}
     if definition.name not in table_grammar.law_keys() and definition.description:
         keys["description"] = definition.description
@@ -143,7 +143,7 @@ def _refuse_unless_passive(sections, law):
 def _limits(curve, contact):
     """Keys of the range of force that the law's source supports, over E* √R length^1.5; of an array: the first."""
     one = contact_at(contact, 0)
-    length = curve.shape.length_over_roughness * one.sigma + curve.shape.length_over_radius * one.radius
+    length = curve.shape.length_over_roughness * one.sigma_or_zero + curve.shape.length_over_radius * one.radius
     scale, lines = one.modulus * math.sqrt(one.radius * length) * length, []
     for limit in curve.definition.limits(one, **curve.options):
         if limit.pressure:

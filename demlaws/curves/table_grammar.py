@@ -82,7 +82,7 @@ _ERROR = Numbers(0.0, 0.1, True)
 OF_CONTACT = {
     "radius": Key("radius", _LENGTH, both=True),
     "modulus": Key("modulus", Numbers(RANGES["modulus"].low, 1e30), both=True),
-    "roughness": Key("sigma", Numbers(0.0, 1e30, True), "", both=True),
+    "sigma": Key("sigma", Numbers(0.0, 1e30, True), "", both=True),
     "fractal_dimension": Key("fractal_dimension", Numbers(*RANGES["fractal_dimension"][1:3], True), "", both=True),
     "hardness": Key("hardness", Numbers(0.0, 1e30), "", both=True),
 }

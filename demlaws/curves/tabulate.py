@@ -141,7 +141,7 @@ def tabulate(contact: Contact, curve: Any, rtol: float, largest_overlap: float |
         refuse_unless_collapses(curve, contact)
     _, one = _one_contact(contact)
     lengths = (0.0, 1.0) if definition.length == "radius" or np.all(contact.is_smooth) else (1.0, 0.0)
-    roughness = clamped_roughness(one.sigma, one.radius)
+    roughness = clamped_roughness(one.sigma_or_zero, one.radius)
     length = lengths[0] * roughness + lengths[1] * one.radius
     if largest_overlap is None:
         every = np.asarray(contact.radius) if lengths[1] else clamped_roughnesses(contact)
@@ -211,7 +211,7 @@ def tabulate_given(curve: Any, definition: Definition, contact: Contact, rtol: f
     """The table of a curve of a user's function or points (`curves.user_curves`, `curves.points`)."""
     rtol = tolerance(rtol)
     rough = definition.length == "roughness"
-    length = float(contact.sigma if rough else contact.radius)
+    length = float(contact.sigma_or_zero if rough else contact.radius)
     coefficient = 4.0 * float(contact.modulus) * math.sqrt(contact.radius) / 3.0
     source = CurveSampler(curve.evaluate, curve.evaluate, length, coefficient, [k / length for k in curve.kinks], False, 1e-10)
     largest = curve.largest / length * (1.0 - 1e-12)
@@ -251,5 +251,5 @@ def _one_contact(contact):
     """(index, contact) of an array of contacts for which its one table is made: the smoothest has the longest range."""
     if contact.size is None:
         return 0, contact
-    index = int(np.argmin(np.broadcast_to(contact.sigma, contact.size)))
+    index = int(np.argmin(np.broadcast_to(contact.sigma_or_zero, contact.size)))
     return index, contact_at(contact, index)

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from demlaws.contact import SIZES, Contact
+from demlaws.contact import PER_CONTACT, Contact
 from demlaws.core.loops import bind_params, force_loop, inverse_loop, loading_part, params_at
 from demlaws.core.table_types import TableParams
 from demlaws.core.unloading import GIVEN, RULES, JoinedParams, JoinedShape, Rule
@@ -74,8 +74,8 @@ def beside_table(curve: Any, contact: Contact, unloading: Unloading) -> Unloadin
 def _ratios(contact, other):
     """R, E* and σ of the unloading curve's contact over those of the law's, each one number for all contacts."""
     ratios = []
-    for name in SIZES:
-        values, others = np.asarray(getattr(contact, name), float), np.asarray(getattr(other, name), float)
+    for name in PER_CONTACT:
+        values, others = (np.asarray(0.0 if (v := getattr(c, name)) is None else v, float) for c in (contact, other))
         with np.errstate(divide="ignore", invalid="ignore"):
             try:
                 ratio = others / values
@@ -85,9 +85,8 @@ def _ratios(contact, other):
             ratio = np.ones(1)
         low, high = float(np.nanmin(ratio)), float(np.nanmax(ratio))
         if not (math.isfinite(high) and high - low <= 1e-9 * high):
-            quantity = "roughness" if name == "sigma" else name
             raise DemlawsError(
-                f"the {quantity} of the unloading curve's contact is {low:g} to {high:g} times the law's: the ratio must be "
+                f"the {name} of the unloading curve's contact is {low:g} to {high:g} times the law's: the ratio must be "
                 "the same for all contacts; make the curve for the same contact or array of contacts"
             )
         ratios.append(low if high > low else high)

@@ -34,7 +34,7 @@ def curve_of_function(force, contact, largest_overlap, *, stiffness, kinks, scal
     end = SMALL_OVERLAP * float(contact.radius)
     if largest_overlap is not None:
         end = number(largest_overlap, "largest_overlap", "m", 1e-9 * float(contact.radius), float(contact.radius))
-    length = float(contact.sigma if definition.length == "roughness" else contact.radius)
+    length = float(contact.sigma_or_zero if definition.length == "roughness" else contact.radius)
     table = tabulate_given(FunctionCurve(force, end, stiffness, kinks, length), definition, contact, rtol)
     _warn_of_other_units(table, contact, end)
     return table

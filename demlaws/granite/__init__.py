@@ -36,7 +36,7 @@ class Test(NamedTuple):
 
     name: str
     radius: float  # effective R [m]
-    roughness: float  # combined σ [m]
+    sigma: float  # combined roughness σ [m]
     fractal_dimension: float  # mean of the two surfaces (our choice)
     stages: tuple = ((100.0,),)  # each a list of forces [N] to turn at, begun on a new contact
     yield_pressure: float = GRANITE_YIELD_PRESSURE  # p_y [Pa] of the rough-plastic law
@@ -48,7 +48,7 @@ class Test(NamedTuple):
     @property
     def contact(self):
         """The test's contact: R, E*, σ, Df and hardness of the granite."""
-        return Contact(self.radius, self.modulus, self.roughness, self.fractal_dimension, GRANITE.hardness)
+        return Contact(self.radius, self.modulus, self.sigma, self.fractal_dimension, GRANITE.hardness)
 
     @property
     def cyclic(self):

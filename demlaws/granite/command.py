@@ -66,7 +66,7 @@ def test_lines(tests, runs):
     for test in tests:
         low, high, loads = granite.forces_of(test)
         yield (
-            f"\n{test.name}: R = {test.radius * 1e3:.2f} mm, σ = {test.roughness * 1e6:.2f} µm, Df = {test.fractal_dimension}, "
+            f"\n{test.name}: R = {test.radius * 1e3:.2f} mm, σ = {test.sigma * 1e6:.2f} µm, Df = {test.fractal_dimension}, "
             f"E* = {test.contact.modulus / 1e9:.2f} GPa, H = {test.contact.hardness / 1e9:.3f} GPa"
         )
         yield f"  {'law':16} {f'µm, {low:g} to {high:g} N':>17} " + "".join(f"{f'K {f:g} N':>10}" for f in loads) + "   (N/mm)"

@@ -92,7 +92,7 @@ def radius(modulus="text"):
         for law in SPHERES[1:]:
             hertz = smooth_overlap(test.contact, load)
             size = np.sqrt(_law(law, name, modulus).overlap(load) / hertz)
-            ax.plot(test.roughness / hertz, size, marker, color=colour(law), ms=3.5, mfc="none")
+            ax.plot(test.sigma / hertz, size, marker, color=colour(law), ms=3.5, mfc="none")
         ax.plot([], [], "k" + marker, mfc="none", ms=4, label=f"laws on {name}")
     for law in SPHERES[1:]:
         ax.plot([], [], "s", color=colour(law), ms=4, label=law)
@@ -163,7 +163,7 @@ def roughness(modulus="text"):
     for name, test, style, shade in [*lines, (HERTZ, tests[1], "--", "k")]:
         law = _law(name, test.name, modulus)
         overlap = law.overlap(load)
-        label = f"Hertz, {test.name}" if name == HERTZ else f"{test.name}, σ = {test.roughness * MICRO:.2f} µm"
+        label = f"Hertz, {test.name}" if name == HERTZ else f"{test.name}, σ = {test.sigma * MICRO:.2f} µm"
         left.plot((overlap - law.overlap(0.1)) * MICRO, load, style, color=shade, label=label)
         right.loglog(load, law.stiffness(overlap) / 1e3, style, color=shade, label=label)
     left.set(xlabel="displacement from 0.1 N (µm)", ylabel="force (N)", title="effect of roughness, Pohrt-Popov")

@@ -88,14 +88,14 @@ def pairs_of_stones(laws):
     for name, ((r1, s1, _), (r2, s2, _)) in STONES.items():
         test = laws.test(name)
         found[f"{name} R"] = (effective_radius(r1, r2) - 1e3 * test.radius) / 0.01
-        found[f"{name} σ"] = (float(combined_roughness(s1, s2)) - test.roughness / MICRO) / 0.01
+        found[f"{name} σ"] = (float(combined_roughness(s1, s2)) - test.sigma / MICRO) / 0.01
     return found
 
 
 def beyond_smooth(test, laws):
     """Displacement [σ] gained to 100 N more than in the very smooth contact, by three laws."""
     pairs = {name: [displacement_gained(laws.law(name, one)) for one in (test, "VS(18-18)")] for name in FITTING}
-    return {name: (rough - smooth) / laws.test(test).roughness for name, (rough, smooth) in pairs.items()}
+    return {name: (rough - smooth) / laws.test(test).sigma for name, (rough, smooth) in pairs.items()}
 
 
 def softness(laws):
@@ -155,7 +155,7 @@ def back_calculated(laws):
     """a* = √(R δ) of Pohrt-Popov over Eq. 5, at α = σ/δ_H."""
 
     def ratio(test, alpha):
-        hertz = laws.test(test).roughness / alpha
+        hertz = laws.test(test).sigma / alpha
         size = math.sqrt(laws.law(POHRT_POPOV, test).overlap(laws.law(HERTZ, test).force(hertz)) / hertz)
         return size / (2.4 - 2.8 / (alpha + 2.0))
 
@@ -185,8 +185,8 @@ def printed_kappa(laws):
 
     def ratio(test):
         t = laws.test(test)
-        printed = t.modulus / t.contact.hardness * math.sqrt(t.radius / t.roughness)
-        number = t.contact.hardness / t.modulus * math.sqrt(8.0 * t.radius / t.roughness)
+        printed = t.modulus / t.contact.hardness * math.sqrt(t.radius / t.sigma)
+        number = t.contact.hardness / t.modulus * math.sqrt(8.0 * t.radius / t.sigma)
         alpha = float(t.contact.roughness_parameter(100.0))
         solved = float(master_curves.central_pressure(YIP_VENART, number, 4.0 / 3.0 * alpha**-1.5))
         return 1.0 / (1.0 + 1.22 * alpha * printed**-0.16) / solved

@@ -70,7 +70,7 @@ def _curve(pair, surface, reach, max_force, **plasticity):
 
 
 def _length(pair):
-    return pair.roughness or pair.radius
+    return pair.sigma or pair.radius
 
 
 def sample(rough, max_force):
@@ -79,7 +79,7 @@ def sample(rough, max_force):
 
     limit = math.inf if max_force is None else max_force
     if max_force is None and rough.pair.hardness is not None:
-        limit = transition_force(rough.pair.with_values(roughness=rough.heights.sq))
+        limit = transition_force(rough.pair.with_values(sigma=rough.heights.sq))
     overlap = max(rough.heights.sq, 1e-12) * 2.0**-_OCTAVES
     overlaps, forces, edge = [], [], 0.0
     for _ in tqdm(range(40 * _SAMPLES), desc="asperity", unit="cut", leave=False, disable=None, delay=1):
@@ -208,7 +208,7 @@ def _pairs(contact):
     """The pairs for which curves are made: at radii a step apart."""
     if contact.size is None:
         return [contact]
-    modulus, sigma = np.unique(contact.modulus), np.unique(contact.sigma)
+    modulus, sigma = np.unique(contact.modulus), np.unique(contact.sigma_or_zero)
     if np.ptp(modulus) > 1e-9 * modulus[0] or np.ptp(sigma) > 1e-9 * sigma[0]:
         raise DemlawsError("contacts of one map that differ in modulus or roughness: make a law for each group of equal ones")
     low, high = float(np.min(contact.radius)), float(np.max(contact.radius))
@@ -217,7 +217,7 @@ def _pairs(contact):
         raise DemlawsError(f"radii from {low:g} to {high:g} m need {count} curves, {_MOST_CURVES} at most are made")
     if count > 1 and sigma[0] == 0:
         raise DemlawsError("roughness = 0 m in an array of contacts: give the map's roughness, the length of the curves")
-    common = {"modulus": float(modulus[0]), "roughness": float(sigma[0])}
+    common = {"modulus": float(modulus[0]), "sigma": float(sigma[0])}
     return [contact.with_values(radius=float(radius), **common) for radius in np.geomspace(low, high, count)]
 
 

@@ -10,7 +10,7 @@ from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, root
 from demlaws.laws.definition import (
     HARDNESS,
     ROOT,
-    ROUGHNESS,
+    SIGMA,
     Advice,
     Definition,
     Drawing,
@@ -42,7 +42,7 @@ class BahramiParams(NamedTuple):
     """One contact."""
 
     hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
-    roughness: float  # σ [m]
+    sigma: float  # σ [m]
     softness: float  # b = 1.22 κ^-0.16, so that p0' = s/(s + b) with s = δ_H(P)/σ
     constant: float  # c
     joint: float  # s where p0' = 0.47
@@ -111,17 +111,17 @@ def _solve(p, u):
 
 @kernel
 def _first_loading(shape, p, overlap):
-    s, slope = _solve(p, overlap / p.roughness)
-    equivalent = s * p.roughness
+    s, slope = _solve(p, overlap / p.sigma)
+    equivalent = s * p.sigma
     root = p.hertz_coefficient * math.sqrt(equivalent)
     return root * equivalent, 1.5 * root * slope, equivalent, equivalent
 
 
 @kernel
 def _inverse(shape, p, force):
-    s = hertz_overlap(p, force) / p.roughness
+    s = hertz_overlap(p, force) / p.sigma
     u, _ = _low(p.softness, p.constant, s) if s <= p.joint else _high(p.softness, p.constant, s)
-    return u * p.roughness
+    return u * p.sigma
 
 
 @kernel
@@ -144,7 +144,7 @@ def _moment(p, low, high):
 
 @kernel
 def _energy(shape, p, overlap):
-    u = overlap / p.roughness
+    u = overlap / p.sigma
     s, _ = _solve(p, u)
     scaled = 4.0 / 3.0 * s * math.sqrt(s) * u
     if u <= p.joint_overlap:
@@ -156,7 +156,7 @@ def _energy(shape, p, overlap):
         start, _ = _solve(p, p.joint_overlap * (1.0 + 1e-15))
         scaled -= 4.0 / 3.0 * (start * math.sqrt(start) - first * math.sqrt(first)) * p.joint_overlap
         scaled -= _moment(p, start, s)
-    return 0.75 * p.hertz_coefficient * p.roughness * p.roughness * math.sqrt(p.roughness) * scaled
+    return 0.75 * p.hertz_coefficient * p.sigma * p.sigma * math.sqrt(p.sigma) * scaled
 
 
 bind(BahramiShape, scale=_scale)
@@ -169,9 +169,9 @@ def _prepare(contact, constant=CONTINUOUS):
 
 def _limits(contact, **_):
     # p0' = 0.01 is where the published correlation begins
-    kappa = contact.hardness / contact.modulus * np.sqrt(contact.radius / np.maximum(contact.roughness, 1e-40))
+    kappa = contact.hardness / contact.modulus * np.sqrt(contact.radius / np.maximum(contact.sigma, 1e-40))
     alpha = 99.0 / (1.22 * kappa**-0.16)
-    force = 4 / 3 * contact.modulus * np.sqrt(contact.radius) * (np.asarray(contact.roughness) / alpha) ** 1.5
+    force = 4 / 3 * contact.modulus * np.sqrt(contact.radius) * (np.asarray(contact.sigma) / alpha) ** 1.5
     reason = "p0' < 0.01: below the range of the published correlation"
     return [*bulk_yield(contact), Limit(float(np.max(force)), math.inf, reason)]
 
@@ -183,16 +183,16 @@ LAW = Definition(
     source="Bahrami, Yovanovich & Culham 2005; Altuhafi, Baudet & Coop 2023, Eqs. 12–14, κ and exponents mended",
     description="plastic asperities, compact",
     limits=_limits,
-    kinks=lambda p, **_: [p.joint_overlap * p.roughness],
+    kinks=lambda p, **_: [p.joint_overlap * p.sigma],
     collapses=False,
     computed=ROOT,
-    needs=("roughness", "hardness"),
+    needs=("sigma", "hardness"),
     options={
         "constant": Option(
             "", Numbers(1.5, 1.7, True), "of the published correlation; the default makes it continuous (printed: 1.605)"
         ),
     },
-    fitting=Fitting(parameters={"roughness": ROUGHNESS, "hardness": HARDNESS}, free=("roughness",)),
+    fitting=Fitting(parameters={"sigma": SIGMA, "hardness": HARDNESS}, free=("sigma",)),
     advice=Advice(advise=plastic_asperities),
     drawing=Drawing(colour="#9467bd"),
 )

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from demlaws.contact import Contact
+from demlaws.contact import Contact, warn_of_roughness
 from demlaws.core.unloading import GIVEN, RULES, Rule
 from demlaws.errors import DemlawsError, MissingQuantity, did_you_mean, most_similar
 from demlaws.units import number
@@ -31,7 +31,7 @@ def bulk_yield(contact: Contact, **options: Any) -> list[Limit]:
     from demlaws.solvers.criterion import transition_force
 
     reason = "the central pressure passes 0.6 H_m, so that the bulk yields; this law keeps it elastic (see rough-plastic)"
-    yields = np.min(transition_force(contact.with_values(roughness=contact.sigma)))
+    yields = np.min(transition_force(contact.with_values(sigma=contact.sigma_or_zero)))
     return [Limit(0.0, float(yields), reason, pressure=True)]
 
 
@@ -111,12 +111,12 @@ class Parameter(NamedTuple):
 
 
 MODULUS = Parameter("Pa", True, lambda c: (c.modulus / 100, c.modulus * 100), lambda c: [c.modulus])
-ROUGHNESS = Parameter(
+SIGMA = Parameter(
     "m",
     True,
     lambda c: (1e-7 * c.radius, 0.1 * c.radius),
     lambda c: np.clip(
-        np.array([1.0, 0.2, 5.0, 25.0]) * (c.roughness or 3e-4 * c.radius),
+        np.array([1.0, 0.2, 5.0, 25.0]) * (c.sigma or 3e-4 * c.radius),
         2e-7 * c.radius,
         0.09 * c.radius,
     ),
@@ -132,7 +132,7 @@ def pressure_option(lowest: float, highest: float, *starts: float) -> Parameter:
     )
 
 
-OF_CONTACT = {"modulus": MODULUS, "roughness": ROUGHNESS, "fractal_dimension": DIMENSION, "hardness": HARDNESS}
+OF_CONTACT = {"modulus": MODULUS, "sigma": SIGMA, "fractal_dimension": DIMENSION, "hardness": HARDNESS}
 """The contact's own quantities; a law names those that it depends on, and adds its options, in `Fitting.parameters`."""
 
 
@@ -276,7 +276,7 @@ class Definition(NamedTuple):
 
     >>> from demlaws.laws.registry import find
     >>> find("hertz").equation, find("pohrt-popov").needed()
-    ('P = (4/3) E* √R δ^1.5', ('roughness', 'fractal_dimension'))
+    ('P = (4/3) E* √R δ^1.5', ('sigma', 'fractal_dimension'))
     """
 
     name: str
@@ -419,3 +419,19 @@ class Definition(NamedTuple):
         if definition is None:
             return self.needs
         return tuple(dict.fromkeys((*self.needs, *definition.needed(**rest))))
+
+
+def with_sigma(definition: Definition) -> Definition:
+    """The definition, σ of the pair by its own name where it is called `roughness`, with a FutureWarning."""
+    fitting = definition.fitting
+    if "roughness" in definition.options or "roughness" not in {*definition.needs, *fitting.free, *fitting.parameters}:
+        return definition
+    warn_of_roughness()
+
+    def named(names: Any) -> tuple:
+        return tuple(dict.fromkeys("sigma" if name == "roughness" else name for name in names))
+
+    parameters = dict(zip(named(fitting.parameters), fitting.parameters.values(), strict=True))
+    return definition._replace(
+        needs=named(definition.needs), fitting=fitting._replace(parameters=parameters, free=named(fitting.free))
+    )

@@ -177,7 +177,7 @@ bind(FamilyParams, first_loading=_family_first_loading, inverse=_family_inverse,
 
 def seating_limit(contact, share):
     """`Limit` below the seating load, the largest of an array of contacts."""
-    load = share * contact.modulus * np.sqrt(contact.radius) * np.asarray(contact.roughness) ** 1.5
+    load = share * contact.modulus * np.sqrt(contact.radius) * np.asarray(contact.sigma) ** 1.5
     reason = "below the seating load the curve is not the source's: it is continued as P ∝ δ^1.5 (see seating_share)"
     return Limit(float(np.max(load)), math.inf, reason)
 
@@ -221,7 +221,7 @@ def prepare(model, law, contact, seating_share):
 
     Contacts smoother than SMOOTH get the Hertz law, to which the model tends.
     """
-    radius, modulus, roughness = (np.asarray(v, float) for v in (contact.radius, contact.modulus, contact.roughness))
+    radius, modulus, roughness = (np.asarray(v, float) for v in (contact.radius, contact.modulus, contact.sigma))
     smooth = roughness < SMOOTH * radius
     if np.all(smooth):
         return HertzShape()

@@ -2,8 +2,8 @@
 
 from demlaws.laws.definition import (
     CELLS,
-    ROUGHNESS,
     SEATING,
+    SIGMA,
     Definition,
     Drawing,
     Fitting,
@@ -37,15 +37,15 @@ LAW = Definition(
     limits=_limits,
     collapses=False,
     computed=CELLS,
-    needs=("roughness",),
+    needs=("sigma",),
     rules=Rules(default="hertz"),
     options={
         "mu": Option("", Numbers(0.05, 1e5, True), "μ = (8/3) η σ √(2Rβ), from `demlaws surface summits`"),
         "seating_share": SEATING,
     },
     fitting=Fitting(
-        parameters={"roughness": ROUGHNESS, "mu": Parameter("", True, lambda c: (0.05, 1e3), lambda c: [MU], option=True)},
-        free=("roughness",),
+        parameters={"sigma": SIGMA, "mu": Parameter("", True, lambda c: (0.05, 1e3), lambda c: [MU], option=True)},
+        free=("sigma",),
     ),
     drawing=Drawing(colour="#17becf", line=":", example={"mu": MU}),
 )

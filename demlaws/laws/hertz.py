@@ -60,7 +60,7 @@ SMOOTH = 0.05
 
 def _limits(contact):
     limits = bulk_yield(contact)
-    overlap = np.asarray(contact.sigma) / SMOOTH
+    overlap = np.asarray(contact.sigma_or_zero) / SMOOTH
     force = 4.0 / 3.0 * np.asarray(contact.modulus) * np.sqrt(contact.radius) * overlap**1.5
     if np.any(force > 0.0):
         reason = f"α > {SMOOTH:g}: this law has no roughness, which makes a contact softer at low load (pohrt-popov, rms)"

@@ -14,7 +14,7 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, power, sqrt
 from demlaws.laws.definition import (
     DIMENSION,
-    ROUGHNESS,
+    SIGMA,
     Advice,
     Definition,
     Drawing,
@@ -112,7 +112,7 @@ def _prepare(contact):
 def _limits(contact):
     limits = bulk_yield(contact)
     if contact.fractal_dimension > LARGEST_DIMENSION * (1.0 + 1e-9):
-        overlap = _prepare(contact).kappa * np.asarray(contact.roughness)  # δ_H at the threshold force
+        overlap = _prepare(contact).kappa * np.asarray(contact.sigma)  # δ_H at the threshold force
         threshold = float(np.max(4.0 / 3.0 * contact.modulus * np.sqrt(contact.radius) * overlap**1.5))
         reason = (
             f"fractal dimension above {LARGEST_DIMENSION:g}: the exponent 0.2567 Df of the stiffness is more than 4 % (at 2.8: "
@@ -134,11 +134,9 @@ LAW = Definition(
     description="self-affine roughness",
     limits=_limits,
     kinks=lambda p: [1.0 / p.inverse_threshold],
-    needs=("roughness", "fractal_dimension"),
+    needs=("sigma", "fractal_dimension"),
     rules=Rules(default="hertz"),
-    fitting=Fitting(
-        parameters={"roughness": ROUGHNESS, "fractal_dimension": DIMENSION}, free=("roughness", "fractal_dimension")
-    ),
+    fitting=Fitting(parameters={"sigma": SIGMA, "fractal_dimension": DIMENSION}, free=("sigma", "fractal_dimension")),
     advice=Advice(advise=_advise, rank=4, candidate=True),
     drawing=Drawing(colour="#d62728"),
 )

@@ -13,7 +13,7 @@ from typing import Any
 
 from demlaws.errors import DemlawsError, did_you_mean
 from demlaws.laws import MODULES
-from demlaws.laws.definition import Definition, check_name
+from demlaws.laws.definition import Definition, check_name, with_sigma
 
 _user_laws: dict[str, Definition] = {}
 _homes: dict[str, str] = {}  # law → file or module that registered it
@@ -106,6 +106,8 @@ def register(definition: Definition, replace: bool = False) -> Definition:
 
 
 def _register(definition: Definition, home: str, replace: bool = False) -> Definition:
+    if isinstance(definition, Definition):
+        definition = with_sigma(definition)
     _check(definition)
     name = definition.name
     if name in _user_laws and _homes[name] != home and not replace:
@@ -131,7 +133,7 @@ def _check(definition: Any) -> None:
     rules = definition.offered()
     functions = {field: getattr(definition, field) for field in ("prepare", "limits", "kinks")}
     texts = {field: getattr(definition, field) for field in ("equation", "source", "description")}
-    fields = ("roughness", "fractal_dimension", "hardness")
+    fields = ("sigma", "fractal_dimension", "hardness")
     free = ("modulus", *definition.fitting.parameters)
     for field, value, right, needed in (
         *((field, text, isinstance(text, str) and text.isprintable(), "one line of text") for field, text in texts.items()),

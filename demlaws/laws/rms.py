@@ -8,7 +8,7 @@ import numpy as np
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, sqrt
 from demlaws.laws.definition import (
-    ROUGHNESS,
+    SIGMA,
     Advice,
     Definition,
     Drawing,
@@ -28,7 +28,7 @@ class RmsParams(NamedTuple):
     """One contact."""
 
     hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
-    roughness: float  # σ [m]
+    sigma: float  # σ [m]
 
 
 @kernel
@@ -64,8 +64,8 @@ def _equivalent(u):
 
 @kernel
 def _first_loading(shape, p, overlap):
-    s, slope = _equivalent(overlap / p.roughness)
-    equivalent = s * p.roughness
+    s, slope = _equivalent(overlap / p.sigma)
+    equivalent = s * p.sigma
     root = p.hertz_coefficient * sqrt(equivalent)
     return root * equivalent, 1.5 * root * slope, equivalent, equivalent
 
@@ -73,7 +73,7 @@ def _first_loading(shape, p, overlap):
 @kernel
 def _inverse(shape, p, force):
     equivalent = hertz_overlap(p, force)
-    s = equivalent / p.roughness
+    s = equivalent / p.sigma
     ratio = (2.4 + 2.0 * s) / (1.0 + 2.0 * s)
     return equivalent * ratio * ratio
 
@@ -81,7 +81,7 @@ def _inverse(shape, p, force):
 @kernel
 def _energy(shape, p, overlap):
     """Closed form [our derivation]: with x = √(2s), ∫f du = f u - (4/5) s^2.5 - (x-integrals of 2.8 and 1.96 terms)."""
-    s, _ = _equivalent(overlap / p.roughness)
+    s, _ = _equivalent(overlap / p.sigma)
     x = sqrt(2.0 * s)
     w = 2.0 * s
     if w > 0.25:
@@ -96,8 +96,8 @@ def _energy(shape, p, overlap):
             second += (k + 1) * term / (2 * k + 5)
             term *= -w
     integral = 0.8 * s * s * sqrt(s) + (5.6 * first + 3.92 * second) / (2.0 * math.sqrt(2.0))
-    scaled = 4.0 / 3.0 * s * sqrt(s) * (overlap / p.roughness) - integral
-    return 0.75 * p.hertz_coefficient * p.roughness * p.roughness * sqrt(p.roughness) * scaled
+    scaled = 4.0 / 3.0 * s * sqrt(s) * (overlap / p.sigma) - integral
+    return 0.75 * p.hertz_coefficient * p.sigma * p.sigma * sqrt(p.sigma) * scaled
 
 
 bind(RmsShape, scale=_scale)
@@ -109,7 +109,7 @@ def _prepare(contact):
 
 
 def _limits(contact):
-    force = (16.0 * contact.radius * contact.modulus**2 / 9.0) ** 0.5 * np.asarray(contact.roughness) ** 1.5
+    force = (16.0 * contact.radius * contact.modulus**2 / 9.0) ** 0.5 * np.asarray(contact.sigma) ** 1.5
     limits = bulk_yield(contact)
     for alpha, reason in (
         (5.0, "α > 5: against Greenwood & Tripp the fitted contact radius is unreliable"),
@@ -131,9 +131,9 @@ LAW = Definition(
     source="Greenwood, Johnson & Matsubara 1984; Yimsiri & Soga 2000; Altuhafi, Baudet & Coop 2023, Eq. 5",
     description="rough metal surfaces, fitted",
     limits=_limits,
-    needs=("roughness",),
+    needs=("sigma",),
     rules=Rules(default="hertz"),
-    fitting=Fitting(parameters={"roughness": ROUGHNESS}, free=("roughness",)),
+    fitting=Fitting(parameters={"sigma": SIGMA}, free=("sigma",)),
     advice=Advice(advise=_advise, rank=2, candidate=True),
     drawing=Drawing(colour="#1f77b4"),
 )

@@ -29,7 +29,7 @@ from demlaws.laws.definition import (
     DIMENSION,
     POSITIVE,
     PRESSURE,
-    ROUGHNESS,
+    SIGMA,
     Advice,
     Bulk,
     Definition,
@@ -223,11 +223,11 @@ LAW = Definition(
     },
     fitting=Fitting(
         parameters={
-            "roughness": ROUGHNESS,
+            "sigma": SIGMA,
             "fractal_dimension": DIMENSION,
             "yield_pressure": pressure_option(1e-4, 1.0, *np.geomspace(0.01, 0.3, 6)),
         },
-        free=("roughness", "fractal_dimension", "yield_pressure"),
+        free=("sigma", "fractal_dimension", "yield_pressure"),
     ),
     advice=Advice(advise=_advise),
     drawing=Drawing(colour="#ff7f0e", line="-.", example={"yield_pressure": GRANITE_YIELD_PRESSURE}),

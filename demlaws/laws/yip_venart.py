@@ -7,8 +7,8 @@ import numpy as np
 from demlaws.laws.definition import (
     CELLS,
     HARDNESS,
-    ROUGHNESS,
     SEATING,
+    SIGMA,
     Advice,
     Definition,
     Drawing,
@@ -31,11 +31,11 @@ def _prepare(contact, seating_share=SEATING_SHARE):
 
 
 def _limits(contact, seating_share=SEATING_SHARE):
-    if not np.all(np.asarray(contact.roughness) >= SMOOTH * np.asarray(contact.radius)):
+    if not np.all(np.asarray(contact.sigma) >= SMOOTH * np.asarray(contact.radius)):
         return []
-    worst = np.argmax(np.ravel(np.asarray(contact.roughness) / np.asarray(contact.radius)))
+    worst = np.argmax(np.ravel(np.asarray(contact.sigma) / np.asarray(contact.radius)))
     radius, modulus, roughness = (
-        float(np.broadcast_to(v, contact.size or 1)[worst]) for v in (contact.radius, contact.modulus, contact.roughness)
+        float(np.broadcast_to(v, contact.size or 1)[worst]) for v in (contact.radius, contact.modulus, contact.sigma)
     )
     value = contact.hardness / modulus * math.sqrt(8.0 * radius / roughness)
     yields = yield_force(value) * modulus * math.sqrt(radius) * roughness**1.5
@@ -54,14 +54,14 @@ LAW = Definition(
     limits=_limits,
     collapses=False,
     computed=CELLS,
-    needs=("roughness", "hardness"),
+    needs=("sigma", "hardness"),
     rules=Rules(default="hertz"),
     options={
         "seating_share": SEATING,
     },
     fitting=Fitting(
-        parameters={"roughness": ROUGHNESS, "hardness": HARDNESS},
-        free=("roughness",),
+        parameters={"sigma": SIGMA, "hardness": HARDNESS},
+        free=("sigma",),
     ),
     advice=Advice(advise=plastic_asperities, rank=3),
     drawing=Drawing(colour="#2ca02c"),

@@ -12,27 +12,27 @@ MICRO = 1e6
 def regime_figure(contact, force=None):
     """p(0)/H_m of `contact` over force and roughness."""
     fig, ax = figure(width=6.4, height=4.6)
-    forces = np.geomspace(1e-3, 1e3, 181) * (force or criterion.transition_force(contact.with_values(roughness=1e-6)))
+    forces = np.geomspace(1e-3, 1e3, 181) * (force or criterion.transition_force(contact.with_values(sigma=1e-6)))
     roughness = np.geomspace(1e-8, 1e-4, 161)
-    if contact.roughness:
-        roughness = contact.roughness * np.geomspace(1e-2, 1e2, 161)
+    if contact.sigma:
+        roughness = contact.sigma * np.geomspace(1e-2, 1e2, 161)
     regime_bar(fig, regime_axis(ax, contact, forces, roughness), ax)
-    if force is not None and contact.roughness:
-        ax.plot(force, contact.roughness * MICRO, "k*", ms=14, mec="white")
+    if force is not None and contact.sigma:
+        ax.plot(force, contact.sigma * MICRO, "k*", ms=14, mec="white")
         ratio = criterion.pressure_ratio(contact, force)
         label, light = (
             f"{ratio:.3g}: {criterion.deforming_part(ratio)}",
             {"fc": "white", "ec": "none", "alpha": 0.8, "pad": 1.5},
         )
         place = {"xytext": (10, 0), "textcoords": "offset points", "va": "center"}
-        ax.annotate(label, (force, contact.roughness * MICRO), bbox=light, **place)
+        ax.annotate(label, (force, contact.sigma * MICRO), bbox=light, **place)
     ax.set_title(f"R = {contact.radius * 1e3:.3g} mm, E* = {contact.modulus / 1e9:.3g} GPa")
     return fig
 
 
 def regime_axis(ax, contact, forces, roughness):
     """The map of p(0)/H_m on axes, with its contours; returns the image."""
-    ratio = np.array([criterion.pressure_ratio(contact.with_values(roughness=sigma), forces) for sigma in roughness])
+    ratio = np.array([criterion.pressure_ratio(contact.with_values(sigma=sigma), forces) for sigma in roughness])
     ax.grid(False)
     ax.set(xscale="log", yscale="log", xlabel="force (N)", ylabel="roughness σ (µm)")  # labels break contours at this scale
     image = ax.pcolormesh(

@@ -434,7 +434,7 @@ def laws_to_check():
     from demlaws.laws import USUAL
     from demlaws.make import law
 
-    contact = Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22)
+    contact = Contact(radius=4.35e-3, modulus=32.32e9, sigma=2.40e-6, fractal_dimension=2.22)
     for unloading in ("elastic", "hertz"):
         for rtol, limit in ((1e-5, 1e-5), (1e-9, 1e-8)):
             yield law(USUAL, contact, unloading=unloading), rtol, limit, f"{unloading} unloading, table {rtol:g}"

@@ -153,7 +153,7 @@ class Case:
             if not same and not all(roughness):  # two smooth ones have no length that scales the table
                 raise DemlawsError("a smooth grain beside a rough one: give a roughness to all grains, or to none")
             # the table ends at a tenth of the radius over the length: take the pair for which that is most
-            widest = max([*pairs.values(), *walls.values()], key=lambda c: c.radius / (c.roughness or c.radius))
+            widest = max([*pairs.values(), *walls.values()], key=lambda c: c.radius / (c.sigma or c.radius))
             file = self._save(folder, widest, f"{self.law}.tbl")
             return Tables(dict.fromkeys(pairs, file), dict.fromkeys(walls, file), None if same else roughness)
         return Tables(

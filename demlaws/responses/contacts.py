@@ -21,7 +21,7 @@ COLUMNS = {
     "stiffness": ("N/m", "tangent dP/dδ, of unloading where the contact unloads"),
     "radius": ("m", "effective radius R with which the law computes"),
     "modulus": ("Pa", "contact modulus E*"),
-    "roughness": ("m", "combined roughness σ"),
+    "sigma": ("m", "combined roughness σ"),
     "maximum_overlap": ("m", "largest overlap since the bodies touched; NaN with unloading `elastic`"),
     "plastic_overlap": ("m", "overlap at which the force vanishes on unloading"),
     "radius_ratio": ("", "R_p/R of the curve of unloading (rules `thornton`, `etsion`, `jackson`); NaN with others"),
@@ -64,7 +64,7 @@ class Contacts(Tabular):
     stiffness: np.ndarray | None = None
     radius: np.ndarray | None = None
     modulus: np.ndarray | None = None
-    roughness: np.ndarray | None = None
+    sigma: np.ndarray | None = None
     maximum_overlap: np.ndarray | None = None
     plastic_overlap: np.ndarray | None = None
     radius_ratio: np.ndarray | None = None

@@ -313,7 +313,7 @@ class RoughContact:
         if self.flat:
             return
         if self.pair.hardness is not None:
-            ratio = criterion.pressure_ratio(self.pair.with_values(roughness=self.heights.sq), step.force)
+            ratio = criterion.pressure_ratio(self.pair.with_values(sigma=self.heights.sq), step.force)
             if ratio >= criterion.YIELD_RATIO:
                 warn(
                     f"asperity: at {step.force:.3g} N p(0)/H_m = {ratio:.2f} ≥ {criterion.YIELD_RATIO}: the bulk also yields, "

@@ -105,7 +105,7 @@ def transition_force(contact, mu=None):
     return as_given(np.exp(log))
 
 
-def transition_roughness(contact, force, *, mu=None):
+def transition_sigma(contact, force, *, mu=None):
     """Combined roughness σ [m] at which p(0)/H_m equals `YIELD_RATIO` under `force` [N]; 0 where no roughness is needed.
 
     mu: see `central_pressure`; of one contact and one force, to 1e-5."""

@@ -118,7 +118,7 @@ _PATH = 4e-3 * np.concatenate([np.linspace(a, b, 8)[1:] for a, b in ((0, 0.5), (
 
 def _three(contact):
     """Three contacts of different sizes and moduli, the first one as it is."""
-    with_sigma = {} if contact.roughness is None else {"roughness": contact.roughness * _SIZES**0.5}
+    with_sigma = {} if contact.sigma is None else {"sigma": contact.sigma * _SIZES**0.5}
     return contact.with_values(radius=contact.radius * _SIZES, modulus=contact.modulus * _SIZES**-0.2, **with_sigma)
 
 
@@ -162,7 +162,7 @@ def _yade_check(law, contact, options):
         for n in range(3):
             one = contact_at(three, n)
             paths.append((_PATH * one.radius).tolist())
-            surface = {"roughness": float(one.sigma) / math.sqrt(2.0), "hardness": one.hardness}
+            surface = {"roughness": float(one.sigma_or_zero) / math.sqrt(2.0), "hardness": one.hardness}
             asked.append((one.radius, one.modulus, surface | {"fractal_dimension": one.fractal_dimension}))
             expected.append(example(law.name, one, rule, **options).follow(paths[n]).force)
         found = ask(law.name, rule, options, [home] if loaded else [], asked, paths)

@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from demlaws.contact import Contact
+from demlaws.contact import Contact, warn_of_roughness
 from demlaws.core.cache import tag_of
 from demlaws.core.dispatch import bind, function_of_text, scalar
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, root_finder
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, Numbers, Option, check_name
+from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, Numbers, Option, check_name, with_sigma
 from demlaws.units import number
 
-_CONTACT = ("hertz_coefficient", "radius", "modulus", "roughness")
+_CONTACT = ("hertz_coefficient", "radius", "modulus", "sigma")
 _OF_CONTACT = ("fractal_dimension", "hardness")
 _X, _W = np.polynomial.legendre.leggauss(8)
 _PANELS = 32  # an octave of overlap
@@ -66,8 +66,8 @@ def define(
 
     Notes
     -----
-    `p` has the fields `radius` R [m], `modulus` E* [Pa], `roughness` σ [m], `hertz_coefficient` (4/3) E* √R [N/m^1.5],
-    those of `needs`, and the options. A law whose functions read `roughness` needs it. One curve is valid for one contact,
+    `p` has the fields `radius` R [m], `modulus` E* [Pa], `sigma` σ [m], `hertz_coefficient` (4/3) E* √R [N/m^1.5],
+    those of `needs`, and the options. A law whose functions read `sigma` needs it. One curve is valid for one contact,
     unless collapses=True with length="radius" or "roughness".
 
     Examples
@@ -88,17 +88,24 @@ def define(
                 f"law {name!r:.60}: {what} must be a Python function of a contact and a number, got {function!r:.60}"
             )
     entries = {n: _described(name, n, value) for n, value in dict(options or {}).items()}
-    if any(_reads_roughness(f) for f in (force, stiffness, overlap, energy)) or facts.get("length") == "roughness":
-        facts["needs"] = tuple(dict.fromkeys((*facts.get("needs", ()), "roughness")))
+    functions = force, stiffness, overlap, energy
+    if old := any(_reads("roughness", f) for f in functions):
+        warn_of_roughness()
+    if old or any(_reads("sigma", f) for f in functions) or facts.get("length") == "roughness":
+        facts["needs"] = tuple(dict.fromkeys((*facts.get("needs", ()), "sigma")))
     needs = tuple(facts.get("needs", ()))
-    clash = [n for n in entries if n in (*_CONTACT, *_OF_CONTACT, "contact") or not n.isidentifier() or keyword.iskeyword(n)]
+    clash = [
+        n
+        for n in entries
+        if n in (*_CONTACT, *_OF_CONTACT, "contact", "roughness") or not n.isidentifier() or keyword.iskeyword(n)
+    ]
     if clash or any(n.startswith("_") for n in entries):
         raise DemlawsError(f"law {name!r}: options {', '.join(map(repr, entries))}: {clash or 'one of them'} cannot be a name")
     facts = _grouped(facts)
     if unknown := sorted(facts.keys() - set(Definition._fields) | ({"prepare", "options"} & facts.keys())):
         raise DemlawsError(f"law {name!r}: a Definition has no field {', '.join(unknown)} to be given here")
     extra = (*[n for n in needs if n in _OF_CONTACT], *entries)
-    shape_type = _types(name, (force, stiffness, overlap, energy), extra)
+    shape_type = _types(name, functions, extra, old)
     defaults = {n: default for n, (default, _) in entries.items()}
 
     def prepare(contact: Contact, **keywords: Any) -> Any:
@@ -112,7 +119,7 @@ def define(
     prepare.__signature__ = inspect.Signature([first, *parameters])  # type: ignore[attr-defined]
     fallback = {"equation": "", "source": "", "description": "user-defined law", "collapses": False, "length": "radius"}
     records = {n: option for n, (_, option) in entries.items()}
-    return Definition(name=name, prepare=prepare, **{**fallback, **facts}, options=records)
+    return with_sigma(Definition(name=name, prepare=prepare, **{**fallback, **facts}, options=records))
 
 
 def _grouped(facts: dict[str, Any]) -> dict[str, Any]:
@@ -134,20 +141,23 @@ def _described(law, name, value):
     return default, Option(unit, Numbers(), meaning)
 
 
-def _types(name, functions, extra):
-    """Type of the law's Shape, with its Params bound to the kernels."""
+def _types(name, functions, extra, old):
+    """Type of the law's Shape, with its Params bound to the kernels. old: they have σ also by its former name."""
     tag = tag_of(*functions, name, extra)
+    contact = (*_CONTACT, "roughness") if old else _CONTACT
     stem = "".join(part.capitalize() for part in str(name).replace("_", "-").split("-") if part.isalnum())
     shape_type, params_type = (
         namedtuple(f"{stem}{kind}_{tag}", fields, module=__name__)
-        for kind, fields in (("Shape", extra), ("Params", (*_CONTACT, *extra)))
+        for kind, fields in (("Shape", extra), ("Params", (*contact, *extra)))
     )
     for cls in (shape_type, params_type):
         globals()[cls.__qualname__] = cls  # where pickle and the machine code on disk look for it
     force, stiffness, overlap, energy = (None if f is None else _of_numbers(f) for f in functions)
     values = ", ".join(f"float(shape.{n})" for n in extra)
     names = {"Params": params_type, "hertz_coefficient": hertz_coefficient}
-    scale = function_of_text("shape, R, E, s", [f"return Params(hertz_coefficient(R, E), R, E, s, {values})"], names)
+    scale = function_of_text(
+        "shape, R, E, s", [f"return Params(hertz_coefficient(R, E), R, E, {'s, s' if old else 's'}, {values})"], names
+    )
 
     @kernel
     def first_loading(shape, p, overlap):
@@ -165,14 +175,14 @@ def _types(name, functions, extra):
     return shape_type
 
 
-def _reads_roughness(function: Any, seen: tuple = ()) -> bool:
-    """Whether a function's code reads an attribute `roughness`, or that of a function that it calls."""
+def _reads(quantity: str, function: Any, seen: tuple = ()) -> bool:
+    """Whether a function's code reads an attribute of this name, or that of a function that it calls."""
     function = getattr(function, "py_func", function)
     if not inspect.isfunction(function) or function in seen:
         return False
     names, cells = function.__code__.co_names, function.__closure__ or ()
     called = [*(function.__globals__.get(name) for name in names), *(cell.cell_contents for cell in cells)]
-    return "roughness" in names or any(_reads_roughness(one, (*seen, function)) for one in called)
+    return quantity in names or any(_reads(quantity, one, (*seen, function)) for one in called)
 
 
 def _of_numbers(function):

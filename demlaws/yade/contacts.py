@@ -63,7 +63,7 @@ def state_of(pairs, contacts, rows):
         stiffness=answer["tangent"].copy(),
         radius=before["radius"].copy(),
         modulus=before["modulus"].copy(),
-        roughness=np.array(pairs.roughnesses)[before["tag"].astype(int) - 1] if len(rows) else np.zeros(0),
+        sigma=np.array(pairs.roughnesses)[before["tag"].astype(int) - 1] if len(rows) else np.zeros(0),
         **columns,
         stored=energies["stored"].copy(),
         dissipated=energies["dissipated"].copy(),

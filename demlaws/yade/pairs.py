@@ -127,7 +127,7 @@ class LawSource:
         if unloading == GIVEN:
             if self.curve is None:
                 raise DemlawsError(f"unloading {GIVEN!r} needs its curve: give a law or a table as `unloading`")
-            changes = zip(("radius", "modulus", "roughness"), self.ratios, strict=True)
+            changes = zip(("radius", "modulus", "sigma"), self.ratios, strict=True)
             curve_contact = contact.with_values(**{name: ratio * getattr(contact, name) for name, ratio in changes})
             along = self.curve._bound(curve_contact, "elastic")
             parts = parts._replace(curve=along.curve, contact=along.contact)
@@ -160,12 +160,12 @@ class LawSource:
         if surface.roughness == 0.0 and self.table.curve.shape.length_over_roughness:
             return None
         if surface.roughness is None and self.table.curve.shape.length_over_roughness:
-            raise MissingQuantity.of(f"the table of {self.name!r}", "roughness")
+            raise MissingQuantity.of(f"the table of {self.name!r}", "sigma")
         law_curve = "law" in {self.definition.rule(rule).curve for rule in (unloading, self.table.unloading)}
         table = self.table.joined(unloading) if law_curve and unloading != self.table.unloading else self.table
-        for name, unit in (("fractal_dimension", ""), ("hardness", " Pa"), ("roughness", " m")):
-            value, made_for = getattr(surface, name), getattr(contact, name)
-            free = name == "roughness" and self.table.collapses
+        for name, unit in (("fractal_dimension", ""), ("hardness", " Pa"), ("sigma", " m")):
+            value, made_for = getattr(surface, "roughness" if name == "sigma" else name), getattr(contact, name)
+            free = name == "sigma" and self.table.collapses
             if free or value is None or made_for is None:
                 continue
             if not math.isclose(value, made_for, rel_tol=1e-6):
@@ -197,7 +197,7 @@ class LawSource:
             if source.needs_one_contact:
                 raise DemlawsError(
                     f"law {source.name!r} is solved for one contact: give the law of this contact, "
-                    f"dl.law({source.name!r}, dl.Contact(radius=…, modulus=…, roughness=…), …), or its table"
+                    f"dl.law({source.name!r}, dl.Contact(radius=…, modulus=…, sigma=…), …), or its table"
                 )
         return 0.0, 0.0
 

@@ -12,7 +12,7 @@ hertz = dl.law("hertz", smooth)
 ax.loglog(force, hertz.stiffness(hertz.overlap(force)) / 1e3, "k--")
 ax.annotate("hertz", (0.2, hertz.stiffness(hertz.overlap(0.2)) / 1e3), (-4, 12), textcoords="offset points")
 for sigma, shade in zip((0.3e-6, 1e-6, 2.4e-6, 5e-6), plt.colormaps["plasma"]([0.1, 0.35, 0.6, 0.8]), strict=True):
-    law = dl.law("pohrt-popov", smooth.with_values(roughness=sigma, fractal_dimension=2.22))
+    law = dl.law("pohrt-popov", smooth.with_values(sigma=sigma, fractal_dimension=2.22))
     stiffness = law.stiffness(law.overlap(force)) / 1e3
     ax.loglog(force, stiffness, color=shade)
     ax.annotate(

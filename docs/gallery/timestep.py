@@ -14,7 +14,7 @@ pair = dl.Contact.between(granite, granite, radius1=5e-3, radius2=5e-3)
 force = np.geomspace(0.01, 1000, 40)
 fig, ax = plt.subplots(figsize=(6.0, 4.0), layout="constrained")
 for name, rule, style in (("pohrt-popov", "elastic", "C0-"), ("pohrt-popov", "hertz", "C3-"), ("hertz", "elastic", "k--")):
-    law = dl.law(name, pair.with_values(roughness=0) if name == "hertz" else pair, unloading=rule)
+    law = dl.law(name, pair.with_values(sigma=0) if name == "hertz" else pair, unloading=rule)
     steps = [dl.timestep(law, mass=mass, max_force=load) * 1e6 for load in force]
     ax.loglog(force, steps, style, label=name if name == "hertz" else f"{name}, {rule} unloading")
 ax.set(xlabel="largest force of a contact (N)", ylabel="recommended step (µs)")

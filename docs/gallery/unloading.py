@@ -4,7 +4,7 @@ import matplotlib.pyplot as plt
 
 import demlaws as dl
 
-pair = dl.Contact(radius=0.96e-3, modulus=32.3e9, roughness=5.1e-6, fractal_dimension=2.22)
+pair = dl.Contact(radius=0.96e-3, modulus=32.3e9, sigma=5.1e-6, fractal_dimension=2.22)
 fig, ax = plt.subplots(figsize=(6.0, 4.0), layout="constrained")
 for rule, colour in (("hertz", "tab:red"), ("thornton", "tab:blue"), ("elastic", "0.3")):
     law = dl.law("rough-plastic", pair, unloading=rule, yield_pressure=1.66e9)

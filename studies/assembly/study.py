@@ -62,7 +62,7 @@ class Series(NamedTuple):
         bead = BEADS[self.bead]
         modulus = bead.young / softness / (2.0 * (1.0 - bead.poisson**2))
         contact = dl.Contact(
-            radius=bead.diameter / 4, modulus=modulus, roughness=1e-6 * self.sigma, fractal_dimension=self.dimension
+            radius=bead.diameter / 4, modulus=modulus, sigma=1e-6 * self.sigma, fractal_dimension=self.dimension
         )
         law = dl.law(self.law, contact, "elastic", **({"slope": self.slope} if self.slope else {}))
         return law.tabulate(rtol=1e-5) if self.law == "greenwood-tripp" else law

@@ -118,7 +118,7 @@ class Law(NamedTuple):
     def save(self, path):
         """Write its table; one serves all radii."""
         modulus = YOUNG / (2 * (1 - POISSON**2))
-        contact = dl.Contact(radius=10e-3, modulus=modulus, roughness=1e-6 * self.sigma, fractal_dimension=2.22)
+        contact = dl.Contact(radius=10e-3, modulus=modulus, sigma=1e-6 * self.sigma, fractal_dimension=2.22)
         rule = {} if self.law == "hertz" else {"unloading": "hertz"}
         dl.law(self.law, contact, **rule).tabulate(rtol=1e-5).save(path)
 

@@ -234,7 +234,7 @@ def stability(case, store=STORE):
     text = bed.ground(law, bed.from_restart(f"{len(list(parts(case)))}.restart", False), case.dt)
     text += bed.load(LOW, HIGH, case.period, steps // 2, case.dt, state["top"], state["placed"]) + bed.STATE
     simulate(folder, "state", text)
-    rough = f"--unloading hertz --combined-roughness {law.sigma}um --fractal-dimension 2.22".split()
+    rough = f"--unloading hertz --sigma {law.sigma}um --fractal-dimension 2.22".split()
     about = f"--law {law.law} --young {bed.YOUNG:g} --poisson {bed.POISSON} --columns 2 3 4 5 6".split()
     files = [str(folder / "post" / name) for name in ("grains.txt", "contacts.txt")]
     return command(["timestep", *files, *about, *(["7", *rough] if law.sigma else [])])

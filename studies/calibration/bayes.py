@@ -34,7 +34,7 @@ class Posterior(NamedTuple):
 def contact_of(sample):
     """Contact of two grains at a sample (roughness [µm], modulus [GPa])."""
     roughness, modulus = np.multiply(sample, UNITS)
-    return dl.Contact(0.5 * RADIUS, modulus, roughness=roughness, fractal_dimension=DIMENSION)
+    return dl.Contact(0.5 * RADIUS, modulus, sigma=roughness, fractal_dimension=DIMENSION)
 
 
 def displacements(samples):

@@ -24,7 +24,7 @@ def _hertz(contact, overlap):
 
 
 def _rms(contact, overlap):
-    sigma = extended(contact.roughness)
+    sigma = extended(contact.sigma)
     u = extended(overlap) / sigma
     s = np.where(u < 2, u / 4, np.maximum(u - extended("1.4"), u / 2))
     for _ in range(80):  # Newton in log s: u(s) rises from 5.76 s to s + 1.4
@@ -37,7 +37,7 @@ def _rms(contact, overlap):
 
 
 def _pohrt_popov(contact, overlap):
-    dimension, sigma, delta = extended(contact.fractal_dimension), extended(contact.roughness), extended(overlap)
+    dimension, sigma, delta = extended(contact.fractal_dimension), extended(contact.sigma), extended(overlap)
     m = extended("0.2567") * dimension
     r = 2 / (3 * (1 - m))
     h = extended(3) / 4 * np.sqrt(PI) * (20 / (np.sqrt(PI) ** 3 * dimension)) ** (1 / m) * sigma

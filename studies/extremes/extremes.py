@@ -91,7 +91,7 @@ def groups(case, random, quick=False):
     table = case.evaluation == "table"
     if case.one_contact:
         radius = np.full(12, 2.0 * GRANITE.radius)  # two equal spheres of half the granite pair's roughness squared each
-        return [make_group(case, GRANITE, radius, radius, np.full(12, GRANITE.roughness / math.sqrt(2.0)))]
+        return [make_group(case, GRANITE, radius, radius, np.full(12, GRANITE.sigma / math.sqrt(2.0)))]
     found = []
     dimensions = DIMENSIONS if "fractal_dimension" in definition.needs else (GRANITE.fractal_dimension,)
     for dimension in dimensions[:: 2 if quick and len(dimensions) > 1 else 1]:
@@ -114,7 +114,7 @@ def groups(case, random, quick=False):
 def _kinks(group, pair):
     contact, definition = group.contact, registry()[group.case.law]
     if contact.size is not None:
-        contact = contact.with_values(**{n: float(getattr(contact, n)[pair]) for n in ("radius", "modulus", "roughness")})
+        contact = contact.with_values(**{n: float(getattr(contact, n)[pair]) for n in ("radius", "modulus", "sigma")})
     options = group.case.options
     places = definition.kinks(bind_law(group.case.law, contact, **options).params, **options)
     return [float(k) for k in places if 10.0 * group.quantum[pair] < k < 0.9 * group.largest[pair]]
@@ -257,7 +257,7 @@ def packing(case, name, count=1000, *, speed=100.0, share=30.0, seed=7):
     radius = largest * ratio ** -np.sort(random.random(count))
     radius[-1] = largest / ratio
     smallest = float(radius[-1])
-    sigma = GRANITE.roughness if single else rough * smallest / 2.0
+    sigma = GRANITE.sigma if single else rough * smallest / 2.0
     if case.evaluation == "table" and definition.length == "roughness":
         sigma = max(sigma, 1e-4 * smallest)  # a curve over δ/σ has no smooth contact
     position = _cluster(radius, random)

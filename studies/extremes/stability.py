@@ -80,8 +80,8 @@ def _longest(contact):
     """Of an array of contacts the one whose radius is the most multiples of its roughness."""
     if contact.size is None:
         return contact
-    columns = {name: np.broadcast_to(getattr(contact, name), contact.size) for name in ("radius", "modulus", "roughness")}
-    index = int(np.argmax(columns["radius"] / np.maximum(columns["roughness"], 1e-300)))
+    columns = {name: np.broadcast_to(getattr(contact, name), contact.size) for name in ("radius", "modulus", "sigma")}
+    index = int(np.argmax(columns["radius"] / np.maximum(columns["sigma"], 1e-300)))
     return contact.with_values(**{name: float(column[index]) for name, column in columns.items()})
 
 
@@ -120,9 +120,9 @@ def contacts_for(case, count, random):
     for dimension in DIMENSIONS if "fractal_dimension" in definition.needs else (GRANITE.fractal_dimension,):
         contact = extreme_contacts(count, random, dimension)
         if case.evaluation == "table":  # one curve for all; a table that scales with roughness has no smooth contacts
-            contact = contact.with_values(roughness=np.maximum(contact.roughness, 1e-12 * contact.radius))
+            contact = contact.with_values(sigma=np.maximum(contact.sigma, 1e-12 * contact.radius))
             if definition.length == "roughness":
-                contact = contact.with_values(roughness=np.maximum(contact.roughness, 1e-5 * contact.radius))
+                contact = contact.with_values(sigma=np.maximum(contact.sigma, 1e-5 * contact.radius))
         result.append(case.bind(contact, 0.9 if case.evaluation == "table" else None))
     return result
 

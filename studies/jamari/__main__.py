@@ -65,7 +65,7 @@ def print_tests():
     for row in rows:
         test = row.test
         print(
-            f"{test.label:18} {test.load:6g} {test.contact.roughness * 1e6:7.2f} {row.alpha:7.2f} {cell(test.alpha, '8.2f')} "
+            f"{test.label:18} {test.load:6g} {test.contact.sigma * 1e6:7.2f} {row.alpha:7.2f} {cell(test.alpha, '8.2f')} "
             f"{cell(test.mu, '8.0f')} {cell(row.solved, '7.3f')} {row.fitted:7.3f} {cell(test.ratio, '8.2f')}  {test.seen}"
         )
     print("\nat μ: Greenwood & Tripp's solution at the printed μ, the paper's own method; Eq. 4: its closed fit; both computed")

@@ -29,7 +29,7 @@ def _plastic_asperities(_):
     found = {}
     for row in SIX:
         c = row.test.contact
-        number = c.hardness / c.modulus * math.sqrt(8.0 * c.radius / c.roughness)
+        number = c.hardness / c.modulus * math.sqrt(8.0 * c.radius / c.sigma)
         plastic = float(master_curves.central_pressure("yip-venart", number, 4.0 / 3.0 * row.alpha**-1.5))
         found[row.test.label] = plastic / _pressure(row.alpha, row.test.mu)
     return found

@@ -24,7 +24,7 @@ def regime_map():
         image = regime_axis(ax, group[0].contact, np.geomspace(0.03, 100, 161), np.geomspace(2e-8, 2e-5, 161))
         for n, test in enumerate(group):
             marker, face = SEEN[test.seen]
-            x, y = test.load, test.contact.roughness * MICRO
+            x, y = test.load, test.contact.sigma * MICRO
             ax.plot(x, y, marker, mfc=face, mec="black", ms=8, zorder=5)
             side = {"Al_A": (8, 7), "Al_AB": (8, -12)}.get(test.label, (8, -3 + 10 * n if "2008" in test.label else -3))
             solved, fitted = ratios[test.label].solved, ratios[test.label].fitted

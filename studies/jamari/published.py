@@ -102,7 +102,7 @@ def published_contact(kind, seed=2):
         (480, 520),
         0.5e-6,
         0.8,
-        roughness=test.contact.roughness,
+        roughness=test.contact.sigma,
         seed=seed,
         shortest=6e-6,
         longest=40e-6,

@@ -57,7 +57,7 @@ pair_coeff * *
 def contact(poisson=0.25, radius=4.35e-3):
     """Granite of that Poisson's ratio; radius: of two spheres of the gas, or 8.7e-3 for a sphere and a wall [m]."""
     modulus = 60.6e9 / (2 * (1 - poisson**2))
-    return dl.Contact(radius=radius, modulus=modulus, roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9)
+    return dl.Contact(radius=radius, modulus=modulus, sigma=2.4e-6, fractal_dimension=2.22, hardness=6.266e9)
 
 
 CONTACT = contact()

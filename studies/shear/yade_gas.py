@@ -21,7 +21,7 @@ def functor(law, rule, shear, poisson):
     if law is None:
         return yade.Law2_ScGeom_MindlinPhys_Mindlin()
     pair = contact(poisson)
-    surface = Surface(pair.roughness / math.sqrt(2.0), pair.fractal_dimension, pair.hardness)
+    surface = Surface(pair.sigma / math.sqrt(2.0), pair.fractal_dimension, pair.hardness)
     flats = "yade" if find(law).needs_map else "plane"  # solved for one contact: walls with YADE's own radius there
     return Law2_ScGeom_MindlinPhys_Demlaws(example(law, pair, rule), None, surface, shear=shear, flats=flats)
 

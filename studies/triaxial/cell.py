@@ -118,7 +118,7 @@ class Law(NamedTuple):
     def save(self, path, radius):
         """Write its table for contacts of this R [m]."""
         contact = dl.Contact(
-            radius=radius, modulus=MODULUS * self.softer(radius), roughness=1e-6 * self.sigma, fractal_dimension=2.22
+            radius=radius, modulus=MODULUS * self.softer(radius), sigma=1e-6 * self.sigma, fractal_dimension=2.22
         )
         more = {} if self.law == "hertz" else {"unloading": self.rule}
         if self.law == "rough-plastic":

@@ -30,7 +30,7 @@ def cases():
 def model(heights, radius):
     """The asperity model of a map pressed against a ball, or a flat."""
     flat = radius == math.inf
-    pair = Contact(radius=1.0 if flat else radius, modulus=MODULUS, roughness=heights.sq)
+    pair = Contact(radius=1.0 if flat else radius, modulus=MODULUS, sigma=heights.sq)
     return RoughContact(heights, pair, flat=flat)
 
 

@@ -165,7 +165,7 @@ def yield_speed(contact, yield_pressure, mass):
 
 def restitution():
     """Rows: restitution of a yielding sphere against Thornton's equation."""
-    contact, mass = Contact(0.005, 30e9, roughness=0.0), 0.01
+    contact, mass = Contact(0.005, 30e9, sigma=0.0), 0.01
     pressure = YIELD_RATIO * contact.modulus
     elastoplastic = bound(ROUGH_PLASTIC, contact, "thornton", yield_pressure=pressure, loading=HERTZ)
     for ratio in SPEEDS:
@@ -183,7 +183,7 @@ def _jackson_green(ratio, yield_strength, contact):
 
 def indentation():
     """What one limit pressure makes of a yielding sphere: how far from the finite elements, over 1.9 to 110 ω_c."""
-    contact, strength = Contact(0.01, 100e9, roughness=0.0), 1e8
+    contact, strength = Contact(0.01, 100e9, sigma=0.0), 1e8
     ratios = np.geomspace(1.9, 110.0, 40)
     wanted, overlap, load = _jackson_green(ratios, strength, contact)
     off = {}
@@ -234,7 +234,7 @@ def cycle(name, options, contact, maximum, share):
 
 def plastic_laws():
     """The plastic laws of the literature: what their papers' equations give, written out once more."""
-    contact, mass = Contact(0.005, 30e9, roughness=0.0), 0.01
+    contact, mass = Contact(0.005, 30e9, sigma=0.0), 0.01
     radius, modulus = contact.radius, contact.modulus
     hertz = 4.0 / 3.0 * modulus * math.sqrt(radius)
     pressure, ratio = YIELD_RATIO * modulus, 20.0
@@ -242,7 +242,7 @@ def plastic_laws():
     found = quiet(driver.impact, one, mass, ratio * yield_speed(contact, pressure, mass), 40000).restitution
     yield near("thornton-ning: restitution at V/V_y = 20", restitution_of(ratio), found, 1e-5, "thornton")
 
-    contact, strength = Contact(0.01, 100e9, roughness=0.0), 1e8
+    contact, strength = Contact(0.01, 100e9, sigma=0.0), 1e8
     for ratio in (10.0, 110.0):
         wanted, overlap, load = _jackson_green(ratio, strength, contact)
         found = float(quiet(law(JACKSON_GREEN, contact, yield_strength=strength).force, ratio * overlap)) / load
@@ -255,7 +255,7 @@ def plastic_laws():
         )
         yield near(f"kogut-etsion: P/P_c at {ratio:g} ω_c", wanted, found, 1e-12, "kogut-etsion")
 
-    contact = Contact(radius, modulus, roughness=0.0)
+    contact = Contact(radius, modulus, sigma=0.0)
     sine, peak = math.sin(1.2), 1e9
     blunting, h = (1.0 - sine) / sine, (math.pi * peak / (2.0 * modulus)) ** 2
     top = 3.0 * h * radius
@@ -346,7 +346,7 @@ def granite():
 
 def cone():
     """Rows: Goddard's law against Sneddon's cone."""
-    slope, contact = 0.05, Contact(0.004, 30e9, roughness=0.0)
+    slope, contact = 0.05, Contact(0.004, 30e9, sigma=0.0)
     one = bound(GODDARD, contact, slope=slope)
     limit = 9.0 * math.pi**3 / 128.0 * contact.modulus * contact.radius**2 * math.tan(slope) ** 3
     overlap = 0.5 * float(one.overlap(limit))

@@ -177,7 +177,7 @@ def test_two_kinds_have_three_tables(tmp_path, capsys):
     assert main(["choose", str(tmp_path / "two.toml"), "--out", str(tmp_path / "law.tbl")]) == 0
     assert capsys.readouterr().out.count("wrote") == 3
     tables = [dl.Table.load(tmp_path / f"law-{pair}.tbl") for pair in ("0-0", "0-1", "1-1")]
-    assert len({t.contact.roughness for t in tables}) == 3
+    assert len({t.contact.sigma for t in tables}) == 3
     assert tables[0].contact.fractal_dimension == 2.22
 
 
@@ -249,7 +249,7 @@ def test_softer_grains_are_advised_and_written(tmp_path, capsys):
     assert f"divide the modulus by {advice.factor:g} " in capsys.readouterr().out
     whole = dl.Scene.load(file).contacts(2e-3)[0]
     assert dl.Table.load(table).contact.modulus == pytest.approx(whole.modulus / advice.factor)
-    assert dl.Table.load(table).contact.roughness == pytest.approx(whole.roughness * advice.factor ** (2 / 3))
+    assert dl.Table.load(table).contact.sigma == pytest.approx(whole.sigma * advice.factor ** (2 / 3))
     file.write_text(file.read_text().replace("0.5", "1e-5"))
     assert main(["choose", str(file), "--soften"]) == 2
 

@@ -15,7 +15,7 @@ SAMPLE = Sample(MANY, PEAK)
 
 
 def on_sample(rule, contact=MANY):
-    curve = contact.with_values(roughness=0.25 * GRANITE.roughness)
+    curve = contact.with_values(sigma=0.25 * GRANITE.sigma)
     return dl.law("pohrt-popov", contact, dl.law("pohrt-popov", curve) if RULES[rule].curve == "given" else rule)
 
 

@@ -55,7 +55,7 @@ def test_coverage(case):
 @pytest.mark.parametrize(("kind", "least"), [("drift", 34), ("force", 30)])
 def test_coverage_of_unequal_and_of_correlated_noise(kind, least):
     force = bench_fit.LOADING if kind == "drift" else CYCLE
-    name, rule, key = ("hertz", "elastic", "modulus") if kind == "drift" else ("rms", "hertz", "roughness")
+    name, rule, key = ("hertz", "elastic", "modulus") if kind == "drift" else ("rms", "hertz", "sigma")
     law, held = dl.law(name, PAIR, rule), 0
     for seed in range(40):
         random = np.random.default_rng(seed)
@@ -65,7 +65,7 @@ def test_coverage_of_unequal_and_of_correlated_noise(kind, least):
                 noise[i] = 0.9 * noise[i - 1] + math.sqrt(1.0 - 0.81) * noise[i]
         measured = force + (0.3 * random.standard_normal(force.size) if kind == "force" else 0.0)
         rows = np.column_stack([history(law, force)[0] + 5e-8 * noise, measured])
-        best = dl.fit(rows, PAIR.with_values(roughness=4e-6), laws=name, unloading=rule).best
+        best = dl.fit(rows, PAIR.with_values(sigma=4e-6), laws=name, unloading=rule).best
         held += best.parameters[key].low <= getattr(PAIR, key) <= best.parameters[key].high
     assert held >= least
 
@@ -76,7 +76,7 @@ def test_points_without_noise(name):
     rows = points(dl.law("pohrt-popov", contact, "hertz"), CYCLE, 0.0, 0)
     best = dl.fit(rows, contact, laws=name, unloading="hertz").best
     if name == "pohrt-popov":
-        assert best.parameters["roughness"].value == pytest.approx(2.4e-6, rel=1e-4)
+        assert best.parameters["sigma"].value == pytest.approx(2.4e-6, rel=1e-4)
 
 
 def test_a_compliance_that_is_left_out_is_reported():
@@ -124,14 +124,14 @@ def test_what_is_not_determined_is_said():
     assert estimate.open_end == "upper" and 2e8 < estimate.low < 1.4e9
     assert estimate.high == pytest.approx(PAIR.modulus, rel=1e-9)  # the end of the range
     few = np.linspace(90.0, 100.0, 9)
-    best = dl.fit(points(dl.law("hertz", PAIR), few, 1e-6, 1), PAIR, laws="rms", free=("roughness", "modulus")).best
-    assert best.parameters["roughness"].open_end == "both"
+    best = dl.fit(points(dl.law("hertz", PAIR), few, 1e-6, 1), PAIR, laws="rms", free=("sigma", "modulus")).best
+    assert best.parameters["sigma"].open_end == "both"
 
 
 @pytest.mark.slow
 def test_ranking_finds_the_law():
     law = dl.law("pohrt-popov", PAIR, "hertz")
-    ranking = dl.fit(points(law, CYCLE, 5e-8, 3), PAIR.with_values(roughness=4e-6, fractal_dimension=2.4))
+    ranking = dl.fit(points(law, CYCLE, 5e-8, 3), PAIR.with_values(sigma=4e-6, fractal_dimension=2.4))
     assert (ranking.best.name, ranking.best.unloading) in {("pohrt-popov", "hertz"), ("rough-plastic", "hertz")}
     pohrt = next(f for f in ranking if (f.name, f.unloading) == ("pohrt-popov", "hertz"))
     assert pohrt.delta < 6.0
@@ -279,11 +279,11 @@ def test_nothing_but_the_zero_is_fitted_where_nothing_is_free():
 
 def test_a_fitted_unloading_branch_is_a_curve_to_unload_along():
     """Points of an unloading branch alone, of a contact that loading has made smoother: fitted, then joined to the law."""
-    law = dl.law("pohrt-popov", PAIR, dl.law("pohrt-popov", PAIR.with_values(roughness=0.2 * PAIR.roughness)))
+    law = dl.law("pohrt-popov", PAIR, dl.law("pohrt-popov", PAIR.with_values(sigma=0.2 * PAIR.sigma)))
     path = dl.driver.force_controlled(law, [50.0, 0.2], 40)
     branch = np.column_stack([path.overlap, path.force])[41:]
-    best = dl.fit(branch, PAIR, laws="pohrt-popov", unloading="elastic", free=["roughness"]).best
-    assert best.law.contact.roughness == pytest.approx(0.2 * PAIR.roughness, rel=1e-4)
+    best = dl.fit(branch, PAIR, laws="pohrt-popov", unloading="elastic", free=["sigma"]).best
+    assert best.law.contact.sigma == pytest.approx(0.2 * PAIR.sigma, rel=1e-4)
     assert best.parameters["zero"].value == pytest.approx(path.plastic_overlap[-1], rel=1e-4)
     again = dl.law("pohrt-popov", PAIR, unloading=best.law).follow(path.overlap)
     np.testing.assert_allclose(again.force, path.force, atol=1e-4 * path.force.max())
@@ -309,7 +309,7 @@ def test_akaikes_criterion_counts_the_scatter(count):
 @pytest.mark.parametrize("name", shared(["thornton-ning", "rough-plastic"], lambda name: name == "thornton-ning"))
 def test_no_yield_is_found_where_there_is_none(name):
     """Hertz to 100 N, yield from 428 N: p_y = 0.98 [0.95, 1.00] GPa; 17 of 40 intervals were closed above and wrong."""
-    smooth = PAIR.with_values(roughness=0.0, fractal_dimension=None, hardness=None)
+    smooth = PAIR.with_values(sigma=0.0, fractal_dimension=None, hardness=None)
     law = dl.law("hertz", smooth) if name == "thornton-ning" else dl.law("pohrt-popov", PAIR, "hertz")
     rule, held = ("thornton", 0) if name == "thornton-ning" else ("hertz", 0)
     for seed in range(8):
@@ -340,9 +340,9 @@ def test_a_steady_drift_is_fitted_and_named():
     law, held = dl.law("rms", PAIR, "hertz"), 0
     for seed in range(6):
         rows = points(law, CYCLE, 2e-8, seed) + np.outer(np.linspace(0.0, 4e-7, CYCLE.size), [1.0, 0.0])
-        free = ["roughness", "drift", "force_zero"]
-        best = dl.fit(rows, PAIR.with_values(roughness=4e-6), laws="rms", unloading="hertz", free=free).best
-        held += all(best.parameters[n].low <= v <= best.parameters[n].high for n, v in (("roughness", 2.4e-6), ("drift", 4e-7)))
+        free = ["sigma", "drift", "force_zero"]
+        best = dl.fit(rows, PAIR.with_values(sigma=4e-6), laws="rms", unloading="hertz", free=free).best
+        held += all(best.parameters[n].low <= v <= best.parameters[n].high for n, v in (("sigma", 2.4e-6), ("drift", 4e-7)))
     assert held >= 5
     silent = dl.fit(rows, PAIR, laws="rms", unloading="hertz").best
     assert any("may drift" in note for note in silent.notes)

@@ -110,7 +110,7 @@ def test_advice_is_within_the_tolerance_and_the_rate():
         assert all(o.steps >= advice.steps * (1.0 - 1e-9) for o in others if o.error <= tolerance)
     assert advice.factor > 1.0
     one, other = advice.scene.contacts(2e-3)[0], dl.soften(PACKING.contacts(2e-3)[0], advice.factor)
-    assert one.modulus == pytest.approx(other.modulus) and one.roughness == pytest.approx(other.roughness)
+    assert one.modulus == pytest.approx(other.modulus) and one.sigma == pytest.approx(other.sigma)
     slow = modulus.advise(scene_of(study.Run("yade", "cycles"), tolerance=0.6, rate=0.1))
     assert slow.rate <= 0.1 * (1.0 + 1e-9) < advice.rate
     assert modulus.advise(scene_of(study.Run("yade", "cycles"), tolerance=1e-6)) is None

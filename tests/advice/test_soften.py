@@ -63,7 +63,7 @@ def test_first_loading_is_stretched(name):
         )
         np.testing.assert_allclose(quiet(softened.energy, delta * stretch), quiet(law.energy, delta) * stretch, rtol=10 * rtol)
         force = quiet(law.force, delta)
-        found, seat = quiet(softened.overlap, force), rtol * softened.contact.roughness  # a small overlap is a difference
+        found, seat = quiet(softened.overlap, force), rtol * softened.contact.sigma  # a small overlap is a difference
         np.testing.assert_allclose(found, quiet(law.overlap, force) * stretch, rtol=10 * rtol, atol=seat)
         back = dl.soften(softened, 1.0 / factor)
         np.testing.assert_allclose(quiet(back.force, delta), force, rtol=10 * rtol)
@@ -149,7 +149,7 @@ def test_a_softened_scene_has_the_same_forces():
     )
     softened = dl.soften(scene, EXACT)
     one, other = scene.contacts(2e-3)[0], softened.contacts(2e-3)[0]
-    assert other.modulus == one.modulus / 8 and other.roughness == pytest.approx(4 * one.roughness)
+    assert other.modulus == one.modulus / 8 and other.sigma == pytest.approx(4 * one.sigma)
     assert softened.force_range(other) == scene.force_range(one)
     assert softened.yield_pressure == pytest.approx(scene.yield_pressure / 4)
     assert np.tan(softened.reference_options["slope"]) == pytest.approx(2.0 * np.tan(0.035))

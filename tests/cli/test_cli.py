@@ -30,7 +30,7 @@ def commands():
     return choices
 
 
-CONTACT = ["--effective-radius", "4e-3", "--modulus", "3e10", "--combined-roughness", "2e-6", "--fractal-dimension", "2.2"]
+CONTACT = ["--effective-radius", "4e-3", "--modulus", "3e10", "--sigma", "2e-6", "--fractal-dimension", "2.2"]
 
 
 def test_curve(tmp_path, capsys):
@@ -48,7 +48,7 @@ def test_soften(capsys):
     options = ["--law", "rough-plastic", "--option", "yield_pressure=1.6GPa", *CONTACT]
     assert main(["soften", "--factor", "8", *options]) == 0
     said = capsys.readouterr().out
-    rows = ("radius [mm]", 4, 4), ("modulus [GPa]", 30, 3.75), ("roughness [µm]", 2, 8), ("yield_pressure [GPa]", 1.6, 0.4)
+    rows = ("radius [mm]", 4, 4), ("modulus [GPa]", 30, 3.75), ("sigma [µm]", 2, 8), ("yield_pressure [GPa]", 1.6, 0.4)
     for name, before, after in rows:
         line = next(line for line in said.splitlines() if line.startswith(name))
         assert [float(v) for v in line.split()[-2:]] == pytest.approx([before, after])
@@ -96,7 +96,7 @@ def test_granite(tmp_path, capsys):
     assert not [name for name in names if name.startswith(".")]  # no temporary file left
 
 
-FC5 = "--effective-radius 0.33mm --young 60.6e9 --poisson 0.25 --hardness 6.266e9 --combined-roughness 5.04um"
+FC5 = "--effective-radius 0.33mm --young 60.6e9 --poisson 0.25 --hardness 6.266e9 --sigma 5.04um"
 ALUMINIUM = "--radius 3.175mm inf --hardness 0.24e9 --young 430e9 75.2e9 --poisson 0.17 0.34"
 REFUSED = [line for line in (Path(__file__).parents[1] / "data" / "refused.txt").read_text().splitlines() if line[0] != "#"]
 
@@ -120,8 +120,8 @@ def test_the_laws_are_listed(capsys):
 
 def test_quantities_have_units(capsys):
     for contact, overlaps in (
-        (["--effective-radius", "4mm", "--modulus", "30GPa", "--combined-roughness", "2.4um"], ["1um", "0.2um"]),
-        (["--effective-radius", "4e-3", "--modulus", "3e10", "--combined-roughness", "2.4e-6"], ["1e-6", "2e-7"]),
+        (["--effective-radius", "4mm", "--modulus", "30GPa", "--sigma", "2.4um"], ["1um", "0.2um"]),
+        (["--effective-radius", "4e-3", "--modulus", "3e10", "--sigma", "2.4e-6"], ["1e-6", "2e-7"]),
     ):
         assert main(["curve", "--law", "rms", *contact, "--overlaps", *overlaps, "--steps", "3"]) == 0
     out = capsys.readouterr().out

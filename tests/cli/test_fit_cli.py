@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 import sys
 import warnings
 
@@ -16,7 +17,7 @@ from demlaws.cli.fit import shown
 from demlaws.errors import NeedsClasses
 
 PAIR = dl.Contact(4.35e-3, 32.32e9, 2.4e-6, 2.22, 6.266e9)
-CONTACT = ["--effective-radius", "4.35mm", "--modulus", "32.32GPa", "--combined-roughness", "2.4um"]
+CONTACT = ["--effective-radius", "4.35mm", "--modulus", "32.32GPa", "--sigma", "2.4um"]
 ECHO = "contact: R = 4.35 mm, E* = 32.32 GPa, σ = 2.4 µm"
 
 
@@ -137,3 +138,35 @@ def test_choose_writes_no_table_that_cannot_serve(tmp_path, capsys):
         best.tables()
     (tmp_path / "one.toml").write_text(SCENE.replace("[2e-3, 8e-3]", "8e-3"))
     assert main(["choose", str(tmp_path / "one.toml"), "--out", str(table)]) == 0 and table.exists()
+
+
+@pytest.mark.parametrize("given", [[], ["--roughness", "1um"], ["--roughness", "1um", "0.5um"], ["--sigma", "1um"]])
+def test_the_roughness_that_a_fit_prints_gives_its_law_again(given, tmp_path, capsys):
+    """The σ of the pair that it printed as roughness, copied to --roughness, was another law: √2 times as rough."""
+    law = dl.law("rms", PAIR)
+    force = np.geomspace(1.0, 100.0, 30)
+    points = tmp_path / "points.csv"
+    rows = "".join(f"{1e6 * x:.8g},{p:.8g}\n" for x, p in zip(law.overlap(force), force, strict=True))
+    points.write_text("displacement (um),force (N)\n" + rows, encoding="utf-8")
+    command = ["fit", str(points), *CONTACT[:4], *given, "--law", "rms", "--free", "sigma"]
+    assert main([*command, "--json"]) == 0
+    (found,) = json.loads(capsys.readouterr().out)["laws"]
+    sq = found["roughness"]
+    assert np.hypot(*sq) == pytest.approx(found["parameters"]["sigma"]["value"], rel=1e-12)
+    assert sq[1] == (0.5e-6 if given[2:] else sq[0])
+    assert main(command) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    copied = [f"{word}um" for word in re.findall(r"([\d.]+) µm of", printed)]
+    assert "sigma 2.4" in printed and len(copied) == len(set(sq))
+    forces = []
+    for surface in (["--roughness", *map(repr, sq)], ["--roughness", *copied], ["--sigma", "2.4um"]):
+        assert main(["curve", "--law", "rms", *CONTACT[:4], *surface, "--overlaps", "2e-6", "--steps", "1", "--json"]) == 0
+        forces.append(json.loads(capsys.readouterr().out)["force"][-1])
+    assert forces == pytest.approx([law.force(2e-6)] * 3, rel=1e-4)
+
+
+def test_a_fit_by_the_former_name_of_sigma(file):
+    points = np.loadtxt(file, skiprows=1)[:40] * (1e-9, 1e-6)
+    with pytest.warns(FutureWarning, match="of the pair"):
+        best = dl.fit(points, PAIR, laws="rms", free=["roughness"]).best
+    assert next(iter(best.parameters)) == "sigma"

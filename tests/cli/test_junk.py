@@ -24,7 +24,7 @@ BASE = {
     "granite": ["--test", "SS(18-18)", "--law", "hertz"],
     "curve": ["--law", "hertz", *CONTACT, "--overlaps", "1e-6", "--steps", "2"],
     "table": ["--law", "hertz", *CONTACT, "--rtol", "1e-2", "--out", "t.tbl"],
-    "regime": [*CONTACT[:2], *CONTACT[-2:], "--young", "6e10", "--poisson", "0.2", "--combined-roughness", "1e-6"],
+    "regime": [*CONTACT[:2], *CONTACT[-2:], "--young", "6e10", "--poisson", "0.2", "--sigma", "1e-6"],
     "surface": ["map.npy", "--pixel", "1um"],
     "fit": ["points.csv", *CONTACT, "--law", "hertz"],
     "choose": ["scene.toml"],

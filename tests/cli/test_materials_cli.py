@@ -84,4 +84,4 @@ def test_a_case_of_materials_by_name(engine, tmp_path):
 def test_the_flat_side_of_a_material(capsys):
     assert main(["regime", "--radius", "8mm", "flat", "--material", "granite", "--json"]) == 0
     contact = json.loads(capsys.readouterr().out)["contact"]
-    assert contact["radius"] == 8e-3 and contact["roughness"] == pytest.approx(math.sqrt(2) * 1.7e-6)
+    assert contact["radius"] == 8e-3 and contact["sigma"] == pytest.approx(math.sqrt(2) * 1.7e-6)

@@ -17,16 +17,16 @@ def map_file(tmp_path):
 
 def test_regime_of_one_contact(capsys, tmp_path):
     figure = tmp_path / "regime.png"
-    arguments = ["regime", *ALUMINIUM, "--combined-roughness", "1.3um", "--load", "0.2", "--figure", str(figure)]
+    arguments = ["regime", *ALUMINIUM, "--sigma", "1.3um", "--load", "0.2", "--figure", str(figure)]
     assert cli.main(arguments) == 0
     text = capsys.readouterr().out
     assert "0.159" in text and "1.373 N" in text and "asperity         applies" in text
     assert figure.stat().st_size > 10000
-    assert cli.main(["regime", *ALUMINIUM, "--combined-roughness", "1.3um"]) == 0
+    assert cli.main(["regime", *ALUMINIUM, "--sigma", "1.3um"]) == 0
     assert "bulk yields" in capsys.readouterr().out
 
 
-FC5 = "--effective-radius 0.33mm --young 60.6e9 --poisson 0.25 --hardness 6.266e9 --combined-roughness 5.04um".split()  # noqa: SIM905
+FC5 = "--effective-radius 0.33mm --young 60.6e9 --poisson 0.25 --hardness 6.266e9 --sigma 5.04um".split()  # noqa: SIM905
 
 
 def test_a_measured_yield_decides_the_regime(capsys):

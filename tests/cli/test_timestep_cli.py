@@ -37,7 +37,7 @@ def test_limit_of_a_lattice(tmp_path, capsys, engine):
     assert values["recommended step"] == pytest.approx(0.8 * limit, rel=1e-3)
     rayleigh = math.pi * RADIUS * math.sqrt(2680 * 2.5 / 60.6e9) / (0.1631 * 0.25 + 0.8766)
     assert values["Rayleigh step"] == pytest.approx(rayleigh, rel=1e-3)
-    surface = ["--law", "pohrt-popov", "--combined-roughness", "2.4um", "--fractal-dimension", "2.2", *GRANITE[2:]]
+    surface = ["--law", "pohrt-popov", "--sigma", "2.4um", "--fractal-dimension", "2.2", *GRANITE[2:]]
     exact = []
     for rule in ("elastic", "hertz"):
         assert main(["timestep", *files, *surface, "--unloading", rule]) == 0

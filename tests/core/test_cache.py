@@ -125,7 +125,7 @@ def test_processes_that_compile_the_same_loops_at_once(tmp_path):
     each finds its own."""
     code = counted("""
         import demlaws as dl
-        law = dl.law("NAME", dl.Contact(radius=1e-2, modulus=1e10, roughness=1e-6, fractal_dimension=2.2))
+        law = dl.law("NAME", dl.Contact(radius=1e-2, modulus=1e10, sigma=1e-6, fractal_dimension=2.2))
         print(repr(law.stiffness(1e-6)), repr(law.force(1e-6)), len(Count.compiled))
     """)
     names = ["hertz", "rms", "hertz"]

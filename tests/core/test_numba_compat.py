@@ -37,7 +37,7 @@ STEPPED = """
     import numpy as np
     from examples import GRANITE, make
     import demlaws as dl
-    path = GRANITE.roughness * np.array([0.5, 2.0, 1.0, -0.1, 3.0])
+    path = GRANITE.sigma * np.array([0.5, 2.0, 1.0, -0.1, 3.0])
     for law in (*[make(*pair) for pair in PAIRS], make("pohrt-popov", "hertz").tabulate(1e-3)):
         response = law.follow(path)
         print(*response.force, *response.stiffness, *response.stored, *law.overlap([1.0, 10.0]), law.force(1e-6))
@@ -74,7 +74,7 @@ def test_a_kernel_is_a_python_function_too():
     law = make("pohrt-popov", "hertz")
     from demlaws.core.dispatch import step
 
-    overlap = 2.0 * law.contact.roughness
+    overlap = 2.0 * law.contact.sigma
     force, stiffness, state = step(law.rule_tag, law.shape, law.params, overlap, (0.0, 0.0))
     path = law.follow([overlap])
     assert (force, stiffness) == pytest.approx((path.force[0], path.stiffness[0]), rel=1e-12)

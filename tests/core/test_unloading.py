@@ -39,7 +39,7 @@ TURNS = st.lists(st.one_of(st.floats(1e-6, 1e-2), st.floats(1e-2, 30.0), st.just
 def test_no_closed_path_returns_work(name, unloading, turns):
     """∮P dδ of the forces alone, from a virgin contact and back to no overlap; and each time the path comes by 0."""
     law = make(name, unloading)
-    corners = [*(GRANITE.roughness * np.array(turns)), 0.0]
+    corners = [*(GRANITE.sigma * np.array(turns)), 0.0]
     work = work_along(law, corners)
     path = quiet(law.follow, np.array(corners))
     # 1e-8: Gauss's rule in steps over the cells of a table; every other law is integrated to 1e-10
@@ -64,7 +64,7 @@ def test_no_closed_path_returns_work(name, unloading, turns):
 def test_cycles_below_the_maximum_are_closed(name, unloading, turns, first):
     """Below δmax the contact is elastic: one force an overlap, however it was reached, and no work for a cycle."""
     law = make(name, unloading)
-    maximum = first * GRANITE.roughness
+    maximum = first * GRANITE.sigma
     path = law.follow(np.array([maximum, *(maximum * np.array(turns)), maximum * turns[0], maximum]))
     assert path.force[-2] == path.force[1]
     assert path.work[-2] == pytest.approx(path.work[1], rel=1e-12, abs=1e-14 * path.work[0])
@@ -78,7 +78,7 @@ def test_cycles_below_the_maximum_are_closed(name, unloading, turns, first):
 def test_refining_a_path_changes_nothing(name, unloading, turns, pieces):
     """Bit for bit, at the points that the paths share."""
     law = make(name, unloading)
-    corners = np.array([0.0, *(GRANITE.roughness * np.array(turns))])
+    corners = np.array([0.0, *(GRANITE.sigma * np.array(turns))])
     fine = [np.linspace(a, b, pieces + 1)[1:] for a, b in itertools.pairwise(corners)]
     for branch, corner in zip(fine, corners[1:], strict=True):
         branch[-1] = corner
@@ -94,7 +94,7 @@ def test_refining_a_path_changes_nothing(name, unloading, turns, pieces):
 def test_unloading_curve_and_reload(name, unloading):
     """P = (4/3) E* √R_p (δ - δp)^1.5 or the given curve of δ - δp, through (δmax, Pmax); no force below δp; reload likewise."""
     law = make(name, unloading)
-    for maximum in GRANITE.roughness * np.array([0.1, 1.0, 8.0]):
+    for maximum in GRANITE.sigma * np.array([0.1, 1.0, 8.0]):
         force, stiffness = law.force(maximum), law.stiffness(maximum)
         state = law.new_state(1)
         law.follow([maximum], state)
@@ -137,7 +137,7 @@ def test_unloading_curve_and_reload(name, unloading):
 @pytest.mark.parametrize(("name", "unloading"), list(filter(telling, WITH_HISTORY)))
 def test_unloading_overlap_is_the_inverse(name, unloading):
     law = make(name, unloading)
-    maximum = 2.0 * GRANITE.roughness
+    maximum = 2.0 * GRANITE.sigma
     state = law.new_state(1)
     law.follow([maximum], state)
     forces = law.force(maximum) * np.array([0.999, 0.5, 0.1, 1e-3])
@@ -150,7 +150,7 @@ def test_unloading_overlap_is_the_inverse(name, unloading):
 @pytest.mark.parametrize("parted", [0.0, -1e-9])
 def test_a_contact_that_parted_is_virgin(name, unloading, parted):
     law = make(name, unloading)
-    overlap = GRANITE.roughness * np.array([0.5, 0.2, 3.0])
+    overlap = GRANITE.sigma * np.array([0.5, 0.2, 3.0])
     state = law.new_state(1)
     path = law.follow([1e-5, 8e-6, parted], state)
     assert path.force[-1] == path.stiffness[-1] == 0.0
@@ -188,7 +188,7 @@ def test_a_refused_law_would_return_work(name):
     plastic = [o - (law.force(o) / coefficient) ** (2 / 3) for o in (low, high)]
     assert plastic[1] < plastic[0]
     with pytest.raises(NotPassive):  # one of several
-        dl.law(name, GRANITE.with_values(roughness=np.array([1e-9, 2.4e-6, 1e-6])), unloading="hertz", **options_of(name))
+        dl.law(name, GRANITE.with_values(sigma=np.array([1e-9, 2.4e-6, 1e-6])), unloading="hertz", **options_of(name))
 
 
 # --- rule "table": a given curve
@@ -200,7 +200,7 @@ def test_hertz_as_the_curve_is_the_rule_hertz(turns):
     """Bit for bit; energies to rounding."""
     given_curve, rule = make("pohrt-popov").joined(dl.law("hertz", GRANITE)), make("pohrt-popov", "hertz")
     assert (given_curve.unloading, given_curve.state_names) == ("table", rule.state_names)
-    path = GRANITE.roughness * np.array(turns)
+    path = GRANITE.sigma * np.array(turns)
     a, b = quiet(given_curve.follow, path), quiet(rule.follow, path)
     for quantity in ("force", "stiffness", "maximum_overlap", "plastic_overlap"):
         np.testing.assert_array_equal(getattr(a, quantity), getattr(b, quantity), err_msg=quantity)
@@ -217,7 +217,7 @@ def test_hertz_as_the_curve_is_the_rule_hertz(turns):
         3.0,
         "nowhere.tbl",
         lambda: make("pohrt-popov", "hertz"),
-        lambda: dl.law("rms", GRANITE.with_values(roughness=4 * GRANITE.roughness)),
+        lambda: dl.law("rms", GRANITE.with_values(sigma=4 * GRANITE.sigma)),
         lambda: dl.law("hertz", GRANITE.with_values(radius=np.array([1e-3, 2e-3]))),
     ],
 )

@@ -56,7 +56,7 @@ def test_good_tables_are_read_alike(name, reader):
     table = dl.Table.load(path)
     contact, length = table.contact, float(np.ravel(table.length)[0])
     overlap = overlaps_of(table) * length
-    opening = f"table {path} {contact.modulus!r} {contact.radius!r} {contact.roughness!r}"
+    opening = f"table {path} {contact.modulus!r} {contact.radius!r} {contact.sigma!r}"
     asked = [f"overlap {float(x * step)!r}" for x in overlap for step in STEPS]
     asked = [line for n in range(overlap.size) for line in ("virgin", *asked[3 * n : 3 * n + 3])]
     first, *answers = reader(opening, *asked)
@@ -87,7 +87,7 @@ def test_beyond_the_last_row_there_is_no_value(name, reader):
     table = dl.Table.load(path)
     contact = table.contact
     beyond = float(table.largest_overlap) * (1.0 + 1e-9)
-    answer = reader(f"table {path} {contact.modulus!r} {contact.radius!r} {contact.roughness!r}", f"overlap {beyond!r}")[1]
+    answer = reader(f"table {path} {contact.modulus!r} {contact.radius!r} {contact.sigma!r}", f"overlap {beyond!r}")[1]
     assert answer.split()[-1] == "1"
     with pytest.raises(dl.DemlawsError, match="beyond the table"):
         table.force(beyond)
@@ -187,7 +187,7 @@ def test_a_curve_of_one_contact_is_not_lent(reader):
     modulus, radius = one.modulus, one.radius
     contacts = ((modulus, radius, 0.0), (modulus, 1.02 * radius, 0.0), (1.01 * modulus, radius, 0.0), (modulus, radius, 1e-6))
     asked = [f"contact {' '.join(map(repr, contact))}" for contact in contacts]
-    opening = f"{modulus!r} {radius!r} {one.roughness!r}"
+    opening = f"{modulus!r} {radius!r} {one.sigma!r}"
     told = reader(f"table {TABLES / 'good' / 'greenwood-tripp-elastic.tbl'} {opening}", *asked)[1:]
     assert told[:2] == ["served 1", "served 0"]
     assert "does not collapse" in told[2] and "effective modulus" in told[2] and "make a table of this pair" in told[2]
@@ -209,7 +209,7 @@ def test_shear_stiffnesses_are_those_of_python(name, reader):
     contact = table.contact
     largest = table.nodes.u[-1] * table.length
     overlaps = np.array([0.1, 0.3, 0.3 * (1 - 1e-9), 0.29, 0.2, 0.299, 0.5, 0.4]) * min(largest, 0.1 * contact.radius)
-    lines = [f"table {path} {float(contact.modulus)!r} {float(contact.radius)!r} {float(contact.roughness)!r}"]
+    lines = [f"table {path} {float(contact.modulus)!r} {float(contact.radius)!r} {float(contact.sigma)!r}"]
     _, *answers = reader(*lines, *(f"shear {float(overlap)!r}" for overlap in overlaps))
     found = np.array([[float(value) for value in line.split()] for line in answers])
     for n, choice in enumerate(CHOICES):

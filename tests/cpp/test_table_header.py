@@ -25,7 +25,7 @@ def example(tmp_path_factory):
 
     def run(table, contact, overlaps):
         text = "\n".join(f"{value:.17g} 0 0" for value in overlaps)
-        arguments = [str(v) for v in (table, contact.modulus, contact.radius, contact.roughness, 0.857, 0.5)]
+        arguments = [str(v) for v in (table, contact.modulus, contact.radius, contact.sigma, 0.857, 0.5)]
         return subprocess.run([str(program), *arguments], input=text, capture_output=True, text=True)
 
     return run
@@ -45,13 +45,13 @@ def follow(tmp_path_factory):
 
 
 @pytest.mark.parametrize(
-    ("change", "named"), [({"modulus": 32.0}, "32 Pa"), ({"roughness": -2e-6}, "-2e-06 m"), ({"roughness": 2.4}, "2.4 m")]
+    ("change", "named"), [({"modulus": 32.0}, "32 Pa"), ({"sigma": -2e-6}, "-2e-06 m"), ({"sigma": 2.4}, "2.4 m")]
 )
 def test_quantities_in_other_units_are_refused_with_their_value(example, tmp_path, change, named):
     """They were used: a force of 1e-9 of the contact's, or that of a contact of the table's own roughness."""
     law = dl.law("pohrt-popov", GRANITE)
     law.tabulate().save(tmp_path / "law.tbl")
-    values = {"modulus": GRANITE.modulus, "radius": GRANITE.radius, "roughness": GRANITE.roughness} | change
+    values = {"modulus": GRANITE.modulus, "radius": GRANITE.radius, "sigma": GRANITE.sigma} | change
     done = example(tmp_path / "law.tbl", types.SimpleNamespace(**values), [1e-6])
     assert done.returncode == 1 and named in done.stderr and not done.stdout
 
@@ -68,7 +68,7 @@ def test_no_compiler_warns(standard):
 def test_one_table_serves_every_radius_and_roughness(example, tmp_path):
     """Loaded, unloaded, reloaded beyond, separated, loaded; every rule: test_golden_tables.py."""
     dl.law("pohrt-popov", GRANITE, unloading="hertz").tabulate(rtol=1e-8).save(tmp_path / "law.tbl")
-    other = GRANITE.with_values(radius=1e-3, modulus=70e9, roughness=1.1e-6)
+    other = GRANITE.with_values(radius=1e-3, modulus=70e9, sigma=1.1e-6)
     law = dl.law("pohrt-popov", other, unloading="hertz")
     turns = np.array([0.0, 0.6, 0.45, 1.0, 0.7, 0.9, -0.1, 0.5]) * law.overlap(3.0)
     overlaps = np.concatenate([np.linspace(a, b, 60) for a, b in pairwise(turns)])

@@ -108,8 +108,8 @@ def test_a_table_of_one_contact_serves_no_other_unless_told(tmp_path):
             one.bound_to(other)
     told = dl.Table.from_function(power, CONTACT, scales_with="radius").bound_to(other)
     assert told.force(2e-6) == pytest.approx(4 * power(1e-6), rel=1e-5)  # P/(E* R²) of δ/R
-    rough = dl.Contact(radius=4e-3, modulus=3e10, roughness=1e-6)
-    told = dl.Table.from_function(power, rough, scales_with="roughness").bound_to(rough.with_values(roughness=4e-6))
+    rough = dl.Contact(radius=4e-3, modulus=3e10, sigma=1e-6)
+    told = dl.Table.from_function(power, rough, scales_with="roughness").bound_to(rough.with_values(sigma=4e-6))
     assert told.force(4e-6) == pytest.approx(8 * power(1e-6), rel=1e-5)  # P/(E* √R σ^1.5) of δ/σ
     slow = dl.Table.from_function(lambda d: 2e9 * d**1.5 / (1 + (d / 1e-5) ** 0.5), rough, scales_with="roughness")
     assert slow.stiffness_error <= 1e-5  # its power law begins far below the overlaps at which forces are checked
@@ -213,7 +213,7 @@ def test_six_points_are_a_curve_whatever_their_order():
 
 
 def whole_test():
-    rough = CONTACT.with_values(roughness=2e-6, fractal_dimension=2.2)
+    rough = CONTACT.with_values(sigma=2e-6, fractal_dimension=2.2)
     law = dl.law("rough-plastic", rough, "hertz", yield_pressure=1.2e9)
     path = law.follow(np.concatenate([np.linspace(1e-7, 2e-5, 100), np.linspace(2e-5, 8e-6, 100)[1:]]))
     return np.column_stack([path.overlap, path.force])[: np.flatnonzero(path.force)[-1] + 1]

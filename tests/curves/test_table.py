@@ -70,7 +70,7 @@ def test_certificate_holds_at_other_points(name, contact, rtol, rng):
 def test_below_the_first_node_a_power_law_holds(name, rng):
     table, law = table_of(name), make(name)
     overlap = table.nodes.u[0] * table.length * 10.0 ** rng.uniform(-6, 0, 500)
-    overlap = overlap[overlap > 1e-10 * GRANITE.roughness]
+    overlap = overlap[overlap > 1e-10 * GRANITE.sigma]
     np.testing.assert_allclose(table.force(overlap), law.force(overlap), rtol=2e-5)
     np.testing.assert_allclose(table.stiffness(overlap), law.stiffness(overlap), rtol=2e-5)
 
@@ -95,14 +95,14 @@ def test_tolerance_sets_the_size(name):
 def test_a_table_does_what_its_law_does(name, unloading, rng):
     table, law = table_of(name, unloading), make(name, unloading)
     assert isinstance(table, dl.Law)
-    overlap = GRANITE.roughness * np.array([0.1, 1.0, 0.9, 5.0, 4.5, 4.0, 4.7, 6.0, -1.0, 2.0])
+    overlap = GRANITE.sigma * np.array([0.1, 1.0, 0.9, 5.0, 4.5, 4.0, 4.7, 6.0, -1.0, 2.0])
     a, b = table.follow(overlap), law.follow(overlap)
     scale = b.force.max()
     if unloading != "thornton":  # its unloading curve needs the contact radius, which a table gives only before yield
         np.testing.assert_allclose(a.force, b.force, rtol=2e-3, atol=3e-5 * scale)
         np.testing.assert_allclose(a.plastic_overlap, b.plastic_overlap, atol=2e-5 * overlap.max())
         np.testing.assert_allclose(a.work, b.work, rtol=3e-5, atol=1e-9 * b.work.max())
-    force = law.force(GRANITE.roughness) * np.geomspace(0.1, 50.0, 40)
+    force = law.force(GRANITE.sigma) * np.geomspace(0.1, 50.0, 40)
     np.testing.assert_allclose(table.overlap(force), law.overlap(force), rtol=2e-5)
     np.testing.assert_allclose(table.overlap(table.force(np.abs(overlap))), np.abs(overlap), rtol=1e-12)
     np.testing.assert_allclose(table.energy(overlap), law.energy(overlap), rtol=2e-5)
@@ -117,7 +117,7 @@ def test_a_table_does_what_its_law_does(name, unloading, rng):
 def test_table_of_a_yielded_contact_unloads_by_thornton_as_its_law():
     law = dl.law("rough-plastic", GRANITE, unloading="thornton", yield_pressure=0.5e9, loading="hertz")
     table = law.tabulate(rtol=1e-5)
-    path = GRANITE.roughness * np.array([4.0, 3.9, 3.7, 6.0, 5.8, 5.7])
+    path = GRANITE.sigma * np.array([4.0, 3.9, 3.7, 6.0, 5.8, 5.7])
     a, b = table.follow(path), law.follow(path)
     np.testing.assert_allclose(a.force, b.force, rtol=1e-3)
     np.testing.assert_allclose(a.plastic_overlap, b.plastic_overlap, rtol=1e-3)
@@ -131,7 +131,7 @@ def test_energy_of_a_table_is_the_integral_of_its_own_force():
         edges = np.append(0.0, edges[edges <= end_of(table)])
         half = 0.5 * np.diff(edges)
         work = np.cumsum(half * (table.force(edges[:-1, None] + half[:, None] * (1 + x)) @ weights))
-        chosen = edges[1:] > 1e-4 * GRANITE.roughness
+        chosen = edges[1:] > 1e-4 * GRANITE.sigma
         # below the first node the energy is the power law's, the force that of the cells that stand for it (4e-8 of it)
         np.testing.assert_allclose(table.energy(edges[1:])[chosen], work[chosen], rtol=1e-7)
         well_above = edges[1:] > 1e3 * table.nodes.u[0] * table.length
@@ -163,7 +163,7 @@ def test_bound_to_another_contact(name, rng):
     overlap = np.exp(rng.uniform(np.log(1e-12), np.log(min(0.9 * bound.largest_overlap, 0.1 * SMOOTHER.radius)), 3000))
     np.testing.assert_allclose(bound.force(overlap), other.force(overlap), rtol=1.2e-5)
     np.testing.assert_allclose(bound.stiffness(overlap), other.stiffness(overlap), rtol=1.2e-5)
-    many = GRANITE.with_values(radius=np.array([2e-3, 4e-3]), modulus=np.array([1e10, 3e10]), roughness=np.array([1e-6, 3e-6]))
+    many = GRANITE.with_values(radius=np.array([2e-3, 4e-3]), modulus=np.array([1e10, 3e10]), sigma=np.array([1e-6, 3e-6]))
     law = dl.law(name, many, **options_of(name))
     for several in (table.bound_to(many), law.tabulate(rtol=1e-5)):
         here = np.array([2e-6, 9e-6])
@@ -189,7 +189,7 @@ def test_a_surface_of_another_form_is_refused():
     assert table.bound_to(GRANITE.with_values(fractal_dimension=2.6), surface_matters=False).contact == GRANITE
     assert table_of("rms").bound_to(GRANITE.with_values(fractal_dimension=2.6)).force(1e-6) == table_of("rms").force(1e-6)
     with pytest.raises(dl.DemlawsError):
-        table_of("rms").bound_to(GRANITE.with_values(roughness=0.0))
+        table_of("rms").bound_to(GRANITE.with_values(sigma=0.0))
 
 
 # --- files
@@ -227,7 +227,7 @@ def test_a_table_is_given_a_curve_and_other_rules():
     table = table_of("pohrt-popov")
     joined = table.joined(make("pohrt-popov", "table").unloading_law)
     np.testing.assert_array_equal(joined.nodes, table.nodes)
-    path = GRANITE.roughness * np.array([1.0, 0.9, 5.0, 4.7])
+    path = GRANITE.sigma * np.array([1.0, 0.9, 5.0, 4.7])
     expected = table_of("pohrt-popov", "table").follow(path)
     np.testing.assert_array_equal(joined.follow(path).force, expected.force)
     np.testing.assert_array_equal(
@@ -237,7 +237,7 @@ def test_a_table_is_given_a_curve_and_other_rules():
     bound = joined.bound_to(SMOOTHER_ALIKE)
     curve = bound.unloading_law
     state = bound.new_state(1)
-    path = bound.follow(SMOOTHER.roughness * np.array([3.0, 2.8]), state)
+    path = bound.follow(SMOOTHER.sigma * np.array([3.0, 2.8]), state)
     assert path.force[1] == pytest.approx(curve.force(path.overlap[1] - path.plastic_overlap[1]), rel=1e-12)
 
 
@@ -345,20 +345,20 @@ def made_up_law(contact, exponent=1.5, kinks=()):
     places = (*map(float, kinks), math.inf)
 
     def force(p, overlap):
-        u = overlap / p.roughness
+        u = overlap / p.sigma
         f = u**exponent
         for kink in places:
             f += 0.3 * max(u - kink, 0.0)
-        return p.hertz_coefficient * p.roughness**1.5 * f
+        return p.hertz_coefficient * p.sigma**1.5 * f
 
     def stiffness(p, overlap):
-        u = overlap / p.roughness
+        u = overlap / p.sigma
         k = exponent * u ** (exponent - 1.0)
         for kink in places:
             k += 0.3 if u >= kink else 0.0
-        return p.hertz_coefficient * p.roughness**0.5 * k
+        return p.hertz_coefficient * p.sigma**0.5 * k
 
-    facts = {"length": "roughness", "collapses": True, "kinks": lambda p, **_: [kink * contact.roughness for kink in kinks]}
+    facts = {"length": "roughness", "collapses": True, "kinks": lambda p, **_: [kink * contact.sigma for kink in kinks]}
     return dl.Law(contact, ClosedForm(dl.define("made-up", force, stiffness, **facts), contact, {}))
 
 

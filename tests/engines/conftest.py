@@ -84,7 +84,7 @@ def omega():
 @pytest.fixture(scope="session")
 def granite_pair():
     """Two granite spheres of 17.4 mm."""
-    return dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22, hardness=6.266e9)
+    return dl.Contact(radius=4.35e-3, modulus=32.32e9, sigma=2.40e-6, fractal_dimension=2.22, hardness=6.266e9)
 
 
 @pytest.fixture

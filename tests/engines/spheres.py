@@ -13,7 +13,7 @@ from studies.shear.gas import scene
 ENGINES = ("liggghts", "lammps")
 both = pytest.mark.parametrize("engine", ENGINES)
 DIAMETER, STEP = 17.4e-3, 5e-8
-ROUGH = dl.Contact(radius=4.35e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22)
+ROUGH = dl.Contact(radius=4.35e-3, modulus=modulus(), sigma=2.4e-6, fractal_dimension=2.22)
 LAWS = {
     "hertz elastic": ("hertz", "elastic"),
     "rough elastic": ("pohrt-popov", "elastic"),

@@ -10,7 +10,7 @@ from spheres import both, save_law, spheres
 import demlaws as dl
 from demlaws.errors import EngineStopped
 
-CONTACT = dl.Contact(radius=4e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22)
+CONTACT = dl.Contact(radius=4e-3, modulus=modulus(), sigma=2.4e-6, fractal_dimension=2.22)
 # three spheres of 8 mm in a row along x that overlap, the second one with a wall
 ROW = """\
 {boundary}

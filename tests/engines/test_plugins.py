@@ -89,7 +89,7 @@ def test_ranks_and_pairs_of_two_ranks(engine, granite_pair, unloading, ranks, ne
 @both
 def test_unequal_spheres_and_roughness_of_types(engine, tmp_path):
     """One table; σ by type: property/global surfaceRoughness, or by LAMMPS's mixing of like pairs with √2 times as much."""
-    dl.law("pohrt-popov", ROUGH.with_values(roughness=1e-6), "hertz").tabulate(1e-8).save(tmp_path / "law.tbl")
+    dl.law("pohrt-popov", ROUGH.with_values(sigma=1e-6), "hertz").tabulate(1e-8).save(tmp_path / "law.tbl")
     text = spheres(engine, "surfaceRoughness on", d1=10e-3, d2=17e-3)
     if engine == "lammps":
         words = "pair_coeff {0} {0} demlaws/table law.tbl 60.6e9 1.0 0.25 roughness {1!r} " + inputs_for_lammps.SHEAR
@@ -146,7 +146,7 @@ def test_a_restart_with_a_table_made_again(engine, tmp_path, law):
     assert table.read_bytes() == first  # on every processor: tests/curves/test_same_bytes.py
     same = simulate(engine, tmp_path, continued(engine, text, moves, **ENERGY))
     np.testing.assert_allclose(same["force"], rest["force"], rtol=0, atol=1e-12 * whole["force"].max())
-    others = {"roughness": 1.001 * contact.roughness, "modulus": 1.001 * contact.modulus, "fractal_dimension": 2.221}
+    others = {"sigma": 1.001 * contact.sigma, "modulus": 1.001 * contact.modulus, "fractal_dimension": 2.221}
     for other in (
         *(dl.law(law.name, contact.with_values(**{name: value}), law.unloading) for name, value in others.items()),
         dl.law(law.name, contact, "thornton"),
@@ -197,7 +197,7 @@ def test_overlaps_that_no_law_holds_for_are_told(engine, tmp_path, ranks):
 @both
 def test_limits_of_the_law_are_those_of_python(engine, tmp_path, granite_pair, name):
     """As many steps as there are forces outside of `law.limits()`, and one warning per limit with its reason."""
-    smooth = {"roughness": 0.0} if name == "hertz" else {}  # of a rough contact it has a second limit
+    smooth = {"sigma": 0.0} if name == "hertz" else {}  # of a rough contact it has a second limit
     law = dl.law(name, granite_pair.with_values(modulus=modulus(), **smooth), unloading="elastic")
     law.tabulate().save(tmp_path / "law.tbl")
     yields = name in ("hertz", "pohrt-popov")

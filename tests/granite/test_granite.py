@@ -16,7 +16,7 @@ def test_pairs_of_the_printed_stones(name):
     """R, σ and Df of the tests are those of both stones, σ to 1.5 of the last printed digit."""
     test, ((r1, s1, d1), (r2, s2, d2)) = granite.find_test(name), granite.STONES[name]
     assert 1.0 / (1.0 / r1 + 1.0 / r2) == pytest.approx(1e3 * test.radius, abs=6e-3)
-    assert np.hypot(s1, s2) == pytest.approx(1e6 * test.roughness, abs=0.015)
+    assert np.hypot(s1, s2) == pytest.approx(1e6 * test.sigma, abs=0.015)
     assert 0.5 * (d1 + d2) == pytest.approx(test.fractal_dimension, abs=1e-9)
 
 

@@ -9,7 +9,7 @@ from demlaws.laws.registry import find
 from demlaws.plugins.grains import Case, Grain
 from demlaws.yade.pairs import LawSource
 
-CONTACT = ["--effective-radius", "4mm", "--modulus", "32GPa", "--combined-roughness", "2um", "--fractal-dimension", "2.2"]
+CONTACT = ["--effective-radius", "4mm", "--modulus", "32GPa", "--sigma", "2um", "--fractal-dimension", "2.2"]
 CONTACT += ["--hardness", "6.266GPa"]
 OWN = {"thornton-ning": "thornton", "conical-damage": "thornton", "jackson-green": "etsion", "kogut-etsion": "etsion"}
 OWN |= {"walton-braun": "linear", "luding": "linear", "eepa": "eepa"}
@@ -17,7 +17,7 @@ OWN |= {"walton-braun": "linear", "luding": "linear", "eepa": "eepa"}
 
 def wanted(law):
     """Hertz's for rough contacts that take it, the law's own, else elastic."""
-    rough = "roughness" in find(law).needed(**options_of(law)) or find(law).needs_map
+    rough = "sigma" in find(law).needed(**options_of(law)) or find(law).needs_map
     if law in OWN or not rough:
         return OWN.get(law, "elastic")
     try:
@@ -48,7 +48,7 @@ def test_the_default_of_options():
 
 def test_a_curve_to_unload_along_needs_no_rule():
     """A law with its default rule, and its table, as with elastic."""
-    worn = dl.law("pohrt-popov", GRANITE.with_values(roughness=1e-6))
+    worn = dl.law("pohrt-popov", GRANITE.with_values(sigma=1e-6))
     law = dl.law("pohrt-popov", GRANITE, worn)
     assert law.unloading == "table" and law == dl.law("pohrt-popov", GRANITE, worn.joined("elastic"))
     with pytest.raises(dl.DemlawsError):

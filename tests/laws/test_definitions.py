@@ -60,7 +60,7 @@ def test_warnings_begin_where_their_reasons_state():
     for limit in find("rms").limits(rough):
         assert f"α > {rough.roughness_parameter(limit.minimum_force):.6g}:" in limit.reason
     (first,) = (limit for limit in find("bahrami").limits(GRANITE) if limit.minimum_force > 0.0)
-    kappa = GRANITE.hardness / GRANITE.modulus * math.sqrt(GRANITE.radius / GRANITE.roughness)
+    kappa = GRANITE.hardness / GRANITE.modulus * math.sqrt(GRANITE.radius / GRANITE.sigma)
     alpha = GRANITE.roughness_parameter(first.minimum_force)
     assert 1.0 / (1.0 + 1.22 * alpha * kappa**-0.16) == pytest.approx(0.01, rel=1e-9)
     strength = 2e9

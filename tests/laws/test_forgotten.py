@@ -11,17 +11,19 @@ from examples import GRANITE, options_of, quiet
 import demlaws as dl
 from demlaws.cli import main
 from demlaws.errors import MissingQuantity
+from demlaws.laws.definition import SIGMA
 from demlaws.laws.registry import find, registry
 from demlaws.plugins.grains import Case, Grain
 from demlaws.yade.pairs import Pairs
 
-OF_CONTACT = ("roughness", "fractal_dimension", "hardness")
+OF_CONTACT = ("sigma", "fractal_dimension", "hardness")
 LEFT_OUT = [(law, name) for law, definition in registry().items() for name in definition.needed(**options_of(law))]
 """(law, quantity that it uses)."""
 WITHOUT = [(law, name) for law in dl.laws() for name in OF_CONTACT if (law, name) not in LEFT_OUT]
 STONE = dl.Material(60.6e9, 0.25)
+OF_SURFACE = {"sigma": "roughness"}
 SQ = {"roughness": 1.7e-6, "fractal_dimension": 2.22, "hardness": 6.266e9}
-OPTIONS = {"roughness": "--combined-roughness", "fractal_dimension": "--fractal-dimension", "hardness": "--hardness"}
+OPTIONS = {"sigma": "--sigma", "fractal_dimension": "--fractal-dimension", "hardness": "--hardness"}
 SCENE = """radii = [0.004]
 force = [1, 10]
 reference = "{law}"
@@ -35,7 +37,7 @@ poisson = 0.25
 
 
 def without(name):
-    return {key: value for key, value in SQ.items() if key != name}
+    return {key: value for key, value in SQ.items() if key != OF_SURFACE.get(name, name)}
 
 
 def words(law, sign):
@@ -50,7 +52,7 @@ def in_python(law, name, folder):
 def between(law, name, folder):
     """The quantities of two bodies; of the roughness that of one body alone."""
     quantities = {"roughness1": 1e-6, "roughness2": 1e-6, "fractal_dimension": 2.22, "hardness": 6e9}
-    quantities.pop({"roughness": "roughness2"}.get(name, name))
+    quantities.pop({"sigma": "roughness2"}.get(name, name))
     return dl.law(law, dl.Contact.between(STONE, STONE, radius1=8e-3, radius2=8e-3, **quantities), **options_of(law))
 
 
@@ -68,7 +70,7 @@ PYTHON = (in_python, between, in_yade, in_a_case)
 
 def command(name, *arguments):
     """Run `demlaws ...` with the contact's options but that of the quantity, None: all."""
-    given = [word for key, option in OPTIONS.items() if key != name for word in (option, repr(SQ[key]))]
+    given = [word for key, option in OPTIONS.items() if key != name for word in (option, repr(SQ[OF_SURFACE.get(key, key)]))]
     return main([*arguments, *given])
 
 
@@ -81,7 +83,7 @@ def of_curve(law, name, folder):
 def of_an_export(engine):
     def export(law, name, folder):
         options = [word for text in words(law, "=") for word in ("--option", text)]
-        given = [word for key in SQ if key != name for word in (f"--{key.replace('_', '-')}", repr(SQ[key]))]
+        given = [word for key in without(name) for word in (f"--{key.replace('_', '-')}", repr(SQ[key]))]
         return main(
             [engine, "export", str(folder / "case"), "--law", law, "--radius", "4mm", *given, *options, "--rtol", "1e-2"]
         )
@@ -117,7 +119,8 @@ def test_a_forgotten_quantity_in_a_command(law, name, way, tmp_path, capsys):
     """One line, status 2, the option or the line of the file that gives it; nothing written."""
     assert COMMANDS[way](law, name, tmp_path) == 2
     printed = [line for line in capsys.readouterr().err.splitlines() if "warning" not in line]
-    assert len(printed) == 1 and f"give {name} (--{name.replace('_', '-')})" in printed[0] and "Traceback" not in printed[0]
+    option = f"--{OF_SURFACE.get(name, name).replace('_', '-')}"
+    assert len(printed) == 1 and f"give {name} " in printed[0] and f"({option})" in printed[0] and "Traceback" not in printed[0]
     assert not list((tmp_path / "case").rglob("*.tbl"))
 
 
@@ -139,18 +142,18 @@ def test_a_quantity_that_a_law_does_not_use(law, name):
 def test_a_contact_without_roughness():
     """It is not the smooth one, and survives pickles, copies, tables, softening; of two bodies, both are needed."""
     contact = dl.Contact(4e-3, 32e9)
-    assert contact.roughness is None and contact != dl.Contact(4e-3, 32e9, 0.0) and "roughness=None" in repr(contact)
+    assert contact.sigma is None and contact != dl.Contact(4e-3, 32e9, 0.0) and "sigma=None" in repr(contact)
     assert pickle.loads(pickle.dumps(contact)) == contact == contact.with_values(radius=4e-3)
-    assert contact.is_smooth and contact.sigma == 0.0 and dl.soften(contact, 8).roughness is None
+    assert contact.is_smooth and contact.sigma_or_zero == 0.0 and dl.soften(contact, 8).sigma is None
     with pytest.raises(MissingQuantity):
         contact.roughness_parameter(1.0)
     assert dl.Surface(1e-6).combined(dl.Surface()).roughness is None
     for one, other in ((1e-6, None), (None, 0.0)):
         pair = dl.Contact.between(STONE, STONE, radius1=8e-3, radius2=8e-3, roughness1=one, roughness2=other)
-        assert pair.roughness is None
+        assert pair.sigma is None
     granite = dl.materials.granite
-    assert dl.Contact.between(granite, STONE, radius1=8e-3, radius2="flat").roughness is None
-    assert dl.Contact.between(granite, granite, radius1=8e-3, radius2="flat").roughness == pytest.approx(
+    assert dl.Contact.between(granite, STONE, radius1=8e-3, radius2="flat").sigma is None
+    assert dl.Contact.between(granite, granite, radius1=8e-3, radius2="flat").sigma == pytest.approx(
         2**0.5 * granite.surface.roughness
     )
 
@@ -158,7 +161,7 @@ def test_a_contact_without_roughness():
 def test_a_table_keeps_that_no_roughness_is_given(tmp_path):
     table = dl.law("hertz", dl.Contact(4e-3, 32e9), "hertz").tabulate(rtol=1e-2)
     loaded = dl.Table.load(table.save(tmp_path / "hertz.tbl"))
-    assert loaded.contact == table.contact and loaded.contact.roughness is None
+    assert loaded.contact == table.contact and loaded.contact.sigma is None
     rough = dl.law("rms", dl.Contact(4e-3, 32e9, 2e-6), "hertz").tabulate(rtol=1e-2)
     with pytest.raises(MissingQuantity):
         rough.bound_to(dl.Contact(4e-3, 32e9))
@@ -166,12 +169,12 @@ def test_a_table_keeps_that_no_roughness_is_given(tmp_path):
 
 def test_a_law_of_a_user_that_reads_roughness(registered_here):
     def helper(p):
-        return p.roughness
+        return p.sigma
 
     plain = dl.define("plain", lambda p, x: 1e6 * x, lambda p, x: 1e6)
-    direct = dl.define("direct", lambda p, x: 1e6 * x * (1.0 + p.roughness), lambda p, x: 1e6 * (1.0 + p.roughness))
+    direct = dl.define("direct", lambda p, x: 1e6 * x * (1.0 + p.sigma), lambda p, x: 1e6 * (1.0 + p.sigma))
     indirect = dl.define("indirect", lambda p, x: 1e6 * x * helper(p), lambda p, x: 1e6 * helper(p))
-    assert plain.needs == () and direct.needs == indirect.needs == ("roughness",)
+    assert plain.needs == () and direct.needs == indirect.needs == ("sigma",)
     dl.register(direct)
     with pytest.raises(MissingQuantity):
         dl.law("direct", dl.Contact(4e-3, 32e9))
@@ -182,4 +185,22 @@ def test_a_fit_finds_the_roughness_that_is_not_given():
     load = np.geomspace(0.5, 50.0, 15)
     points = np.column_stack([quiet(truth.overlap, load), load])
     report = quiet(dl.fit, points, dl.Contact(4e-3, 32e9), laws=["rms"])
-    assert report[0].contact.roughness == pytest.approx(2e-6, rel=1e-3)
+    assert report[0].contact.sigma == pytest.approx(2e-6, rel=1e-3)
+
+
+def test_a_law_of_a_user_with_the_former_name_of_sigma(registered_here):
+    """Functions that read `p.roughness`, and definitions that need or fit it, are the same law, with a warning."""
+    contact = dl.Contact(4e-3, 32e9, 2e-6)
+    new = dl.define("scaled", lambda p, x: 1e12 * x * p.sigma, lambda p, x: 1e12 * p.sigma, free=("modulus",))
+    with pytest.warns(FutureWarning, match="of the pair, not Sq of one surface"):
+        old = dl.define("scaled", lambda p, x: 1e12 * x * p.roughness, lambda p, x: 1e12 * p.roughness)
+    assert old.needs == new.needs == ("sigma",)
+    for one in (new, old):
+        dl.register(one)
+        assert dl.law("scaled", contact).force(1e-6) == pytest.approx(2.0)
+    former = new._replace(
+        needs=("roughness",), fitting=new.fitting._replace(parameters={"roughness": SIGMA}, free=("roughness",))
+    )
+    with pytest.warns(FutureWarning, match="of the pair"):
+        kept = dl.register(former)
+    assert kept.needs == kept.fitting.free == tuple(kept.fitting.parameters) == ("sigma",)

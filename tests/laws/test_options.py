@@ -37,7 +37,7 @@ CURVE = [
     "4mm",
     "--modulus",
     "32GPa",
-    "--combined-roughness",
+    "--sigma",
     "2um",
     "--fractal-dimension",
     "2.2",

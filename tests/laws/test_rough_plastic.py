@@ -8,7 +8,7 @@ from examples import quiet, shared
 
 import demlaws as dl
 
-CONE = dl.Contact(radius=0.96e-3, modulus=32.32e9, roughness=5.04e-6, fractal_dimension=2.25, hardness=6.266e9)
+CONE = dl.Contact(radius=0.96e-3, modulus=32.32e9, sigma=5.04e-6, fractal_dimension=2.25, hardness=6.266e9)
 
 
 def test_yield_of_the_cones():
@@ -46,7 +46,7 @@ def test_stiffness_is_the_smaller_of_the_two(loading):
 
 
 def test_kinks_are_those_of_the_rough_law_below_yield_and_yield():
-    smooth = CONE.with_values(roughness=0.2e-6)
+    smooth = CONE.with_values(sigma=0.2e-6)
     law, rough = dl.law("rough-plastic", smooth, "elastic", yield_pressure=1.66e9), dl.law("pohrt-popov", smooth, "elastic")
     assert law.kinks() == [*rough.kinks(), law.params.yield_overlap] and rough.kinks()[0] < law.params.yield_overlap
     late = dl.law("rough-plastic", CONE, "elastic", yield_pressure=0.5e9)
@@ -137,5 +137,5 @@ def test_a_contact_in_a_batch_that_is_blunter_than_the_bulk_has_no_force():
 
     law = dl.law("rough-plastic", CONE, yield_pressure=1.66e9, bulk_radius=1.2e-3)
     for radius, wrong in ((1.2e-3, False), (1.2e-3 * (1.0 + 1e-6), True), (5e-3, True)):
-        params = scale(law.curve.shape, radius, CONE.modulus, CONE.roughness)
+        params = scale(law.curve.shape, radius, CONE.modulus, CONE.sigma)
         assert math.isnan(params.hertz_coefficient) == wrong and math.isnan(params.yield_stiffness) == wrong

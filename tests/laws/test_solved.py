@@ -13,8 +13,8 @@ from demlaws.solvers import master_curves
 from studies.half_space.axisymmetric import solve
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-UNIT = GRANITE.modulus * math.sqrt(GRANITE.radius) * GRANITE.roughness**1.5
-NUMBER = GRANITE.hardness / GRANITE.modulus * math.sqrt(8 * GRANITE.radius / GRANITE.roughness)
+UNIT = GRANITE.modulus * math.sqrt(GRANITE.radius) * GRANITE.sigma**1.5
+NUMBER = GRANITE.hardness / GRANITE.modulus * math.sqrt(8 * GRANITE.radius / GRANITE.sigma)
 RADII = GRANITE.radius * np.array([0.5, 0.8, 1.0, 1.7])
 
 
@@ -89,7 +89,7 @@ def test_small_beads_are_never_stiffer_than_hertz(name):
 
 def solved(name, number, force):
     points = solve(name, number, np.asarray(force) / UNIT)
-    return points.approach * GRANITE.roughness, points.stiffness * UNIT / GRANITE.roughness
+    return points.approach * GRANITE.sigma, points.stiffness * UNIT / GRANITE.sigma
 
 
 @pytest.mark.parametrize(
@@ -121,11 +121,11 @@ def test_overlap_counts_from_the_end_of_the_continued_curve(share):
 
 def test_a_smooth_contact_among_rough_ones_is_refused():
     with pytest.raises(dl.DemlawsError):
-        dl.law("yip-venart", GRANITE.with_values(roughness=np.array([0.0, 1e-6])))
+        dl.law("yip-venart", GRANITE.with_values(sigma=np.array([0.0, 1e-6])))
 
 
 @pytest.mark.parametrize("radius", [1.0, [1.0, 1.1]])
-@pytest.mark.parametrize("change", [{"hardness": 5e5}, {"modulus": 3e15}, {"roughness": 1e-4, "hardness": 1e6}])
+@pytest.mark.parametrize("change", [{"hardness": 5e5}, {"modulus": 3e15}, {"sigma": 1e-4, "hardness": 1e6}])
 def test_a_number_outside_the_data_is_one_clear_error(radius, change):
     """N_H from 0.05 to 1e5; also of one contact among others."""
     contact = GRANITE.with_values(radius=GRANITE.radius * np.array(radius) if isinstance(radius, list) else GRANITE.radius)
@@ -138,10 +138,10 @@ def test_a_number_outside_the_data_is_one_clear_error(radius, change):
 @pytest.mark.parametrize("differ", [False, True])
 def test_where_the_pressure_reaches_the_hardness_the_law_is_no_stiffer_than_hertz(number, differ):
     """There the curves bend, at an overlap that goes with N_H²: a cubic through neighbours was 0.15 % stiffer."""
-    hardness = number * GRANITE.modulus / math.sqrt(8 * GRANITE.radius / GRANITE.roughness)
+    hardness = number * GRANITE.modulus / math.sqrt(8 * GRANITE.radius / GRANITE.sigma)
     radius = GRANITE.radius * np.array([1.0, 1.2, 1.4]) if differ else GRANITE.radius
     law = dl.law("yip-venart", GRANITE.with_values(hardness=min(hardness, 9 * GRANITE.modulus), radius=radius), "elastic")
-    flat = 0.28 * number**2 * GRANITE.roughness
+    flat = 0.28 * number**2 * GRANITE.sigma
     for overlap in np.geomspace(0.3, 1.3, 400) * flat:
         force, stiffness = force_loop(law.shape, law.params, np.full(3 if differ else 1, overlap))
         hertz = (6.0 * np.asarray(radius) * GRANITE.modulus**2 * force) ** (1 / 3)

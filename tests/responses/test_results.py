@@ -9,7 +9,7 @@ import pytest
 import demlaws as dl
 from demlaws.responses.contacts import Contacts
 
-PAIR = dl.Contact(radius=4e-3, modulus=32e9, roughness=2e-6, fractal_dimension=2.2)
+PAIR = dl.Contact(radius=4e-3, modulus=32e9, sigma=2e-6, fractal_dimension=2.2)
 
 
 @pytest.fixture(scope="module")
@@ -92,7 +92,7 @@ def test_equal_laws_are_equal():
     others = [
         dl.law("pohrt-popov", PAIR, "elastic"),
         dl.law("rms", PAIR, unloading="hertz"),
-        dl.law("pohrt-popov", PAIR.with_values(roughness=3e-6), unloading="hertz"),
+        dl.law("pohrt-popov", PAIR.with_values(sigma=3e-6), unloading="hertz"),
         law.tabulate(1e-3),
         "pohrt-popov",
     ]
@@ -109,7 +109,7 @@ granite = dl.Material(young="60.6GPa", poisson=0.25, hardness=6.266e9)
 pair = dl.Contact.between(
     granite, granite, radius1=8.76e-3, radius2=8.63e-3, roughness1="1.56um", roughness2=0, fractal_dimension=2.22
 )
-radii = np.asarray(dl.Contact(radius=[1e-3, 2e-3], modulus="32GPa", roughness=dl.Surface("2um").roughness).radius)
+radii = np.asarray(dl.Contact(radius=[1e-3, 2e-3], modulus="32GPa", sigma=dl.Surface("2um").roughness).radius)
 law = dl.law("pohrt-popov", pair, unloading="hertz")
 force: float = law.force("1um")
 forces = law.force(np.linspace(0, 1e-6, 5))

@@ -24,7 +24,7 @@ pytestmark = pytest.mark.filterwarnings("ignore:c_h = :demlaws.errors.ValidityWa
 
 ALUMINIUM = ellipsoid.plasticity(71.3e9, 0.24e9, 0.34)
 ELASTIC = ellipsoid.plasticity(50e9, math.inf, 0.3)
-MANY = dl.Contact(radius=np.linspace(1e-3, 2e-3, 100), modulus=np.linspace(1e10, 2e10, 100), roughness=1e-6, hardness=1e9)
+MANY = dl.Contact(radius=np.linspace(1e-3, 2e-3, 100), modulus=np.linspace(1e10, 2e10, 100), sigma=1e-6, hardness=1e9)
 
 ratios = st.floats(0.0, 4.0).map(lambda x: 10.0**x)
 
@@ -116,7 +116,7 @@ def independent_volume(height, cut):
 def test_volume_and_area_are_conserved(seed, cut, flat):
     rng = np.random.default_rng(seed)
     z = rng.standard_normal((24, 31)) * 1e-6
-    pair = dl.Contact(radius=1e-3, modulus=50e9, hardness=1e9, roughness=1e-6)
+    pair = dl.Contact(radius=1e-3, modulus=50e9, hardness=1e9, sigma=1e-6)
     contact = RoughContact(HeightMap(z, 1e-6), pair, flat=flat)
     step = contact.at(contact.highest - cut * 1e-6) if contact.highest > cut * 1e-6 else contact.at(1e-7)
     micro = step.micro
@@ -252,7 +252,7 @@ def test_pixels_between_patches():
 def aluminium_on(seed):
     """SiC ball on a synthetic map of aluminium."""
     heights = self_affine(128, 1e-6, 0.8, roughness=1e-6, seed=seed, shortest=6e-6, longest=40e-6)
-    pair = dl.Contact(radius=3.175e-3, modulus=71e9, roughness=heights.sq, hardness=0.24e9)
+    pair = dl.Contact(radius=3.175e-3, modulus=71e9, sigma=heights.sq, hardness=0.24e9)
     return RoughContact(heights, pair, 0.34, 0.71, 160.0)
 
 

@@ -50,12 +50,12 @@ def contact(scales, n, seed=1):
     """A contact like those of the granite tests, or n that scatter around it."""
     shared = {"fractal_dimension": 2.22, "hardness": 6.266e9}
     if scales == "one":
-        return dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, **shared)
+        return dl.Contact(radius=4.35e-3, modulus=32.32e9, sigma=2.40e-6, **shared)
     random = np.random.default_rng(seed)
     return dl.Contact(
         radius=4.35e-3 * random.uniform(0.7, 1.5, n),
         modulus=32.32e9 * random.uniform(0.9, 1.1, n),
-        roughness=2.40e-6 * random.uniform(0.5, 2.0, n),
+        sigma=2.40e-6 * random.uniform(0.5, 2.0, n),
         **shared,
     )
 

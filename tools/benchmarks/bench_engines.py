@@ -116,7 +116,7 @@ def write_block(path, side, radius=2e-3, seed=1):
 
 
 def write_tables(folder):
-    contact = dl.Contact(radius=1e-3, modulus=32.3e9, roughness=2.4e-6, fractal_dimension=2.22)
+    contact = dl.Contact(radius=1e-3, modulus=32.3e9, sigma=2.4e-6, fractal_dimension=2.22)
     # smooth, as stock: Hertz of a rough contact is below its range of force, which each step would count
     dl.law("hertz", dl.Contact(radius=1e-3, modulus=32.3e9)).tabulate().save(folder / "hertz.tbl")
     for name, unloading in (("elastic", "elastic"), ("hysteretic", "hertz"), ("thornton", "thornton")):

@@ -21,7 +21,7 @@ from demlaws.errors import quiet
 from demlaws.laws.registry import find, registry
 
 PAIR = dl.Contact(4.35e-3, 32.32e9, 2.4e-6, 2.22, 6.266e9)
-CONE = PAIR.with_values(radius=0.96e-3, roughness=5.04e-6)
+CONE = PAIR.with_values(radius=0.96e-3, sigma=5.04e-6)
 CYCLE = np.concatenate([np.linspace(1, 60, 20), np.linspace(58, 2, 12), np.linspace(4, 100, 20), np.linspace(95, 3, 12)])
 LOADING = np.linspace(0.5, 100.0, 60)
 FROM_AFAR = np.concatenate([np.zeros(60), np.linspace(0.0, 20.0, 121)[1:]])
@@ -46,9 +46,9 @@ class Case(NamedTuple):
 
 
 HERTZ, ROUGH, YIELDING = ("hertz", "elastic", PAIR), ("pohrt-popov", "hertz", PAIR), ("rough-plastic", "hertz", CONE)
-MODULUS, FRACTAL = {"modulus": 32.32e9}, {"roughness": 2.4e-6, "fractal_dimension": 2.22}
-PLASTIC = ("roughness", "fractal_dimension", "yield_pressure")
-CONICAL = {"roughness": 5.04e-6, "fractal_dimension": 2.22}
+MODULUS, FRACTAL = {"modulus": 32.32e9}, {"sigma": 2.4e-6, "fractal_dimension": 2.22}
+PLASTIC = ("sigma", "fractal_dimension", "yield_pressure")
+CONICAL = {"sigma": 5.04e-6, "fractal_dimension": 2.22}
 CASES = (
     Case("hertz", *HERTZ, MODULUS, ("modulus",), LOADING, 5e-8),
     Case("inside", *ROUGH, FRACTAL, tuple(FRACTAL), CYCLE, 1e-7),
@@ -61,7 +61,7 @@ CASES = (
     Case("from afar, noise told", *HERTZ, MODULUS, ("modulus",), FROM_AFAR, 2e-8, 5e-3, True),
     *(
         Case(f"force noise, {law}{known}", law, "hertz", PAIR, truth, tuple(truth), CYCLE, 5e-8, 0.3, bool(known))
-        for law, truth in (("rms", {"roughness": 2.4e-6}), ("pohrt-popov", FRACTAL))
+        for law, truth in (("rms", {"sigma": 2.4e-6}), ("pohrt-popov", FRACTAL))
         for known in ("", ", told")
     ),
     Case("yield", *YIELDING, {**CONICAL, "yield_pressure": 1.66e9}, PLASTIC, CYCLE, 1e-7),
@@ -70,12 +70,12 @@ CASES = (
         Case(f"load cell off by {offset:g} N, {law}", law, rule, PAIR, {**truth, FORCE_ZERO: offset}, (), force, 3e-8)
         for law, rule, truth, force in (
             ("hertz", "elastic", MODULUS, LOADING),
-            ("rms", "hertz", {"roughness": 2.4e-6}, CYCLE),
+            ("rms", "hertz", {"sigma": 2.4e-6}, CYCLE),
             ("pohrt-popov", "hertz", FRACTAL, CYCLE),
         )
         for offset in (0.0, 0.5, -0.5)
     ),
-    Case("ten points", "rms", "hertz", PAIR, {"roughness": 2.4e-6}, ("roughness",), CYCLE[::7], 3e-8),
+    Case("ten points", "rms", "hertz", PAIR, {"sigma": 2.4e-6}, ("sigma",), CYCLE[::7], 3e-8),
 )
 
 
@@ -103,7 +103,7 @@ def made(case, seed):
 
 def fitted(case, seed):
     guess = case.contact.with_values(
-        roughness=1.7 * case.contact.roughness,
+        sigma=1.7 * case.contact.sigma,
         modulus=case.contact.modulus * (1.2 if "modulus" in case.truth else 1.0),
         fractal_dimension=2.4,
     )
@@ -130,7 +130,7 @@ def coverage(case, seeds):
 
 RANGES = {
     "modulus": (10e9, 100e9),
-    "roughness": (0.5e-6, 6e-6),
+    "sigma": (0.5e-6, 6e-6),
     "fractal_dimension": (2.05, 2.6),
     "slope": (0.02, 0.15),
     "yield_pressure": (0.3e9, 3e9),
@@ -181,7 +181,7 @@ def truth(name, rule, number):
         starts = np.ravel(quantities[quantity].starts(guess))
         return float(np.exp(random.uniform(*np.log(RANGES.get(quantity, (0.5 * starts.min(), 2.0 * starts.max()))))))
 
-    surface = {q: drawn(q) for q in ("roughness", "fractal_dimension")}
+    surface = {q: drawn(q) for q in ("sigma", "fractal_dimension")}
     values = {q: surface.get(q) or drawn(q) for q in find(name).fitting.free}
     fields = {q: value for q, value in values.items() if not quantities[q].option}
     law = dl.law(name, guess.with_values(**(surface | fields)), rule, **{q: v for q, v in values.items() if q not in fields})

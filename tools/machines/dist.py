@@ -41,7 +41,7 @@ assert pathlib.Path(sys.argv[1]) not in home.parents, home
 assert importlib.metadata.version("demlaws") == dl.__version__
 for file in sys.argv[2].split():
     assert (home.parent / file).is_file(), f"{file} is not installed"
-pair = dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9)
+pair = dl.Contact(radius=4.35e-3, modulus=32.32e9, sigma=2.4e-6, fractal_dimension=2.22, hardness=6.266e9)
 law = dl.law("pohrt-popov", pair, unloading="hertz")
 table = law.tabulate()
 assert abs(table.force(1e-6) / law.force(1e-6) - 1) < 1e-5

@@ -319,7 +319,7 @@ def in_python(folder):
 
 def test_two_instances_in_one_process_keep_their_own(folder, law, in_python):
     """Each with its own table and its own energies."""
-    other = dl.law("pohrt-popov", law.contact.with_values(roughness=1e-6), unloading="hertz")
+    other = dl.law("pohrt-popov", law.contact.with_values(sigma=1e-6), unloading="hertz")
     save(other, folder / "other.tbl", rtol=1e-8)
     for k, words in enumerate((TABLE, TABLE.replace("law.tbl", "other.tbl"))):
         (folder / f"in.{k}").write_text(two_spheres(words, [], **ENERGY))

@@ -85,7 +85,7 @@ def tiled(side=6, width=2e-3, height=lambda x, y: 0.0):
 @pytest.fixture(scope="module")
 def tables(tmp_path_factory):
     folder = tmp_path_factory.mktemp("tables")
-    contact = dl.Contact(radius=RADIUS, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22)
+    contact = dl.Contact(radius=RADIUS, modulus=modulus(), sigma=2.4e-6, fractal_dimension=2.22)
     dl.law("hertz", contact).tabulate(rtol=1e-9).save(folder / "hertz.tbl")
     dl.law("pohrt-popov", contact, unloading="hertz").tabulate(rtol=1e-7).save(folder / "granite.tbl")
     return folder

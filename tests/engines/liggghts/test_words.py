@@ -52,7 +52,7 @@ def falling(words, before="", after=WALL):
 
 @pytest.fixture
 def granite(tmp_path):
-    contact = dl.Contact(radius=4e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22)
+    contact = dl.Contact(radius=4e-3, modulus=modulus(), sigma=2.4e-6, fractal_dimension=2.22)
     dl.law("pohrt-popov", contact, unloading="hertz").tabulate().save(tmp_path / "granite.tbl")
     dl.law("hertz", contact).tabulate().save(tmp_path / "hertz.tbl")
     return tmp_path
@@ -76,7 +76,7 @@ def test_a_wall_takes_over_the_settings_of_the_pair_style(granite):
 
 def test_a_table_for_one_contact_at_a_wall(granite):
     """radius_tolerance of the pair style counts for a wall without one of its own."""
-    contact = dl.Contact(radius=2e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22)
+    contact = dl.Contact(radius=2e-3, modulus=modulus(), sigma=2.4e-6, fractal_dimension=2.22)
     dl.law("rough-plastic", contact, "hertz", yield_pressure=1.66e9).tabulate().save(granite / "plastic.tbl")
     words = "table plastic.tbl"
     simulate(granite, falling(words, after=""))
@@ -102,7 +102,7 @@ def test_a_wall_has_the_table_that_the_pair_style_has_read(granite):
 
 def test_a_wall_whose_contacts_are_of_another_table_is_refused(granite):
     """A pair_style line that is given again starts with virgin contacts, a wall's go on."""
-    contact = dl.Contact(radius=4e-3, modulus=modulus(), roughness=1e-6, fractal_dimension=2.22)
+    contact = dl.Contact(radius=4e-3, modulus=modulus(), sigma=1e-6, fractal_dimension=2.22)
     dl.law("pohrt-popov", contact, unloading="hertz").tabulate().save(granite / "other.tbl")
     text = falling("table granite.tbl").replace("run 3000", "run 800")
     again = GRAN.join(["pair_style ", "table {}\npair_coeff * *\nrun 200\n"]).replace("pair_style pair_style", "pair_style")
@@ -144,7 +144,7 @@ def test_a_restart_with_another_table_is_refused(granite, ranks):
     assert good["Step"][-1] == 6000
     copied = simulate(granite, second.replace("granite.tbl", "copy.tbl"), ranks)  # the contents count, not the name
     assert np.array_equal(copied["KinEng"], good["KinEng"])
-    contact = dl.Contact(radius=4e-3, modulus=modulus(), roughness=3e-6, fractal_dimension=2.22)
+    contact = dl.Contact(radius=4e-3, modulus=modulus(), sigma=3e-6, fractal_dimension=2.22)
     dl.law("pohrt-popov", contact, unloading="hertz").tabulate().save(granite / "other.tbl")
     message = refused(granite, second.replace("granite.tbl", "other.tbl"), ranks)
     assert "began under another law" in message

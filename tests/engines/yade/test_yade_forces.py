@@ -55,7 +55,7 @@ def test_two_spheres_every_law(omega, name, rule, more):
     recorder.step(400)
     omega.bodies[1].state.vel = (0.0, 0, -0.5)  # again, deeper
     recorder.step(600)
-    if find(name).fitting.free == ("roughness",) and find(name).solved:  # the law has the mean of four curves, YADE the four
+    if find(name).fitting.free == ("sigma",) and find(name).solved:  # the law has the mean of four curves, YADE the four
         wrong, tangent, steps = recorder.worst(name, rule, **wanted)
         assert wrong <= 1e-12 and tangent <= 1e-11 and steps > 300
     else:
@@ -138,7 +138,7 @@ def test_material_outside_the_scene_list(omega):
         omega.bodies.append(sphere((0, 0, height), 0.01, fixed=True, material=stone))
     set_engines(law)
     advance(2)
-    assert law.contacts().roughness[0] == pytest.approx(2.4e-6 * 2**0.5)
+    assert law.contacts().sigma[0] == pytest.approx(2.4e-6 * 2**0.5)
 
 
 def test_rows_of_contacts_that_end_are_used_again(omega):

@@ -77,7 +77,7 @@ def test_state_of_a_contact(omega):
     state = law.contacts([contact])
     assert (state.body1[0], state.body2[0]) == (0, 1)
     assert state.radius[0] == pytest.approx(0.005)
-    assert state.roughness[0] == pytest.approx(2.4e-6 * 2**0.5)
+    assert state.sigma[0] == pytest.approx(2.4e-6 * 2**0.5)
     assert state.maximum_overlap[0] == contact.geom.penetrationDepth
     assert 0 < state.plastic_overlap[0] < state.maximum_overlap[0]
     assert np.isnan(state.radius_ratio[0])

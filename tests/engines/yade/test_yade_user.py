@@ -181,10 +181,10 @@ def test_a_surface_for_bodies_that_come_later(omega):
     still(law)
     omega.bodies.append(sphere((0, 0, -0.02 + OVERLAP), 0.01, fixed=True, material=floor))
     advance(4)
-    assert sorted(law.contacts().roughness) == pytest.approx([2.4e-6, 2.4e-6 * 2**0.5])
+    assert sorted(law.contacts().sigma) == pytest.approx([2.4e-6, 2.4e-6 * 2**0.5])
     omega.bodies.append(sphere((0, 0, 0.04 - 2 * OVERLAP), 0.01, fixed=True, material=later))
     advance(3)
-    assert sorted(law.contacts().roughness) == pytest.approx([2.4e-6, 2.6e-6, 2.4e-6 * 2**0.5])
+    assert sorted(law.contacts().sigma) == pytest.approx([2.4e-6, 2.6e-6, 2.4e-6 * 2**0.5])
 
 
 def test_smooth_is_allowed_by_the_user(omega):
@@ -508,7 +508,7 @@ def test_contacts_are_a_table(omega):
         totals.dissipated
     )
     assert contacts.shear_stored.sum() == totals.shear_stored and contacts.viscous.sum() == totals.viscous
-    assert contacts.roughness[contacts.body2 == ids[1]] == pytest.approx(2**0.5 * dl.materials.granite.surface.roughness)
+    assert contacts.sigma[contacts.body2 == ids[1]] == pytest.approx(2**0.5 * dl.materials.granite.surface.roughness)
     for one in range(2):
         for number, centre in ((contacts.body1[one], contacts.centre1[one]), (contacts.body2[one], contacts.centre2[one])):
             body = omega.bodies[int(number)]
