@@ -13,7 +13,7 @@ from demlaws.contact import Contact
 from demlaws.core.cache import tag_of
 from demlaws.core.dispatch import bind, function_of_text, scalar
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, root_finder
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, warn
 from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, Numbers, Option, check_name
 from demlaws.units import number
 
@@ -22,6 +22,9 @@ _OF_CONTACT = ("fractal_dimension", "hardness")
 _X, _W = np.polynomial.legendre.leggauss(8)
 _PANELS = 32  # an octave of overlap
 _OCTAVES = 40
+_MANY = 20
+_tags: list[str] = []
+"""Of the laws made so far: numba keeps their machine code."""
 
 
 def define(
@@ -135,9 +138,17 @@ def _described(law, name, value):
 
 
 def _types(name, functions, extra):
-    """Type of the law's Shape, with its Params bound to the kernels."""
+    """Type of the law's Shape, with its Params bound to the kernels; the same type for the same functions again."""
     tag = tag_of(*functions, name, extra)
     stem = "".join(part.capitalize() for part in str(name).replace("_", "-").split("-") if part.isalnum())
+    if known := globals().get(f"{stem}Shape_{tag}"):
+        return known
+    _tags.append(tag)
+    if len(_tags) == _MANY:
+        text = (
+            f"{_MANY} laws of different functions are defined: each one that is used keeps some 10 MB until the process ends; "
+        )
+        warn(f"{text}give numbers that differ as options of one law", UserWarning)
     shape_type, params_type = (
         namedtuple(f"{stem}{kind}_{tag}", fields, module=__name__)
         for kind, fields in (("Shape", extra), ("Params", (*_CONTACT, *extra)))
