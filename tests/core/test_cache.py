@@ -263,6 +263,7 @@ def test_a_function_that_another_thread_caches_meanwhile_stays_in_its_folder(the
             thread.join()
         return njit(*arguments, **options)
 
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
     other_thread()
     monkeypatch.setattr(numba, "njit", watched)
     assert numba_compat.loop(theirs.triple)(2.0) == 6.0
