@@ -397,7 +397,7 @@ def softer_hardness(*bodies: tuple[Material, Surface]) -> float | None:
     return min((hardness for hardness in hardnesses if hardness is not None), default=None)
 
 
-def unchecked(contact: Contact, changes: dict[str, float]) -> Contact:
+def replace_unchecked(contact: Contact, changes: dict[str, float]) -> Contact:
     """A copy with fields that are known to be admissible numbers, for the many trials of a search; `with_values` checks."""
     copy = object.__new__(Contact)
     for name, value in vars(contact).items():

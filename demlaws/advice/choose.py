@@ -25,7 +25,7 @@ from demlaws.laws import HERTZ
 from demlaws.laws.definition import bulk_yield
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
-from demlaws.make import rebound
+from demlaws.make import unloading_for
 from demlaws.responses.results import Tabular
 
 _MARGIN = 1.02  # between the points of the prediction an error may be a little larger
@@ -58,7 +58,7 @@ class Plan(NamedTuple):
     def bind(self, contact, max_force=None):
         """The law on a contact, or an array of contacts."""
         with quiet():
-            law = bind_law(self.name, contact, rebound(self.unload_by, contact), **dict(self.options))
+            law = bind_law(self.name, contact, unloading_for(self.unload_by, contact), **dict(self.options))
             return law.tabulate(self.rtol, max_force) if self.evaluation == "table" else law
 
 

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from demlaws.contact import unchecked
+from demlaws.contact import replace_unchecked
 from demlaws.core import loops
 from demlaws.core.history import history
 from demlaws.errors import DemlawsError, quiet
@@ -92,7 +92,7 @@ class Model:
         for name, value in self.values(x).items():
             if name not in APPARATUS:
                 (options if self.parameters[name].option else changes)[name] = value
-        return unchecked(self.contact, changes), options
+        return replace_unchecked(self.contact, changes), options
 
     def overlap(self, x):
         """Overlap [m] and tangent stiffness [N/m] at each force."""

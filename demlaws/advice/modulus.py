@@ -20,7 +20,7 @@ from demlaws.contact import DENSITY
 from demlaws.errors import DemlawsError, quiet
 from demlaws.laws import USUAL
 from demlaws.make import law as bind_law
-from demlaws.make import rebound
+from demlaws.make import unloading_for
 from demlaws.timestep import STEP_SAFETY
 from demlaws.units import number
 
@@ -229,7 +229,7 @@ def predict(
 
     def bind(contact):
         with quiet():
-            return bind_law(law, contact, rebound(rule, contact), **options)
+            return bind_law(law, contact, unloading_for(rule, contact), **options)
 
     rule = unloading_rule(scene, law, options)  # of many a law unloading is stiffer than loading
     stable = stable_step(scene, bind) * Softening(factor).step

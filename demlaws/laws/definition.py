@@ -372,7 +372,7 @@ class Definition(NamedTuple):
         return rule if isinstance(rule, str) else rule(**options)
 
     @property
-    def unloads_its_own_way(self) -> bool:
+    def has_own_rule(self) -> bool:
         """Whether the default is a rule of plastic contacts: the law yields by itself."""
         return self.default_rule() not in ("elastic", "hertz")
 

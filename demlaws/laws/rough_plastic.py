@@ -132,7 +132,7 @@ def _loading_definition(loading):
     from demlaws.laws.registry import find  # the registry imports this module
 
     definition = find(loading)
-    if definition.name == LAW.name or definition.unloads_its_own_way:
+    if definition.name == LAW.name or definition.has_own_rule:
         raise DemlawsError(f"loading={loading!r} yields by itself: give the rough law before yield, for instance 'pohrt-popov'")
     return definition
 

@@ -120,9 +120,9 @@ class LawSource:
     def _bound(self, contact, unloading):
         """The law of a contact with a rule (a `Table`, or `Bound`)."""
         if self.table is not None:
-            from demlaws.make import rebound
+            from demlaws.make import unloading_for
 
-            return rebound(self.table, contact)
+            return unloading_for(self.table, contact)
         parts = Unloading(self.definition.rule(unloading))
         if unloading == GIVEN:
             if self.curve is None:
@@ -284,9 +284,9 @@ class Pairs:
 
     def _unloading(self, unloading):
         """Name of a rule of a law, or GIVEN: every law then unloads along the given one."""
-        from demlaws.make import known_unloading
+        from demlaws.make import check_unloading
 
-        named = known_unloading(unloading)
+        named = check_unloading(unloading)
         if isinstance(named, str):
             return named
         for source in self.sources:

@@ -14,7 +14,7 @@ from demlaws.core.unloading import GIVEN, RULES
 from demlaws.errors import NotPassive
 from demlaws.laws import definition as laws_definition
 from demlaws.laws.registry import registry
-from demlaws.make import example, example_curve
+from demlaws.make import example_curve, example_law
 from making.formula import latex, lines, symbols_of
 from making.links import relinked
 from making.symbols import SYMBOLS, meaning
@@ -65,7 +65,7 @@ def prose(text):
 
 def differs(law, force):
     """Whether a law differs visibly from Hertz's in a picture to this force."""
-    smooth = quietly(example("hertz", law.contact).overlap, force)
+    smooth = quietly(example_law("hertz", law.contact).overlap, force)
     return abs(quietly(law.overlap, force) / smooth - 1.0) > 0.02
 
 
@@ -75,7 +75,7 @@ def draw_law(law, top, folder):
 
     fig, (left, right) = plots.figure(columns=2, width=4.6, height=3.6)
     colour = plots.colour(law.name) if law.name != "hertz" else "tab:blue"
-    for curve, shade in ((example("hertz", law.contact), "0.6"), (law, colour)):
+    for curve, shade in ((example_law("hertz", law.contact), "0.6"), (law, colour)):
         style = (
             {"color": shade} if shade != "0.6" else {"color": shade, "ls": ":", "lw": 2.5, "zorder": 3}
         )  # seen on equal curves
@@ -163,10 +163,10 @@ def worked_example(name, law):
 def law_page(name, definition, folder):
     """The page of one law, its picture written beside it."""
     module = inspect.getmodule(definition.prepare)
-    law = quietly(example, name, GRANITE)
+    law = quietly(example_law, name, GRANITE)
     shown, usual = law, definition.default_rule(**law.options)
     with contextlib.suppress(dl.DemlawsError):  # elastic unloading would not be seen
-        shown = quietly(example, name, GRANITE, "hertz" if usual == "elastic" else usual)
+        shown = quietly(example_law, name, GRANITE, "hertz" if usual == "elastic" else usual)
     top = 50.0 if name == "hertz" or differs(shown, 50.0) else 1000.0
     picture = draw_law(shown, top, folder)
     physics, use = WORDS.get(name, (f"{definition.description}.", "see the source"))

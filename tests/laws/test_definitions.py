@@ -133,7 +133,7 @@ BAD_OPTIONS = {  # what is more than one option's range
     "rough-plastic": [
         YIELD | {"loading": "rms", "steepness": 0.2},
         # laws that yield by themselves
-        *(YIELD | find(name).drawing.example | {"loading": name} for name in registry() if find(name).unloads_its_own_way),
+        *(YIELD | find(name).drawing.example | {"loading": name} for name in registry() if find(name).has_own_rule),
         YIELD | {"loading": "rough-plastic"},
     ],
     "conical-damage": [{"strength": 1e9, "angle": 1.6}],
