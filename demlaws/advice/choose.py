@@ -210,7 +210,7 @@ def reference_plan(scene):
         if scene.yield_pressure is not None:
             options = {"yield_pressure": scene.yield_pressure, "loading": definition.name, **options}
             definition = next(d for d in registry().values() if d.before_yield()[0] is not None)
-    options = definition.read(options)
+    options = definition.read_options(options)
     back = unloading_rule(scene, definition.name, options)
     if isinstance(back, Law):
         return Plan(definition.name, tuple(options.items()), GIVEN, "closed form", curve=back)

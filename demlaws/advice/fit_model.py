@@ -67,7 +67,7 @@ class Model:
         self.contact = contact.with_values(**fill)
         unseen = {n: one for n, one in self.definition.fitting.parameters.items() if one.unloading and n not in free}
         self.options = {n: float(np.ravel(one.starts(self.contact))[0]) for n, one in unseen.items()}
-        self.options |= self.definition.read(options)
+        self.options |= self.definition.read_options(options)
         self.definition.refuse_missing({*self.options, *free})
         self.measured, self.force = displacement, force
         self.linear = {n: column for n, column in ((COMPLIANCE, force), (DRIFT, course)) if n in free}

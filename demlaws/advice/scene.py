@@ -162,7 +162,7 @@ class Scene:
             if not isinstance(getattr(self, label), str) or getattr(self, label) not in words:
                 raise DemlawsError(f"{label} = {getattr(self, label)!r}: choose one of {', '.join(filter(None, words))}")
         if self.reference is not None:
-            object.__setattr__(self, "reference_options", find(self.reference).read(self.reference_options))
+            object.__setattr__(self, "reference_options", find(self.reference).read_options(self.reference_options))
         if self.unloading is not None:
             self._check_unloading()
 

@@ -26,7 +26,7 @@ class ClosedForm:
     def __init__(self, definition: Definition, contact: Contact, options: dict):
         self.definition = definition
         self.shape = definition.shape(contact, **options)
-        self.options = definition.read(options)
+        self.options = definition.read_options(options)
         self.collapses = definition.collapses  # one dimensionless curve serves all contacts
         if is_user_defined(definition) and not isinstance(self.shape, TableShape):
             from demlaws.curves.soundness import refuse_unsound

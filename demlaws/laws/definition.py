@@ -159,7 +159,7 @@ POSITIVE = Numbers(0.0)
 
 
 class Option(NamedTuple):
-    """A law's option: `Definition.read` reads values by this record. Its default is in the signature of `prepare`.
+    """A law's option: `Definition.read_options` reads values by this record. Its default is in the signature of `prepare`.
 
     An option with a range (`Numbers`), or with a unit, is a number, or text with a unit. Any other one is what its `prepare`
     makes of it: a word, a file. One without a default is needed.
@@ -308,14 +308,14 @@ class Definition(NamedTuple):
         """Whether the law is made from a height map, not from a roughness."""
         return self.computed == MAP
 
-    def read(self, options: Mapping[str, Any]) -> dict[str, Any]:
+    def read_options(self, options: Mapping[str, Any]) -> dict[str, Any]:
         """Options as numbers in SI units, each read by its record (`Option`), those of the law before yield by its records.
 
         The one place that reads options, of Python, commands, scenes, engines and files. None is an option that is not given,
         where that is its default or it has none. An unknown option stays as it is: `shape` refuses it.
         """
         before, rest = self.before_yield(**options)
-        inner = {} if before is None else before.read(rest)
+        inner = {} if before is None else before.read_options(rest)
         signature, values = _signature(self.prepare).parameters, {}
         for name, value in options.items():
             if value is None and name in signature and signature[name].default in (None, _REQUIRED):
@@ -339,7 +339,7 @@ class Definition(NamedTuple):
                 raise DemlawsError(f"law {self.name!r} has no options, got {wrong[0]!r}") from None
             hint = f"its options are {', '.join(self.options)} (demlaws laws {self.name})"
             raise DemlawsError(f"law {self.name!r}: {error}; {hint}") from None
-        options = self.read(options)
+        options = self.read_options(options)
         self.refuse_missing(options)
         for field in self.needs:
             if getattr(contact, field) is None:

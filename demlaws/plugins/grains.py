@@ -96,7 +96,7 @@ class Case:
         if not self.grains:
             raise DemlawsError("grains is empty: give at least one Grain(radius, material, surface)")
         definition = find(self.law)
-        object.__setattr__(self, "options", definition.read(self.options))
+        object.__setattr__(self, "options", definition.read_options(self.options))
         unloading = definition.default_rule(**self.options) if self.unloading is None else self.unloading
         object.__setattr__(self, "unloading", check_unloading(unloading))
         number(self.max_force, "max_force", "N")

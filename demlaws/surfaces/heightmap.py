@@ -309,7 +309,7 @@ class HeightMap:
         A `MapWarning` is issued for spikes, fillers, slopes above 1, and a Df out of this range.
         """
         dimension = None
-        plausibility.advise(self)
+        plausibility.warn_of_map(self)
         if self.sq > 0 and min(self.shape) >= 64:
             measured = self.fractal_dimension_by_boxes(wavelengths)
             for text in plausibility.dimension_doubts(measured, None):

@@ -78,7 +78,7 @@ class LawSource:
         bound = _bound_law(law)
         if bound is None:
             self.definition = find(law)
-            self.name, self.options = law, self.definition.read(options)
+            self.name, self.options = law, self.definition.read_options(options)
             self.unloading = self.definition.default_rule(**self.options)
             return
         self.definition, self.name, self.unloading = bound.definition, bound.name, bound.unloading
@@ -89,7 +89,7 @@ class LawSource:
             if bound.contact.size is not None:
                 raise DemlawsError("this table is bound to an array of contacts: bind it to one, table.bound_to(contact)")
             return
-        self.options = self.definition.read({**bound.options, **options})
+        self.options = self.definition.read_options({**bound.options, **options})
         if bound.contact.size is None and self.needs_one_contact:
             self.only = bound.contact.radius, bound.contact.modulus
         if self.unloading == GIVEN:

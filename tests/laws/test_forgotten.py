@@ -126,7 +126,7 @@ def test_a_quantity_that_a_law_does_not_use(law, name):
     """May be left out, of one contact and of an array: the same forces, and limits without it."""
     if name == "hardness" or find(law).needs_map:
         contact = dataclasses.replace(GRANITE, **{name: None})
-        assert find(law).shape(contact, **find(law).read(options_of(law))) is not None
+        assert find(law).shape(contact, **find(law).read_options(options_of(law))) is not None
         return
     for contact in (GRANITE, dataclasses.replace(GRANITE, radius=np.array([4e-3, 5e-3]))):
         law_with, law_without = (
