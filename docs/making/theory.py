@@ -15,7 +15,7 @@ from demlaws.errors import NotPassive
 from demlaws.laws import definition as laws_definition
 from demlaws.laws.registry import registry
 from demlaws.make import example_curve, example_law
-from making.formula import latex, lines, symbols_of
+from making.equations import EQUATIONS
 from making.links import relinked
 from making.symbols import SYMBOLS, meaning
 from making.words import GROUPS, WORDS
@@ -39,9 +39,9 @@ def quietly(function, *arguments, **options):
         return function(*arguments, **options)
 
 
-def equation(text):
-    """Formula blocks of a record's equation."""
-    return "".join(f"```{{math}}\n{latex(part)}\n```\n\n" for part in lines(text))
+def equation(name):
+    """Formula blocks of a law's equation."""
+    return "".join(f"```{{math}}\n{line}\n```\n\n" for line in EQUATIONS[name].lines)
 
 
 def table(head, rows):
@@ -176,9 +176,9 @@ def law_page(name, definition, folder):
         f"![Force and stiffness of {name}]({picture})\n",
         f"*Left: loading to {top:g} N and unloading. Right: tangent stiffness of first loading. Contact: {SHOWN}.*\n",
         "## Equation\n",
-        equation(definition.equation),
+        equation(name),
     ]
-    known = [(s, meaning(name, s)) for s in symbols_of(definition.equation)]
+    known = [(s, meaning(name, s)) for s in EQUATIONS[name].symbols.split()]
     rows = [(f"`{s}`", *reversed(match)) for s, match in known if match]
     if rows:
         text.append(table(["symbol", "unit", "meaning"], rows))
