@@ -387,7 +387,7 @@ def pressure_of(contact: Contact, value: Any, name: str) -> float:
 
 
 def surface_of(material: Material) -> Surface:
-    """The material's surface, of which nothing is known if it has none."""
+    """The material's surface, or an empty Surface."""
     return material.surface or Surface()
 
 

@@ -72,7 +72,7 @@ class ErrorCurve(NamedTuple):
     error: np.ndarray
 
     def error_at(self, place: float) -> float:
-        """Error there: below the first point it goes as the first two do (at least as the square root, at most in
+        """Error there: below the first point it is extrapolated from the first two (at least as the square root, at most in
         proportion); infinite beyond the last."""
         if place > self.place[-1] * (1.0 + 1e-9):
             return math.inf

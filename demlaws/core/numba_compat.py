@@ -80,7 +80,7 @@ def loop(function):
 
 
 def _kind(value):
-    """What numba's type of a value depends on, in a tenth of the time that numba takes to tell it."""
+    """What numba's type of a value depends on, in a tenth of the time that numba needs."""
     kind = type(value)
     if kind in _NUMBERS:
         return kind

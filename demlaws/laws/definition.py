@@ -311,8 +311,8 @@ class Definition(NamedTuple):
     def read_options(self, options: Mapping[str, Any]) -> dict[str, Any]:
         """Options as numbers in SI units, each read by its record (`Option`), those of the law before yield by its records.
 
-        The one place that reads options, of Python, commands, scenes, engines and files. None is an option that is not given,
-        where that is its default or it has none. An unknown option stays as it is: `shape` refuses it.
+        Options of Python, commands, scenes, engines and files are read here. None counts as not given if the default is None or
+        missing. An unknown option stays as it is: `shape` refuses it.
         """
         before, rest = self.before_yield(**options)
         inner = {} if before is None else before.read_options(rest)

@@ -177,7 +177,7 @@ def apply_forces(context, contact, law, geom, interaction, first, second, force)
 
 @kernel
 def own_step(mode, context, contact, geom, phys, row):
-    """The native law for a contact that `handles`."""
+    """The native law for a contact that is Mindlin's own."""
     law = view(contact.functor - context.functor_offset, objects.Functor)
     interaction = view(contact.interaction, objects.Interaction)
     first, second = view(contact.first, objects.State), view(contact.second, objects.State)

@@ -447,7 +447,7 @@ class Pairs:
 
     @property
     def needs_no_judgement(self):
-        """Whether materials that are not listed are known to be meant as they are served."""
+        """Whether the script has said how materials that are not listed are treated."""
         only_hertz = all(source.definition.computed == HERTZ_CURVE for source in self.sources)
         return self.smooth or only_hertz or self.everywhere is not None
 

@@ -100,7 +100,7 @@ def pairs_from(text):
 
 
 def user_laws(pairs):
-    """Names of the laws that take part which are not the package's: a name says nothing of their functions."""
+    """Names of the laws of this scene that are not the package's: their functions may differ under one name."""
     names = {definition.name for source in pairs.sources for definition in source.definitions()}
     return sorted(name for name in names if home_of(name) != home_of("hertz"))
 
