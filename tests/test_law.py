@@ -425,7 +425,7 @@ def test_bad_laws():
 def test_needs_and_warnings(name):
     """A law without what it needs is refused; outside its source's range a warning is issued, as Python's filters say."""
     definition = registry()[name]
-    for field in definition.needs:
+    for field in definition.loading.needs:
         with pytest.raises(dl.DemlawsError, match=f"needs the contact's {field}"):
             dl.law(name, GRANITE.with_values(**{field: None}), **options_of(name))
     law = dl.law(name, GRANITE, **options_of(name))

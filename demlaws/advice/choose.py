@@ -177,7 +177,9 @@ def _determined(contact):
         for d in registry().values()
         if (d.advice.rank or d.advice.candidate) and (d.advice.smooth or not np.all(contact.is_smooth))
     ]
-    return sorted((d for d in pool if all(getattr(contact, n) is not None for n in d.needs)), key=lambda d: -d.advice.rank)
+    return sorted(
+        (d for d in pool if all(getattr(contact, n) is not None for n in d.loading.needs)), key=lambda d: -d.advice.rank
+    )
 
 
 def _reaches(definition, scene):

@@ -150,7 +150,7 @@ class Model:
         contact, options = self.inputs(x)
         shape = self.definition.prepare(contact, **options)
         params = loops.bind_params(shape, contact)
-        kinks = self.definition.kinks(params, **options)
+        kinks = self.definition.loading.kinks(params, **options)
         return float(loops.force_loop(shape, params, np.array([max(kinks)]))[0][0]) if kinks else math.nan
 
     def joint_places(self, x, index):

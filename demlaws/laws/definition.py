@@ -263,8 +263,17 @@ class Bulk(NamedTuple):
 
 
 HERTZ_CURVE, CLOSED, ROOT, CELLS, MAP = "Hertz's curve", "closed form", "root", "cells", "cells of a map"
-"""How the force of a law is computed (`Definition.computed`): by Hertz's power law, which has no length of its own; in closed
+"""How the force of a law is computed (`Loading.computed`): by Hertz's power law, which has no length of its own; in closed
 form; as the root of an equation; from cells, a table from the start, of a curve that a solver gave; of one height map."""
+
+
+class Loading(NamedTuple):
+    """What first loading is computed from, and how."""
+
+    needs: tuple = ()  # names of Contact fields that must be given
+    kinks: Callable = no_kinks  # params, **options → overlaps [m] where dK/dδ or K jumps: a table puts nodes there
+    computed: str = CLOSED
+    bulk: Bulk | None = None  # of a law whose bulk yields
 
 
 _signature = functools.cache(inspect.signature)
@@ -285,12 +294,9 @@ class Definition(NamedTuple):
     source: str
     description: str
     limits: Callable = bulk_yield  # contact, **options → [Limit]
-    kinks: Callable = no_kinks  # params, **options → overlaps [m] where dK/dδ or K jumps: a table puts nodes there
-    bulk: Bulk | None = None  # of a law whose bulk yields
     length: str = "roughness"  # the contact's length that makes the law's curve dimensionless: "roughness" or "radius"
     collapses: bool = True  # one dimensionless curve serves all radii, moduli and roughnesses
-    computed: str = CLOSED
-    needs: tuple = ()  # names of Contact fields that must be given
+    loading: Loading = Loading()
     options: dict = {}  # noqa: RUF012  each option of `prepare` → Option
     unloading: tuple = ("elastic", "hertz")  # rules that it is fitted, chosen and measured with, the plainest first
     rules: Rules = Rules()
@@ -301,12 +307,12 @@ class Definition(NamedTuple):
     @property
     def solved(self) -> bool:
         """Whether the curve comes from a solver and is a table from the start."""
-        return self.computed in (CELLS, MAP)
+        return self.loading.computed in (CELLS, MAP)
 
     @property
     def needs_map(self) -> bool:
         """Whether the law is made from a height map, not from a roughness."""
-        return self.computed == MAP
+        return self.loading.computed == MAP
 
     def read_options(self, options: Mapping[str, Any]) -> dict[str, Any]:
         """Options as numbers in SI units, each read by its record (`Option`), those of the law before yield by its records.
@@ -341,7 +347,7 @@ class Definition(NamedTuple):
             raise DemlawsError(f"law {self.name!r}: {error}; {hint}") from None
         options = self.read_options(options)
         self.refuse_missing(options)
-        for field in self.needs:
+        for field in self.loading.needs:
             if getattr(contact, field) is None:
                 raise MissingQuantity.of(f"law {self.name!r}", field)
         try:
@@ -394,13 +400,17 @@ class Definition(NamedTuple):
 
     def bulk_radius(self, contact: Contact, **options: Any) -> Any:
         """R [m] of the shape that yields and unloads, one per contact: the contact's, unless an option gives another."""
-        radius = None if self.bulk is None else self.bulk.radius
+        radius = None if self.loading.bulk is None else self.loading.bulk.radius
         own = None if radius is None else radius(contact, **options)
         return contact.radius if own is None else own
 
     def before_yield(self, **options: Any) -> tuple:
         """(Definition, its options) of the law that holds before the bulk yields; (None, options) of other laws."""
-        return (None, options) if self.bulk is None or self.bulk.before is None else self.bulk.before(**options)
+        return (
+            (None, options)
+            if self.loading.bulk is None or self.loading.bulk.before is None
+            else self.loading.bulk.before(**options)
+        )
 
     def option_lines(self) -> Iterator[str]:
         """A line for each option: name, unit, range, default, meaning."""
@@ -417,5 +427,5 @@ class Definition(NamedTuple):
         """Names of Contact fields that must be given, those of the law before yield included."""
         definition, rest = self.before_yield(**options)
         if definition is None:
-            return self.needs
-        return tuple(dict.fromkeys((*self.needs, *definition.needed(**rest))))
+            return self.loading.needs
+        return tuple(dict.fromkeys((*self.loading.needs, *definition.needed(**rest))))

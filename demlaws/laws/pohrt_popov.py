@@ -20,6 +20,7 @@ from demlaws.laws.definition import (
     Drawing,
     Fitting,
     Limit,
+    Loading,
     Rules,
     bulk_yield,
     elastic_asperities,
@@ -133,8 +134,7 @@ LAW = Definition(
     source="Pohrt & Popov 2012, 2013; Altuhafi, Baudet & Coop 2023, Eqs. 7–9",
     description="self-affine roughness",
     limits=_limits,
-    kinks=lambda p: [1.0 / p.inverse_threshold],
-    needs=("roughness", "fractal_dimension"),
+    loading=Loading(needs=("roughness", "fractal_dimension"), kinks=lambda p: [1.0 / p.inverse_threshold]),
     rules=Rules(default="hertz"),
     fitting=Fitting(
         parameters={"roughness": ROUGHNESS, "fractal_dimension": DIMENSION}, free=("roughness", "fractal_dimension")

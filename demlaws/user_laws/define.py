@@ -14,7 +14,7 @@ from demlaws.core.cache import tag_of
 from demlaws.core.dispatch import bind, function_of_text, scalar
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, root_finder
 from demlaws.errors import DemlawsError, warn
-from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, Numbers, Option, check_name
+from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, Loading, Numbers, Option, check_name
 from demlaws.units import number
 
 _CONTACT = ("hertz_coefficient", "radius", "modulus", "roughness")
@@ -54,8 +54,8 @@ def define(
     options : dict, optional
         Name → default, or (default, unit, meaning); None for a required option.
     **facts
-        Fields of `Definition` or of its `Fitting`, `Advice` and `Drawing`, for instance equation, source, limits, kinks,
-        free, colour.
+        Fields of `Definition` or of its `Loading`, `Fitting`, `Advice` and `Drawing`, for instance equation, source, limits,
+        kinks, free, colour.
 
     Returns
     -------
@@ -119,9 +119,9 @@ def define(
 
 
 def _grouped(facts: dict[str, Any]) -> dict[str, Any]:
-    """Facts of a law with those of `Fitting`, `Advice` and `Drawing` as these records; "fitted" means `Fitting.parameters`."""
+    """Facts of a law, those of its records (`Loading`, `Fitting`, ...) in these; "fitted" means `Fitting.parameters`."""
     facts = {("parameters" if name == "fitted" else name): value for name, value in facts.items()}
-    kinds: dict[str, Any] = {"fitting": Fitting, "advice": Advice, "drawing": Drawing}
+    kinds: dict[str, Any] = {"loading": Loading, "fitting": Fitting, "advice": Advice, "drawing": Drawing}
     for name, kind in kinds.items():
         values = {field: facts.pop(field) for field in kind._fields if field in facts}
         if values:

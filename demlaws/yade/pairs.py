@@ -106,7 +106,7 @@ class LawSource:
     @property
     def needs_one_contact(self):
         """Whether the law's curve of first loading is solved for one R and E* alone: a height map's."""
-        return any(definition.needs_map for definition in self._loading_definitions())
+        return any(definition.loading.needs_map for definition in self._loading_definitions())
 
     def definitions(self):
         """Those that take part: the law's, its loading's, the unloading curve's. (A table stands for itself.)"""
@@ -144,7 +144,7 @@ class LawSource:
             dimension = 2.0  # without roughness it does not matter, but the law wants one
         radius, modulus = self.contacts(surface, modulus)
         contact = Contact(radius, modulus, surface.roughness, dimension, surface.hardness)
-        needs = self.definition.needs + (() if self.curve is None else self.curve.definition.needs)
+        needs = self.definition.loading.needs + (() if self.curve is None else self.curve.definition.loading.needs)
         if surface.roughness == 0.0 and any(getattr(contact, name) is None for name in needs):
             return None
         shape = self._bound(contact, unloading).shape
@@ -424,7 +424,7 @@ class Pairs:
         """Whether the bulk of contacts has passed the law's yield point: an array of bool; None: no law has one.
 
         highest: largest overlaps so far [m]."""
-        own = np.array([source is not None and source.definition.bulk is not None for _, source in self.combined])
+        own = np.array([source is not None and source.definition.loading.bulk is not None for _, source in self.combined])
         if not own.any():
             return None
         bulk = np.zeros(len(contacts), bool)
@@ -448,7 +448,7 @@ class Pairs:
     @property
     def needs_no_judgement(self):
         """Whether the script has said how materials that are not listed are treated."""
-        only_hertz = all(source.definition.computed == HERTZ_CURVE for source in self.sources)
+        only_hertz = all(source.definition.loading.computed == HERTZ_CURVE for source in self.sources)
         return self.smooth or only_hertz or self.everywhere is not None
 
     @property

@@ -113,7 +113,7 @@ def cautions(definition, law):
         sentences.append("It neglects roughness: a rough contact is far softer at low load.")
     if definition.needs_map:
         sentences.append("It needs a measured height map; with a roughness alone, use another law.")
-    if definition.computed == laws_definition.ROOT:
+    if definition.loading.computed == laws_definition.ROOT:
         sentences.append("Its force is the root of an equation, solved at each call: for many contacts use its table.")
     if definition.needs_map:
         sentences.append(

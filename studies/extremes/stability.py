@@ -89,7 +89,7 @@ def cases(laws=None, unloadings=None, evaluations=("closed form", "table")):
     """Every law that needs no height map, with each rule that it takes, in closed form and as a table."""
     found = []
     for name, definition in registry().items():
-        if definition.needs_map or (laws and name not in laws):
+        if definition.loading.needs_map or (laws and name not in laws):
             continue
         for rule in unloadings or definition.offered():
             try:
@@ -117,7 +117,7 @@ def contacts_for(case, count, random):
     if case.one_contact:
         return [case.bind(GRANITE, 0.9)]
     result = []
-    for dimension in DIMENSIONS if "fractal_dimension" in definition.needs else (GRANITE.fractal_dimension,):
+    for dimension in DIMENSIONS if "fractal_dimension" in definition.loading.needs else (GRANITE.fractal_dimension,):
         contact = extreme_contacts(count, random, dimension)
         if case.evaluation == "table":  # one curve for all; a table that scales with roughness has no smooth contacts
             contact = contact.with_values(roughness=np.maximum(contact.roughness, 1e-12 * contact.radius))
@@ -279,7 +279,7 @@ def _first_kinks(law, case, radius):
     """Overlaps [m] at which contacts first yield beyond R/10, where no law holds and pairs are not promised to be passive."""
     if case.evaluation == "table" or law.contact.size is None:
         return np.full(radius.size, np.inf)
-    kinks = law.definition.kinks
+    kinks = law.definition.loading.kinks
     found = (kinks(loading_part(params_at(law.params, i)), **law.options) for i in range(radius.size))
     return np.array([min((k for k in own if k > 0.1 * r), default=np.inf) for own, r in zip(found, radius, strict=True)])
 

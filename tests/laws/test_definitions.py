@@ -101,8 +101,8 @@ def test_a_yielding_law_needs_what_its_rough_law_needs(name):
     definition = find(name)
     for loading in ("pohrt-popov", "yip-venart", "hertz"):
         assert set(definition.needed(**definition.drawing.example, loading=loading)) == {
-            *definition.needs,
-            *find(loading).needs,
+            *definition.loading.needs,
+            *find(loading).loading.needs,
         }
 
 

@@ -171,7 +171,7 @@ def test_a_law_of_a_user_that_reads_roughness(registered_here):
     plain = dl.define("plain", lambda p, x: 1e6 * x, lambda p, x: 1e6)
     direct = dl.define("direct", lambda p, x: 1e6 * x * (1.0 + p.roughness), lambda p, x: 1e6 * (1.0 + p.roughness))
     indirect = dl.define("indirect", lambda p, x: 1e6 * x * helper(p), lambda p, x: 1e6 * helper(p))
-    assert plain.needs == () and direct.needs == indirect.needs == ("roughness",)
+    assert plain.loading.needs == () and direct.loading.needs == indirect.loading.needs == ("roughness",)
     dl.register(direct)
     with pytest.raises(MissingQuantity):
         dl.law("direct", dl.Contact(4e-3, 32e9))

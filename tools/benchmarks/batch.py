@@ -41,7 +41,7 @@ def goal(case):
     definition = registry()[case.law]
     if case.form == "table" or definition.solved:
         return TABULATED
-    if definition.computed not in (HERTZ_CURVE, CLOSED):
+    if definition.loading.computed not in (HERTZ_CURVE, CLOSED):
         return None
     return STATELESS if case.unloading == "elastic" and case.law != "rough-plastic" else HYSTERETIC
 
