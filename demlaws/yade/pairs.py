@@ -106,7 +106,7 @@ class LawSource:
     @property
     def needs_one_contact(self):
         """Whether the law's curve of first loading is solved for one R and E* alone: a height map's."""
-        return any(definition.loading.needs_map for definition in self._loading_definitions())
+        return any(definition.needs_map for definition in self._loading_definitions())
 
     def definitions(self):
         """Those that take part: the law's, its loading's, the unloading curve's. (A table stands for itself.)"""

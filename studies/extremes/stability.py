@@ -89,7 +89,7 @@ def cases(laws=None, unloadings=None, evaluations=("closed form", "table")):
     """Every law that needs no height map, with each rule that it takes, in closed form and as a table."""
     found = []
     for name, definition in registry().items():
-        if definition.loading.needs_map or (laws and name not in laws):
+        if definition.needs_map or (laws and name not in laws):
             continue
         for rule in unloadings or definition.offered():
             try:

@@ -18,7 +18,7 @@ from processes import PACKAGE, counted, python
 import demlaws as dl
 from demlaws.core.fastmath import sqrt
 from demlaws.laws import registry
-from demlaws.laws.definition import Advice, Fitting
+from demlaws.laws.definition import Advice, Fitting, Loading
 
 
 @pytest.fixture(autouse=True)
@@ -308,7 +308,7 @@ def test_a_law_that_does_not_collapse_says_so():
         {"equation": "two\nlines"},
         {"prepare": None},
         {"length": "diameter"},
-        {"needs": ("colour",)},
+        {"loading": Loading(needs=("colour",))},
         {"unloading": ("hertz",)},
         {"fitting": Fitting(free=("n",))},
     ],
