@@ -425,7 +425,7 @@ def pressure_of(contact: Contact, value: Any, name: str) -> float:
 
 
 def surface_of(material: Material) -> Surface:
-    """The material's surface, of which nothing is known if it has none."""
+    """The material's surface, or an empty Surface."""
     return material.surface or Surface()
 
 
@@ -435,7 +435,7 @@ def softer_hardness(*bodies: tuple[Material, Surface]) -> float | None:
     return min((hardness for hardness in hardnesses if hardness is not None), default=None)
 
 
-def unchecked(contact: Contact, changes: dict[str, float]) -> Contact:
+def replace_unchecked(contact: Contact, changes: dict[str, float]) -> Contact:
     """A copy with fields that are known to be admissible numbers, for the many trials of a search; `with_values` checks."""
     copy = object.__new__(Contact)
     for name, value in vars(contact).items():

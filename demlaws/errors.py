@@ -109,7 +109,7 @@ class TimeStepWarning(UserWarning):
 
 
 class ShapeWarning(UserWarning):
-    """A contact of a shape that is neither sphere nor flat has the distance from the body's centre as R, without a choice."""
+    """R of a level set or polyhedron is the distance from the body's centre: no `radius` was chosen."""
 
 
 def most_similar(word: object, known: Iterable[str], likeness: float = 0.6) -> str | None:

@@ -99,7 +99,7 @@ class Law(Response):
             return self.curve.collapses
         # Hertz's curve has no length of its own
         return other.collapses and (
-            other.definition.computed == HERTZ_CURVE or other.definition.length == self.definition.length
+            other.definition.loading.computed == HERTZ_CURVE or other.definition.length == self.definition.length
         )
 
     def kinks(self) -> list[float]:

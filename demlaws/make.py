@@ -57,7 +57,7 @@ def law(name: str, contact: Contact, unloading: str | os.PathLike | Law | None =
     return join(contact, curve, definition.default_rule(**curve.options) if unloading is None else unloading)
 
 
-def known_unloading(unloading: Any) -> "str | Law":
+def check_unloading(unloading: Any) -> "str | Law":
     """A rule that some law takes, or the law to follow, of an unloading that a user gives before the law is known."""
     unloading = read_unloading(unloading)
     if isinstance(unloading, Law) or (isinstance(unloading, str) and unloading in RULES):
@@ -69,7 +69,7 @@ def known_unloading(unloading: Any) -> "str | Law":
     return unloading
 
 
-def rebound(unloading, contact):
+def unloading_for(unloading, contact):
     """Unloading for another contact: a rule as it is, a law as the same law there, a table that collapses likewise."""
     if not isinstance(unloading, Law):
         return unloading
@@ -90,7 +90,7 @@ def example_curve(name, contact, **options):
     return law(name, contact.with_values(sigma=0.25 * np.asarray(contact.sigma_or_zero)), "elastic", **options)
 
 
-def example(name: str, contact: Contact, unloading: str | Law = "elastic", **options: Any) -> Law:
+def example_law(name: str, contact: Contact, unloading: str | Law = "elastic", **options: Any) -> Law:
     """Law `name` as tests and measurements make it, joined with any rule that it is offered."""
     curve = example_curve(name, contact, **options) if unloading == GIVEN else unloading
     return law(name, contact, curve, **{**find(name).drawing.example, **options})

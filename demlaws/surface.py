@@ -72,7 +72,7 @@ def read(
     ((64, 64), 2.0)
     """
     heights, scale = read_unchecked(path, pixel, unit, missing=missing, channel=channel)
-    plausibility.advise(heights, scale)
+    plausibility.warn_of_map(heights, scale)
     return heights
 
 

@@ -11,7 +11,7 @@ import pytest
 import demlaws as dl
 from demlaws.core.unloading import GIVEN
 from demlaws.laws.registry import registry
-from demlaws.make import example
+from demlaws.make import example_law
 
 GRANITE = dl.Contact(radius=4.35e-3, modulus=32.32e9, sigma=2.40e-6, fractal_dimension=2.22, hardness=6.266e9)
 SMOOTHER = dl.Contact(radius=4.04e-3, modulus=32.32e9, sigma=0.15e-6, fractal_dimension=2.075, hardness=6.266e9)
@@ -44,7 +44,7 @@ def options_of(name, contact=GRANITE):
 def make(name, unloading="elastic", contact="granite"):
     """The law of this name for an example contact; made once in a test session."""
     one = CONTACTS[contact]
-    return example(name, one, unloading, **options_of(name, one))
+    return example_law(name, one, unloading, **options_of(name, one))
 
 
 def overlaps(law, points=60):
@@ -71,7 +71,7 @@ def rules_of(name):
     """Rules with which a law is tested: all that it is offered; one that unloads in a way of its own, elastic and that way,
     since what the others compile is compiled for other laws."""
     definition = registry()[name]
-    return ["elastic", definition.default_rule()] if definition.unloads_its_own_way else list(definition.offered())
+    return ["elastic", definition.default_rule()] if definition.has_own_rule else list(definition.offered())
 
 
 def pairs(with_curves=("pohrt-popov", "yip-venart")):

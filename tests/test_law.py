@@ -18,7 +18,7 @@ from demlaws.curves.soundness import curve_checks
 from demlaws.curves.unloading import largest_stiffness_ratio
 from demlaws.errors import LargeOverlap
 from demlaws.laws.registry import registry
-from demlaws.make import example
+from demlaws.make import example_law
 from demlaws.surface import HeightMap
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -146,9 +146,9 @@ def test_contacts_in_arrays_follow_their_own_paths(name, unloading, rng):
         GRANITE.with_values(**{k: float(np.broadcast_to(getattr(batch, k), 5)[i]) for k in ("radius", "modulus", "sigma")})
         for i in range(batch.size)
     ]
-    many = example(name, batch, unloading, **options)
+    many = example_law(name, batch, unloading, **options)
     steps = rng.uniform(-1e-6, 1e-5, (20, 5))
-    paths = [example(name, one, unloading, **options).follow(x) for one, x in zip(ones, steps.T, strict=True)]
+    paths = [example_law(name, one, unloading, **options).follow(x) for one, x in zip(ones, steps.T, strict=True)]
     state = many.new_state(5) if many.state_size else None
     rtol = 1e-4 if registry()[name].solved else 32 * EPS  # solved laws blend two curves
     # what follows from δ - δp, a small difference of overlaps, has an absolute tolerance, on the scale of the path
@@ -425,7 +425,7 @@ def test_bad_laws():
 def test_needs_and_warnings(name):
     """A law without what it needs is refused; outside its source's range a warning is issued, as Python's filters say."""
     definition = registry()[name]
-    for field in definition.needs:
+    for field in definition.loading.needs:
         with pytest.raises(dl.DemlawsError, match=f"needs the contact's {field}"):
             dl.law(name, GRANITE.with_values(**{field: None}), **options_of(name))
     law = dl.law(name, GRANITE, **options_of(name))

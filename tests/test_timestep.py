@@ -11,7 +11,7 @@ from packings import CELLS, lattice, random_packing
 
 import demlaws as dl
 from demlaws.advice.scene import stable_step
-from demlaws.make import example
+from demlaws.make import example_law
 from demlaws.timestep import (
     SOFTENING_SAFETY,
     STEP_SAFETY,
@@ -147,7 +147,7 @@ def test_stiffest_tangent_of_a_history(name, unloading):
     """Contacts that have carried ten times their force."""
     law = make(name, unloading)
     grains = GRANITE.with_values(radius=GRANITE.radius * np.ones(2))
-    batch = example(name, grains, unloading, **options_of(name))
+    batch = example_law(name, grains, unloading, **options_of(name))
     peak = float(quiet(law.overlap, 20.0))
     state = law.new_state(1)
     quiet(law.follow, [peak], state)

@@ -26,7 +26,7 @@ import yade
 
 import demlaws as dl
 from demlaws.laws.registry import find
-from demlaws.make import example
+from demlaws.make import example_law
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
 from demlaws.yade.native import address
 from demlaws.yade.run import run
@@ -59,7 +59,7 @@ BRIDGE = {
 def of_rule(name, rule):
     """(law, rule, options) of one unloading rule of a law, for the spheres of `scene`."""
     contact = dl.Contact(RADIUS / 2, YOUNG / (1 - POISSON**2) / 2, ROUGHNESS, 2.22, 6.266e9)
-    return example(name, contact, rule), None, {}
+    return example_law(name, contact, rule), None, {}
 
 
 EVERY = {

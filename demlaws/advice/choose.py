@@ -25,7 +25,7 @@ from demlaws.laws import HERTZ
 from demlaws.laws.definition import bulk_yield
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
-from demlaws.make import rebound
+from demlaws.make import unloading_for
 from demlaws.responses.results import Tabular
 
 _MARGIN = 1.02  # between the points of the prediction an error may be a little larger
@@ -58,7 +58,7 @@ class Plan(NamedTuple):
     def bind(self, contact, max_force=None):
         """The law on a contact, or an array of contacts."""
         with quiet():
-            law = bind_law(self.name, contact, rebound(self.unload_by, contact), **dict(self.options))
+            law = bind_law(self.name, contact, unloading_for(self.unload_by, contact), **dict(self.options))
             return law.tabulate(self.rtol, max_force) if self.evaluation == "table" else law
 
 
@@ -177,7 +177,9 @@ def _determined(contact):
         for d in registry().values()
         if (d.advice.rank or d.advice.candidate) and (d.advice.smooth or not np.all(contact.is_smooth))
     ]
-    return sorted((d for d in pool if all(getattr(contact, n) is not None for n in d.needs)), key=lambda d: -d.advice.rank)
+    return sorted(
+        (d for d in pool if all(getattr(contact, n) is not None for n in d.loading.needs)), key=lambda d: -d.advice.rank
+    )
 
 
 def _reaches(definition, scene):
@@ -210,7 +212,7 @@ def reference_plan(scene):
         if scene.yield_pressure is not None:
             options = {"yield_pressure": scene.yield_pressure, "loading": definition.name, **options}
             definition = next(d for d in registry().values() if d.before_yield()[0] is not None)
-    options = definition.read(options)
+    options = definition.read_options(options)
     back = unloading_rule(scene, definition.name, options)
     if isinstance(back, Law):
         return Plan(definition.name, tuple(options.items()), GIVEN, "closed form", curve=back)

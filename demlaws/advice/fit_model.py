@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from demlaws.contact import unchecked
+from demlaws.contact import replace_unchecked
 from demlaws.core import loops
 from demlaws.core.history import history
 from demlaws.errors import DemlawsError, quiet
@@ -67,7 +67,7 @@ class Model:
         self.contact = contact.with_values(**fill)
         unseen = {n: one for n, one in self.definition.fitting.parameters.items() if one.unloading and n not in free}
         self.options = {n: float(np.ravel(one.starts(self.contact))[0]) for n, one in unseen.items()}
-        self.options |= self.definition.read(options)
+        self.options |= self.definition.read_options(options)
         self.definition.refuse_missing({*self.options, *free})
         self.measured, self.force = displacement, force
         self.linear = {n: column for n, column in ((COMPLIANCE, force), (DRIFT, course)) if n in free}
@@ -92,7 +92,7 @@ class Model:
         for name, value in self.values(x).items():
             if name not in APPARATUS:
                 (options if self.parameters[name].option else changes)[name] = value
-        return unchecked(self.contact, changes), options
+        return replace_unchecked(self.contact, changes), options
 
     def overlap(self, x):
         """Overlap [m] and tangent stiffness [N/m] at each force."""
@@ -150,7 +150,7 @@ class Model:
         contact, options = self.inputs(x)
         shape = self.definition.prepare(contact, **options)
         params = loops.bind_params(shape, contact)
-        kinks = self.definition.kinks(params, **options)
+        kinks = self.definition.loading.kinks(params, **options)
         return float(loops.force_loop(shape, params, np.array([max(kinks)]))[0][0]) if kinks else math.nan
 
     def joint_places(self, x, index):

@@ -20,7 +20,7 @@ from demlaws.contact import DENSITY
 from demlaws.errors import DemlawsError, quiet
 from demlaws.laws import USUAL
 from demlaws.make import law as bind_law
-from demlaws.make import rebound
+from demlaws.make import unloading_for
 from demlaws.timestep import STEP_SAFETY
 from demlaws.units import number
 
@@ -58,7 +58,7 @@ STEADY = 3e-4
 """I of the study's own runs at full modulus."""
 
 
-class Numbers(NamedTuple):
+class PackingNumbers(NamedTuple):
     """What a softened packing is at its mean force."""
 
     depth: float  # x: overlap over diameter
@@ -72,7 +72,7 @@ class ErrorCurve(NamedTuple):
     error: np.ndarray
 
     def error_at(self, place: float) -> float:
-        """Error there: below the first point it goes as the first two do (at least as the square root, at most in
+        """Error there: below the first point it is extrapolated from the first two (at least as the square root, at most in
         proportion); infinite beyond the last."""
         if place > self.place[-1] * (1.0 + 1e-9):
             return math.inf
@@ -102,8 +102,8 @@ def curves(process: str, quantity: str, unloads: bool) -> ErrorCurves:
     return ErrorCurves(**fits, chance=entries["chance"])
 
 
-def numbers_of(scene: Scene, name: str, options: dict, factor: float) -> Numbers:
-    """`Numbers` of a scene's grains of law `name` under its largest pressure, softened by `factor`."""
+def numbers_of(scene: Scene, name: str, options: dict, factor: float) -> PackingNumbers:
+    """`PackingNumbers` of a scene's grains of law `name` under its largest pressure, softened by `factor`."""
     if scene.pressure is None:
         raise DemlawsError("softening is advised for a packing under pressure: give the scene its pressure in Pa")
     radius, pressure, softening = 0.25 * (scene.radii[0] + scene.radii[1]), scene.pressure[1], Softening(factor)
@@ -112,7 +112,7 @@ def numbers_of(scene: Scene, name: str, options: dict, factor: float) -> Numbers
         law = bind_law(name, max(scene.contacts(radius), key=lambda c: c.modulus), **options)
         overlap = float(law.overlap(force))
         kappa = float(law.stiffness(overlap)) * softening.stiffness / (pressure * diameter)
-    return Numbers(overlap * softening.overlap / diameter, kappa)
+    return PackingNumbers(overlap * softening.overlap / diameter, kappa)
 
 
 def _inertial_of_rate(scene):
@@ -127,7 +127,7 @@ class SofteningAdvice(NamedTuple):
     factor: float
     inertial: float  # I
     rate: float  # strain rate [1/s] of that I
-    numbers: Numbers
+    numbers: PackingNumbers
     geometry: float  # predicted error of each cause; not a number: not measured
     waves: float
     coarse: float  # of the time step
@@ -229,7 +229,7 @@ def predict(
 
     def bind(contact):
         with quiet():
-            return bind_law(law, contact, rebound(rule, contact), **options)
+            return bind_law(law, contact, unloading_for(rule, contact), **options)
 
     rule = unloading_rule(scene, law, options)  # of many a law unloading is stiffer than loading
     stable = stable_step(scene, bind) * Softening(factor).step
@@ -257,7 +257,7 @@ def advise(scene: Scene, law: str = USUAL, options: dict | None = None, ways: tu
     if scene.rate is not None and scene.process != "pour":
         numbers_of(scene, law, options, 1.0)  # refuses a scene without a pressure
         highest = scene.rate * _inertial_of_rate(scene)
-    numbers: dict[float, Numbers] = {}
+    numbers: dict[float, PackingNumbers] = {}
     for factor, fastest, part in sorted(ways, key=lambda way: _steps(scene, way[0], min(way[1], highest), way[2])):
         inertial = min(fastest, highest)
         try:

@@ -26,7 +26,7 @@ from demlaws.errors import DemlawsError, NotPassive, did_you_mean
 from demlaws.files import as_path, names_a_file, read_text
 from demlaws.law import Law
 from demlaws.laws.registry import find
-from demlaws.make import known_unloading
+from demlaws.make import check_unloading
 from demlaws.make import law as bind_law
 from demlaws.timestep import shear_ratio, timestep
 from demlaws.units import number, positive
@@ -162,7 +162,7 @@ class Scene:
             if not isinstance(getattr(self, label), str) or getattr(self, label) not in words:
                 raise DemlawsError(f"{label} = {getattr(self, label)!r}: choose one of {', '.join(filter(None, words))}")
         if self.reference is not None:
-            object.__setattr__(self, "reference_options", find(self.reference).read(self.reference_options))
+            object.__setattr__(self, "reference_options", find(self.reference).read_options(self.reference_options))
         if self.unloading is not None:
             self._check_unloading()
 
@@ -170,7 +170,7 @@ class Scene:
         """Replace `unloading` by a rule's name, or by the law or table of a path."""
         if not isinstance(self.unloading, str | os.PathLike | Law):
             raise DemlawsError(f"unloading = {self.unloading!r:.60}: give a rule's name, a law, a table, or a table's path")
-        object.__setattr__(self, "unloading", known_unloading(self.unloading))
+        object.__setattr__(self, "unloading", check_unloading(self.unloading))
         if not self.unloads:
             rule = GIVEN if isinstance(self.unloading, Law) else self.unloading
             raise DemlawsError(f"unloading = {rule!r}: contacts unload where cyclic = true, or quantity = 'restitution'")

@@ -122,7 +122,7 @@ class Softening:
         definition = find(law)
         if definition.advice.rigid:
             raise DemlawsError(f"law {law!r} cannot be softened: {definition.advice.rigid}")
-        options = definition.read(options)
+        options = definition.read_options(options)
         if definition.before_yield()[0] is not None:
             before, rest = definition.before_yield(**options)
             inner = self.options(before.name, rest)

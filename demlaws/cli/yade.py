@@ -83,7 +83,7 @@ def _check(arguments, result):
 
 
 def _run(arguments, _):
-    from demlaws.yade.run import become, command, run_batch
+    from demlaws.yade.run import command, exec_yade, run_batch
 
     if arguments.script is None:
         raise DemlawsError("no script was given: demlaws yade run [options] SCRIPT [its arguments]")
@@ -95,4 +95,4 @@ def _run(arguments, _):
         raise DemlawsError("--json is not available for yade run: the script prints to the standard output itself")
     options = {"gui": arguments.gui, "batch": arguments.batch, "stay": not arguments.leave, "options": arguments.yade_options}
     line = command(arguments.script, arguments.arguments, arguments.threads, **options)
-    return become(line) if arguments.batch is None else run_batch(line)
+    return exec_yade(line) if arguments.batch is None else run_batch(line)

@@ -1,13 +1,14 @@
-"""Folders for machine code, each named by the content of all that the code depends on.
+"""A folder for machine code, in files named by the content of all that the code depends on.
 
 numba's cache (`cache=True`) keeps machine code beside the file that a function is in, or below NUMBA_CACHE_DIR in a folder
 named by that file's, and notices a change of this file, not of the kernels that a loop inlines. So a loop is compiled as if it
-were in a file of its own, in a folder for it and the types of its arguments; processes that write at once write the same there.
-No setting of numba is changed: other threads share it. No folder is removed: `demlaws-…` of former versions may be deleted at
-any time.
+were in a file of this folder, under a name of its own for it and the types of its arguments. numba keeps no checksum, and
+damaged machine code gives wrong numbers or ends the process: digests of its files are kept beside them. No setting of numba is
+changed: other threads share it. No folder is removed: `demlaws-…` of former versions may be deleted at any time.
 """
 
 import contextlib
+import fcntl
 import functools
 import itertools
 import os
@@ -28,6 +29,8 @@ _KNOWN = {"demlaws", "numba", "numpy", "math", "cmath", "builtins", "operator", 
 """Packages whose functions are identified by their names: the digest of its files, or numba's version, stands for the rest."""
 UNKNOWN = "unknown"
 """In the names of types that each process compiles again."""
+_MOST = 3000
+"""Machine codes that are kept, the newest (some 0.1 MB each): a program may define laws without end."""
 _count = itertools.count(1)
 
 
@@ -55,8 +58,8 @@ def _is_writable(folder):
     return True
 
 
-def folder_of(function, kinds, constants):
-    """Folder for the machine code of a function for arguments of these numba types, with these values (a dict) of its globals;
+def name_of(function, kinds, constants):
+    """Name for the machine code of a function for arguments of these numba types, with these values (a dict) of its globals;
     None if the code must be compiled in every process: something that it depends on is unknown, or no folder may be written.
     The names of users' types contain what their kernels depend on (`tag_of`).
     """
@@ -67,29 +70,61 @@ def folder_of(function, kinds, constants):
         loop = content_key(function)
     if loop is None or UNKNOWN in arguments or _common_folder() is None:
         return None
-    return _common_folder() / f"{function.__qualname__}-{digest(loop, arguments)[:24]}"
+    return f"{function.__name__}_{digest(function.__qualname__, loop, arguments)[:24]}"
 
 
-def is_placed(function, folder):
-    """Whether a process has placed the function in this folder before: its machine code is there, or being compiled."""
-    return (folder / f"{function.__name__}.py").exists()
+def is_whole(name):
+    """Whether the machine code of this name is kept, every byte as it was written."""
+    try:
+        lines = _digests(name).read_text().splitlines()
+        return bool(lines) and all(_file_digest(_common_folder().parent / file) == key for key, file in map(str.split, lines))
+    except (OSError, ValueError):
+        return False
 
 
-def placed(function, folder):
-    """The same function as if it were in a file of this folder, which is made: numba keeps its machine code there.
+def _digests(name):
+    return _common_folder() / f"{name}.digests"
 
-    The file is the same wherever it is made, so that code which another process kept is found again.
+
+@contextlib.contextmanager
+def placed(function, name):
+    """The same function as if it were of this name in a file of the folder, whose machine code numba loads or keeps within this
+    block; other processes that want the same code wait. What is damaged or half-written is removed before.
     """
-    file = folder / f"{function.__name__}.py"
+    folder = _common_folder()
+    with open(folder / "lock", "ab") as lock:
+        with contextlib.suppress(OSError):  # a file system without locks: they compile at the same time
+            fcntl.lockf(lock, fcntl.LOCK_EX, 1, int(digest(name)[:15], 16))  # one byte for each name
+        if is_whole(name):
+            yield _as_in_file(function, name)
+            return
+        _remove(name)
+        yield _as_in_file(function, name)
+        kept = {file.relative_to(folder.parent): _file_digest(file) for file in _files(f"demlaws.{name}-*")}
+        _digests(name).write_text("".join(f"{key} {file}\n" for file, key in kept.items()))
+        for old in sorted(folder.glob("*.digests"), key=os.path.getmtime)[:-_MOST]:
+            _remove(old.stem)
+
+
+def _files(pattern):
+    """Files of numba's in the folder: in its __pycache__, or in one beside it that is named by it (NUMBA_CACHE_DIR)."""
+    folder = _common_folder()
+    return [file for place in folder.parent.glob(f"{folder.name}*") for file in place.rglob(pattern)]
+
+
+def _remove(name):
+    for file in _files(f"*{name}*"):
+        file.unlink(missing_ok=True)
+
+
+def _as_in_file(function, name):
+    file = _common_folder() / "demlaws.py"
     if not file.exists():
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile("w", dir=folder, delete=False) as temporary:
-            temporary.write(f"# Machine code of {function.__module__}.{function.__qualname__} is kept beside this file.\n")
-        os.utime(temporary.name, (0, 0))
-        os.replace(temporary.name, file)
+        file.touch()
+        os.utime(file, (0, 0))  # some versions of numba compare its time
     code = function.__code__.replace(co_filename=str(file))
-    copy = FunctionType(code, function.__globals__, function.__name__, function.__defaults__, function.__closure__)
-    copy.__qualname__, copy.__module__ = function.__qualname__, function.__module__
+    copy = FunctionType(code, function.__globals__, name, function.__defaults__, function.__closure__)
+    copy.__qualname__, copy.__module__ = name, function.__module__
     return copy
 
 
@@ -120,17 +155,30 @@ def tag_of(*things):
     return f"{UNKNOWN}{next(_count)}" if key is None else digest(key)[:16]
 
 
-def content_key(thing, inside=()):
+def content_key(thing):
     """Text that identifies a value or a function, with all that it calls or uses, for compiled code; None if unknown.
 
-    inside: the functions that lead to it; it is the same text whatever was visited before.
+    Users' helpers that numba compiled for Python are compiled again where a global that they use has changed.
     """
+    seen = {}
+    key = _key(thing, seen)
+    for helper in seen.values():
+        if hasattr(helper, "recompile"):
+            own = _key(helper, {})
+            if getattr(helper, "demlaws_key", own) != own:
+                helper.recompile()
+            helper.demlaws_key = own
+    return key
+
+
+def _key(thing, seen):
+    """seen: functions met so far (function → what holds it); one that is met again is named by its number."""
     if isinstance(thing, (bool, int, float, complex, str, bytes, type(None), np.generic, np.dtype, numba.types.Type)):
         return repr(thing)
     if isinstance(thing, np.ndarray):
         return None if thing.dtype.hasobject else digest(str(thing.dtype), thing.shape, np.ascontiguousarray(thing).tobytes())
     if isinstance(thing, tuple | list | dict):
-        parts = [content_key(part, inside) for part in (thing.items() if isinstance(thing, dict) else thing)]
+        parts = [_key(part, seen) for part in (thing.items() if isinstance(thing, dict) else thing)]
         return None if None in parts else f"{type(thing).__qualname__}({','.join(parts)})"
     function = getattr(thing, "py_func", None) or getattr(thing, "_defn", None) or thing  # of a dispatcher, an intrinsic
     module, code = getattr(function, "__module__", None), getattr(function, "__code__", None)
@@ -139,27 +187,23 @@ def content_key(thing, inside=()):
         return f"{module}.{thing.__qualname__}{getattr(thing, '_fields', '')}{file}"
     if isinstance(thing, np.ufunc) or (is_known(module) and not getattr(function, "__closure__", None)):
         return f"{module}.{getattr(function, '__qualname__', repr(function))}"
-    if code is None or function in inside:
-        return None if code is None else f"itself, {len(inside) - inside.index(function)} up"
-    parts = _parts_of_function(function, code, (*inside, function))
-    key = None if None in parts else digest(*parts)
-    if hasattr(thing, "recompile"):  # a user's helper whose globals may have changed
-        if getattr(thing, "demlaws_key", key) != key:
-            thing.recompile()
-        thing.demlaws_key = key
-    return key
+    if code is None or function in seen:
+        return None if code is None else f"function {list(seen).index(function)}"
+    seen[function] = thing
+    parts = _parts_of_function(function, code, seen)
+    return None if None in parts else digest(*parts)
 
 
-def _parts_of_function(function, code, inside):
+def _parts_of_function(function, code, seen):
     # the whole file as well: the code of a numba stub does not identify its implementation
-    parts = [_code_digest(code), _file_digest(code.co_filename), content_key(function.__defaults__, inside)]
-    parts += [content_key(cell.cell_contents, inside) for cell in function.__closure__ or ()]
+    parts = [_code_digest(code), _file_digest(code.co_filename), _key(function.__defaults__, seen)]
+    parts += [_key(cell.cell_contents, seen) for cell in function.__closure__ or ()]
     names = sorted(_names(code))
     for value in (function.__globals__[name] for name in names if name in function.__globals__):
         if not isinstance(value, type(sys)):
-            parts.append(content_key(value, inside))
+            parts.append(_key(value, seen))
         elif not is_known(value.__name__):
-            parts += [content_key(getattr(value, name), inside) for name in names if hasattr(value, name)]
+            parts += [_key(getattr(value, name), seen) for name in names if hasattr(value, name)]
     return parts
 
 

@@ -70,8 +70,8 @@ def loop(function):
         variant = compiled.get(key)
         if variant is None:
             kinds = tuple(map(numba.typeof, arguments))
-            folder = cache.folder_of(function, kinds, {})
-            variant = compiled[key] = _kept(function, folder, lambda f, keep: numba.njit(kinds, cache=keep, **OPTIONS)(f))
+            name = cache.name_of(function, kinds, {})
+            variant = compiled[key] = _kept(function, name, lambda f, keep: numba.njit(kinds, cache=keep, **OPTIONS)(f))
         return variant(*arguments)
 
     call.py_func = function
@@ -80,7 +80,7 @@ def loop(function):
 
 
 def _kind(value):
-    """What numba's type of a value depends on, in a tenth of the time that numba takes to tell it."""
+    """What numba's type of a value depends on, in a tenth of the time that numba needs."""
     kind = type(value)
     if kind in _NUMBERS:
         return kind
@@ -100,24 +100,20 @@ def callback(signature, function, constants):
         raise DemlawsError("NUMBA_DISABLE_JIT is set: YADE calls compiled functions; unset it")
     bound = FunctionType(function.__code__, {**function.__globals__, **constants}, function.__name__)
     bound.__qualname__ = function.__qualname__
-    folder = cache.folder_of(function, signature.args, constants)
-    return _kept(bound, folder, lambda f, keep: numba.cfunc(signature, cache=keep, **OPTIONS)(f))
+    name = cache.name_of(function, signature.args, constants)
+    return _kept(bound, name, lambda f, keep: numba.cfunc(signature, cache=keep, **OPTIONS)(f))
 
 
-def _kept(function, folder, compiled):
-    """compiled(function, keep): numba's dispatcher or callback, whose machine code is kept in this folder, if there is one."""
-    known = folder is not None and cache.is_placed(function, folder)  # loading may take long, too, on a busy machine
+def _kept(function, name, compiled):
+    """compiled(function, keep): numba's dispatcher or callback, whose machine code is kept under this name, if there is one."""
+    known = name is not None and cache.is_whole(name)  # loading may take long, too, on a busy machine
     with _compiling, contextlib.nullcontext() if known else announced():
-        if folder is not None:
+        if name is not None:
             try:
-                return compiled(cache.placed(function, folder), True)
-            except numba.errors.NumbaError:
-                raise
-            except Exception as error:  # whatever a corrupt file leads to, or a full disk
-                plain = compiled(function, False)  # raises the error of a function that is wrong
-                text = f"{folder} keeps no machine code, each process compiles it again; remove this folder: {error}"
-                warn(text, UserWarning)
-                return plain
+                with cache.placed(function, name) as ours:
+                    return compiled(ours, True)
+            except OSError as error:  # a full disk
+                warn(f"machine code cannot be kept, each process compiles it again: {error}", UserWarning)
         return compiled(function, False)
 
 

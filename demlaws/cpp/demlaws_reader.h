@@ -44,7 +44,7 @@ inline bool plain_number(const std::string &text, double &x) {
 }
 
 // A range of force outside which the law's source does not support it, and why. FORCE_ABOVE, FORCE_BELOW: force over
-// E* sqrt(R) length^1.5; BULK_YIELD: central pressure over hardness (demlaws/criterion.py).
+// E* sqrt(R) length^1.5; BULK_YIELD: central pressure over hardness (demlaws/solvers/criterion.py).
 struct Limit {
   enum Kind { FORCE_ABOVE, FORCE_BELOW, BULK_YIELD } kind;
   double value;

@@ -26,7 +26,7 @@ class ClosedForm:
     def __init__(self, definition: Definition, contact: Contact, options: dict):
         self.definition = definition
         self.shape = definition.shape(contact, **options)
-        self.options = definition.read(options)
+        self.options = definition.read_options(options)
         self.collapses = definition.collapses  # one dimensionless curve serves all contacts
         if is_user_defined(definition) and not isinstance(self.shape, TableShape):
             from demlaws.curves.soundness import refuse_unsound
@@ -35,7 +35,7 @@ class ClosedForm:
 
     def kinks(self, p: Any) -> list[float]:
         """Overlaps [m] at which the stiffness of one contact's curve jumps or has a kink."""
-        return list(self.definition.kinks(p, **self.options))
+        return list(self.definition.loading.kinks(p, **self.options))
 
     def end(self, params: Any) -> float:
         """Overlap [m] at which the curve ends."""
@@ -47,9 +47,9 @@ class ClosedForm:
 
     def bulk(self, p: Any, hertz_coefficient: float, length: float, highest: float) -> BulkYield:
         """`BulkYield` in units of `length` [m], where the bulk yields below the dimensionless overlap `highest`."""
-        if self.definition.bulk is None or p.hertz_coefficient != hertz_coefficient:
+        if self.definition.loading.bulk is None or p.hertz_coefficient != hertz_coefficient:
             return NO_YIELD  # rows scale with R, the area of a blunter bulk does not
-        overlap, area, slope = self.definition.bulk.point(p)
+        overlap, area, slope = self.definition.loading.bulk.point(p)
         if not overlap / length < highest:
             return NO_YIELD
         return BulkYield(area / length, slope * p.hertz_coefficient * math.sqrt(length))

@@ -52,7 +52,7 @@ _COLUMNS = {
     "force": (("force", "load"), UNITS["N"]),
 }
 _NOT_VALUES = ("increment", "error", "uncertainty", "deviation")
-"""Words of titles whose column has the unit of a displacement or a force and is none."""
+"""Title words that exclude a column, though its unit fits."""
 _BRACKETS = re.compile(r"[(\[]([^()\[\]]*)[)\]]")
 LARGEST = 1e12
 """Forces [N] and displacements [m] beyond which a value is no measurement."""

@@ -161,7 +161,7 @@ def _definition(section, rule, collapses, length):
     options = {key.removeprefix("option_"): _option(v) for key, v in section.values.items() if key.startswith("option_")}
     try:
         definition = find(name)
-        options = definition.read(options)
+        options = definition.read_options(options)
     except DemlawsError:  # also where the law that it takes before yield is not installed
         length = "radius" if length == "radius" else "roughness"
         description = section.values.get("description", "")

@@ -135,7 +135,7 @@ def law_keys():
                     both=True,
                 )
                 for option, record in definition.options.items()
-            ] + [OF_CONTACT[field]._replace(need="always") for field in definition.needs]
+            ] + [OF_CONTACT[field]._replace(need="always") for field in definition.loading.needs]
     return found
 
 

@@ -19,6 +19,7 @@ from demlaws.laws.definition import (
     Definition,
     Drawing,
     Limit,
+    Loading,
     Numbers,
     Option,
     Rules,
@@ -29,7 +30,7 @@ from demlaws.laws.family import CurveNumber, FamilyShape, shared_grid
 from demlaws.laws.hertz import HertzShape
 from demlaws.solvers.criterion import transition_force
 from demlaws.surface import HeightMap, read, self_affine
-from demlaws.surfaces.plausibility import advise
+from demlaws.surfaces.plausibility import warn_of_map
 
 _BITS = 6  # cells per octave
 _SAMPLES = 12  # cuts of the map per octave
@@ -194,7 +195,7 @@ def _map(surface):
             "law 'asperity' needs surface, a demlaws.surface.HeightMap (form removed) or the path of a map, "
             f"got {type(surface).__name__}"
         )
-    advise(surface)
+    warn_of_map(surface)
     return surface
 
 
@@ -236,7 +237,7 @@ LAW = Definition(
     equation="P = Σ elastic-plastic ellipsoids, one per contact patch of the cut height map, with its area and volume",
     source="Jamari & Schipper, Wear 262 (2007) 138; Wear 264 (2008) 349",
     description="measured surface, deterministic asperities",
-    computed=MAP,
+    loading=Loading(computed=MAP),
     limits=_limits,
     collapses=False,
     rules=Rules(default="hertz"),

@@ -16,6 +16,7 @@ from demlaws.laws.definition import (
     Drawing,
     Fitting,
     Limit,
+    Loading,
     Numbers,
     Option,
     bulk_yield,
@@ -183,10 +184,8 @@ LAW = Definition(
     source="Bahrami, Yovanovich & Culham 2005; Altuhafi, Baudet & Coop 2023, Eqs. 12–14, κ and exponents mended",
     description="plastic asperities, compact",
     limits=_limits,
-    kinks=lambda p, **_: [p.joint_overlap * p.sigma],
+    loading=Loading(needs=("sigma", "hardness"), kinks=lambda p, **_: [p.joint_overlap * p.sigma], computed=ROOT),
     collapses=False,
-    computed=ROOT,
-    needs=("sigma", "hardness"),
     options={
         "constant": Option(
             "", Numbers(1.5, 1.7, True), "of the published correlation; the default makes it continuous (printed: 1.605)"

@@ -159,7 +159,7 @@ POSITIVE = Numbers(0.0)
 
 
 class Option(NamedTuple):
-    """A law's option: `Definition.read` reads values by this record. Its default is in the signature of `prepare`.
+    """A law's option: `Definition.read_options` reads values by this record. Its default is in the signature of `prepare`.
 
     An option with a range (`Numbers`), or with a unit, is a number, or text with a unit. Any other one is what its `prepare`
     makes of it: a word, a file. One without a default is needed.
@@ -263,8 +263,17 @@ class Bulk(NamedTuple):
 
 
 HERTZ_CURVE, CLOSED, ROOT, CELLS, MAP = "Hertz's curve", "closed form", "root", "cells", "cells of a map"
-"""How the force of a law is computed (`Definition.computed`): by Hertz's power law, which has no length of its own; in closed
+"""How the force of a law is computed (`Loading.computed`): by Hertz's power law, which has no length of its own; in closed
 form; as the root of an equation; from cells, a table from the start, of a curve that a solver gave; of one height map."""
+
+
+class Loading(NamedTuple):
+    """What first loading is computed from, and how."""
+
+    needs: tuple = ()  # names of Contact fields that must be given
+    kinks: Callable = no_kinks  # params, **options → overlaps [m] where dK/dδ or K jumps: a table puts nodes there
+    computed: str = CLOSED
+    bulk: Bulk | None = None  # of a law whose bulk yields
 
 
 _signature = functools.cache(inspect.signature)
@@ -285,12 +294,9 @@ class Definition(NamedTuple):
     source: str
     description: str
     limits: Callable = bulk_yield  # contact, **options → [Limit]
-    kinks: Callable = no_kinks  # params, **options → overlaps [m] where dK/dδ or K jumps: a table puts nodes there
-    bulk: Bulk | None = None  # of a law whose bulk yields
     length: str = "roughness"  # the contact's length that makes the law's curve dimensionless: "roughness" or "radius"
     collapses: bool = True  # one dimensionless curve serves all radii, moduli and roughnesses
-    computed: str = CLOSED
-    needs: tuple = ()  # names of Contact fields that must be given
+    loading: Loading = Loading()
     options: dict = {}  # noqa: RUF012  each option of `prepare` → Option
     unloading: tuple = ("elastic", "hertz")  # rules that it is fitted, chosen and measured with, the plainest first
     rules: Rules = Rules()
@@ -301,21 +307,21 @@ class Definition(NamedTuple):
     @property
     def solved(self) -> bool:
         """Whether the curve comes from a solver and is a table from the start."""
-        return self.computed in (CELLS, MAP)
+        return self.loading.computed in (CELLS, MAP)
 
     @property
     def needs_map(self) -> bool:
         """Whether the law is made from a height map, not from a roughness."""
-        return self.computed == MAP
+        return self.loading.computed == MAP
 
-    def read(self, options: Mapping[str, Any]) -> dict[str, Any]:
+    def read_options(self, options: Mapping[str, Any]) -> dict[str, Any]:
         """Options as numbers in SI units, each read by its record (`Option`), those of the law before yield by its records.
 
-        The one place that reads options, of Python, commands, scenes, engines and files. None is an option that is not given,
-        where that is its default or it has none. An unknown option stays as it is: `shape` refuses it.
+        Options of Python, commands, scenes, engines and files are read here. None counts as not given if the default is None or
+        missing. An unknown option stays as it is: `shape` refuses it.
         """
         before, rest = self.before_yield(**options)
-        inner = {} if before is None else before.read(rest)
+        inner = {} if before is None else before.read_options(rest)
         signature, values = _signature(self.prepare).parameters, {}
         for name, value in options.items():
             if value is None and name in signature and signature[name].default in (None, _REQUIRED):
@@ -339,9 +345,9 @@ class Definition(NamedTuple):
                 raise DemlawsError(f"law {self.name!r} has no options, got {wrong[0]!r}") from None
             hint = f"its options are {', '.join(self.options)} (demlaws laws {self.name})"
             raise DemlawsError(f"law {self.name!r}: {error}; {hint}") from None
-        options = self.read(options)
+        options = self.read_options(options)
         self.refuse_missing(options)
-        for field in self.needs:
+        for field in self.loading.needs:
             if getattr(contact, field) is None:
                 raise MissingQuantity.of(f"law {self.name!r}", field)
         try:
@@ -372,7 +378,7 @@ class Definition(NamedTuple):
         return rule if isinstance(rule, str) else rule(**options)
 
     @property
-    def unloads_its_own_way(self) -> bool:
+    def has_own_rule(self) -> bool:
         """Whether the default is a rule of plastic contacts: the law yields by itself."""
         return self.default_rule() not in ("elastic", "hertz")
 
@@ -394,13 +400,17 @@ class Definition(NamedTuple):
 
     def bulk_radius(self, contact: Contact, **options: Any) -> Any:
         """R [m] of the shape that yields and unloads, one per contact: the contact's, unless an option gives another."""
-        radius = None if self.bulk is None else self.bulk.radius
+        radius = None if self.loading.bulk is None else self.loading.bulk.radius
         own = None if radius is None else radius(contact, **options)
         return contact.radius if own is None else own
 
     def before_yield(self, **options: Any) -> tuple:
         """(Definition, its options) of the law that holds before the bulk yields; (None, options) of other laws."""
-        return (None, options) if self.bulk is None or self.bulk.before is None else self.bulk.before(**options)
+        return (
+            (None, options)
+            if self.loading.bulk is None or self.loading.bulk.before is None
+            else self.loading.bulk.before(**options)
+        )
 
     def option_lines(self) -> Iterator[str]:
         """A line for each option: name, unit, range, default, meaning."""
@@ -417,14 +427,14 @@ class Definition(NamedTuple):
         """Names of Contact fields that must be given, those of the law before yield included."""
         definition, rest = self.before_yield(**options)
         if definition is None:
-            return self.needs
-        return tuple(dict.fromkeys((*self.needs, *definition.needed(**rest))))
+            return self.loading.needs
+        return tuple(dict.fromkeys((*self.loading.needs, *definition.needed(**rest))))
 
 
 def with_sigma(definition: Definition) -> Definition:
     """The definition, σ of the pair by its own name where it is called `roughness`, with a FutureWarning."""
     fitting = definition.fitting
-    if "roughness" in definition.options or "roughness" not in {*definition.needs, *fitting.free, *fitting.parameters}:
+    if "roughness" in definition.options or "roughness" not in {*definition.loading.needs, *fitting.free, *fitting.parameters}:
         return definition
     warn_of_roughness()
 
@@ -433,5 +443,6 @@ def with_sigma(definition: Definition) -> Definition:
 
     parameters = dict(zip(named(fitting.parameters), fitting.parameters.values(), strict=True))
     return definition._replace(
-        needs=named(definition.needs), fitting=fitting._replace(parameters=parameters, free=named(fitting.free))
+        loading=definition.loading._replace(needs=named(definition.loading.needs)),
+        fitting=fitting._replace(parameters=parameters, free=named(fitting.free)),
     )

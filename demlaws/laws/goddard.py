@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import cbrt, hertz_coefficient, hertz_overlap, kernel, sqrt
-from demlaws.laws.definition import Definition, Drawing, Fitting, Numbers, Option, Parameter, slope_softens
+from demlaws.laws.definition import Definition, Drawing, Fitting, Loading, Numbers, Option, Parameter, slope_softens
 from demlaws.laws.pohrt_popov import transition_energy
 
 _RATIO = 4.0 / 3.0  # δ*/δ_H(P*): a cone's overlap over Hertz's at the load where they have one stiffness
@@ -73,7 +73,7 @@ LAW = Definition(
     equation="P = (2E*/(π tan β)) δ² to P* = (9π³/128) E* R² tan³β, then Hertz stiffness",
     source="Goddard 1990; surface slope β in place of the cone's: our derivation",
     description="blunt cone tips",
-    kinks=lambda p, **_: [1.0 / p.inverse_threshold],
+    loading=Loading(kinks=lambda p, **_: [1.0 / p.inverse_threshold]),
     length="radius",
     options={
         "slope": Option("rad", Numbers(0.0, 1.0, True), "slope β of the tip's or the surface's flank", slope_softens),

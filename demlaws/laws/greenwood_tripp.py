@@ -7,6 +7,7 @@ from demlaws.laws.definition import (
     Definition,
     Drawing,
     Fitting,
+    Loading,
     Numbers,
     Option,
     Parameter,
@@ -36,8 +37,7 @@ LAW = Definition(
     description="elastic Gaussian asperities, solved",
     limits=_limits,
     collapses=False,
-    computed=CELLS,
-    needs=("sigma",),
+    loading=Loading(needs=("sigma",), computed=CELLS),
     rules=Rules(default="hertz"),
     options={
         "mu": Option("", Numbers(0.05, 1e5, True), "μ = (8/3) η σ √(2Rβ), from `demlaws surface summits`"),

@@ -7,7 +7,7 @@ import numpy as np
 
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, sqrt
-from demlaws.laws.definition import HERTZ_CURVE, Advice, Definition, Drawing, Fitting, Limit, bulk_yield, elastic_bulk
+from demlaws.laws.definition import HERTZ_CURVE, Advice, Definition, Drawing, Fitting, Limit, Loading, bulk_yield, elastic_bulk
 
 
 class HertzShape(NamedTuple):
@@ -83,7 +83,7 @@ LAW = Definition(
     limits=_limits,
     length="radius",
     unloading=("elastic",),  # which is Hertz's
-    computed=HERTZ_CURVE,
+    loading=Loading(computed=HERTZ_CURVE),
     fitting=Fitting(free=("modulus",)),
     advice=Advice(
         advise=_advise,

@@ -16,7 +16,7 @@ import numpy as np
 from demlaws.contact import pressure_of
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import exp2, hertz_coefficient, hertz_overlap, kernel, log2, sqrt
-from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, Rules, no_limits, yielding_bulk
+from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, Loading, Rules, no_limits, yielding_bulk
 from demlaws.laws.etsion import ETSION, JACKSON, NOT_THORNTON, rule_numbers
 from demlaws.laws.kogut_etsion import POISSON_OPTION, STRENGTH, STRENGTH_OPTION
 
@@ -154,7 +154,7 @@ LAW = Definition(
     source="Jackson & Green 2005 (10.1115/1.1866166); unloading Etsion, Kligerman & Kadin 2005 as Jackson et al. 2010 give it",
     description="smooth spheres that yield, hardness of a/R",
     limits=no_limits,
-    kinks=lambda p, **_: [p.joint * p.critical_overlap],
+    loading=Loading(kinks=lambda p, **_: [p.joint * p.critical_overlap]),
     length="radius",
     collapses=False,
     unloading=("elastic", "etsion"),

@@ -131,7 +131,7 @@ def _check(definition: Any) -> None:
         raise DemlawsError(f"law {name!r} is a law of demlaws: use another name")
     check_name(name)
     rules = definition.offered()
-    functions = {field: getattr(definition, field) for field in ("prepare", "limits", "kinks")}
+    functions = {"prepare": definition.prepare, "limits": definition.limits, "kinks": definition.loading.kinks}
     texts = {field: getattr(definition, field) for field in ("equation", "source", "description")}
     fields = ("sigma", "fractal_dimension", "hardness")
     free = ("modulus", *definition.fitting.parameters)
@@ -141,7 +141,7 @@ def _check(definition: Any) -> None:
         ("advise", definition.advice.advise, callable(definition.advice.advise), "a function"),
         ("rank", definition.advice.rank, definition.advice.rank == 0, "0: the references of choose are laws of the package"),
         ("length", definition.length, definition.length in ("roughness", "radius"), "'roughness' or 'radius'"),
-        ("needs", definition.needs, set(definition.needs) <= set(fields), f"names of {', '.join(fields)}"),
+        ("needs", definition.loading.needs, set(definition.loading.needs) <= set(fields), f"names of {', '.join(fields)}"),
         ("unloading", definition.unloading, definition.unloading[:1] == ("elastic",), "rules, the first one 'elastic'"),
         ("unloading", definition.unloading, set(definition.unloading) <= set(rules), f"names of {', '.join(rules)}"),
         ("default_unloading", definition.default_rule(), definition.default_rule() in rules, f"one of {', '.join(rules)}"),

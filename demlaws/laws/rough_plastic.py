@@ -35,6 +35,7 @@ from demlaws.laws.definition import (
     Definition,
     Drawing,
     Fitting,
+    Loading,
     Option,
     Rules,
     pressure_option,
@@ -132,7 +133,7 @@ def _loading_definition(loading):
     from demlaws.laws.registry import find  # the registry imports this module
 
     definition = find(loading)
-    if definition.name == LAW.name or definition.unloads_its_own_way:
+    if definition.name == LAW.name or definition.has_own_rule:
         raise DemlawsError(f"loading={loading!r} yields by itself: give the rough law before yield, for instance 'pohrt-popov'")
     return definition
 
@@ -179,12 +180,12 @@ def _before(**options):
 def _default_unloading(**options):
     """Hertz's, unless the rough law, as bahrami, cannot take it."""
     definition, rest = _before(**options)
-    return "elastic" if definition.needs and definition.default_rule(**rest) == "elastic" else "hertz"
+    return "elastic" if definition.loading.needs and definition.default_rule(**rest) == "elastic" else "hertz"
 
 
 def _kinks(p, **options):
     definition, rest = _before(**options)
-    return [*(k for k in definition.kinks(p.loading, **rest) if k < p.yield_overlap), p.yield_overlap]
+    return [*(k for k in definition.loading.kinks(p.loading, **rest) if k < p.yield_overlap), p.yield_overlap]
 
 
 def _limits(contact, **options):
@@ -206,8 +207,9 @@ LAW = Definition(
     source="Thornton 1997 (limit pressure); Altuhafi, Baudet & Coop 2023 (constant stiffness after yield)",
     description="any rough law, then bulk yield",
     limits=_limits,
-    kinks=_kinks,
-    bulk=Bulk(lambda p: (p.yield_overlap, p.yield_area, p.area_slope), radius=_bulk_radius, before=_before),
+    loading=Loading(
+        kinks=_kinks, bulk=Bulk(lambda p: (p.yield_overlap, p.yield_area, p.area_slope), radius=_bulk_radius, before=_before)
+    ),
     collapses=False,
     rules=Rules(default=_default_unloading),
     unloading=("elastic", "hertz", "thornton"),

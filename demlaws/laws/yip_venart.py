@@ -14,6 +14,7 @@ from demlaws.laws.definition import (
     Drawing,
     Fitting,
     Limit,
+    Loading,
     Rules,
     plastic_asperities,
 )
@@ -53,8 +54,7 @@ LAW = Definition(
     description="plastic crust of Gaussian asperities, solved",
     limits=_limits,
     collapses=False,
-    computed=CELLS,
-    needs=("sigma", "hardness"),
+    loading=Loading(needs=("sigma", "hardness"), computed=CELLS),
     rules=Rules(default="hertz"),
     options={
         "seating_share": SEATING,

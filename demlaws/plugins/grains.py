@@ -14,7 +14,7 @@ from demlaws.errors import DemlawsError
 from demlaws.files import as_path, write_atomically
 from demlaws.laws import USUAL
 from demlaws.laws.registry import find
-from demlaws.make import known_unloading, rebound
+from demlaws.make import check_unloading, unloading_for
 from demlaws.make import law as make_law
 from demlaws.timestep import timestep
 from demlaws.units import number, whole
@@ -96,9 +96,9 @@ class Case:
         if not self.grains:
             raise DemlawsError("grains is empty: give at least one Grain(radius, material, surface)")
         definition = find(self.law)
-        object.__setattr__(self, "options", definition.read(self.options))
+        object.__setattr__(self, "options", definition.read_options(self.options))
         unloading = definition.default_rule(**self.options) if self.unloading is None else self.unloading
-        object.__setattr__(self, "unloading", known_unloading(unloading))
+        object.__setattr__(self, "unloading", check_unloading(unloading))
         number(self.max_force, "max_force", "N")
         whole(self.count, "count")
         if self.shear_ratio is not None:
@@ -110,7 +110,7 @@ class Case:
 
     def bound(self, contact):
         """The law of one contact; MissingQuantity names what the grains' surfaces lack."""
-        return make_law(self.law, contact, unloading=rebound(self.unloading, contact), **self.options)
+        return make_law(self.law, contact, unloading=unloading_for(self.unloading, contact), **self.options)
 
     @property
     def curve(self):

@@ -303,10 +303,10 @@ class RoughContact:
         """
         force = number(force, "force", "N")
         step = self.at(self._solve(force, number(rtol, "rtol", high=1.0)))
-        self.advise(step)
+        self.warn_of_edge(step)
         return step
 
-    def advise(self, step):
+    def warn_of_edge(self, step):
         """Warn where the model leaves out what happens at this step."""
         from demlaws.solvers import criterion
 

@@ -23,7 +23,7 @@ LARGEST_PIXEL = 1e-2
 
 @dataclass(frozen=True)
 class HeightMap:
-    """Heights [m] on a regular grid: rows along y, columns along x; NaN (or masked) where the instrument saw nothing.
+    """Heights [m] on a regular grid: rows along y, columns along x; NaN (or masked) where a value is missing.
 
     pixel_x, pixel_y: grid spacing [m]. form_order: polynomial order removed so far (None: none).
     """
@@ -107,7 +107,7 @@ class HeightMap:
 
     @property
     def sq(self):
-        """Sq = √⟨(z - ⟨z⟩)²⟩ [m] over the pixels that are there."""
+        """Sq = √⟨(z - ⟨z⟩)²⟩ [m] over the valid pixels."""
         return float(np.nanstd(self.heights))
 
     @property
@@ -117,7 +117,7 @@ class HeightMap:
 
     @property
     def sa(self):
-        """Sa = ⟨|z - ⟨z⟩|⟩ [m] over the pixels that are there."""
+        """Sa = ⟨|z - ⟨z⟩|⟩ [m] over the valid pixels."""
         return float(np.nanmean(np.abs(self.heights - np.nanmean(self.heights))))
 
     @property
@@ -309,7 +309,7 @@ class HeightMap:
         A `MapWarning` is issued for spikes, fillers, slopes above 1, and a Df out of this range.
         """
         dimension = None
-        plausibility.advise(self)
+        plausibility.warn_of_map(self)
         if self.sq > 0 and min(self.shape) >= 64:
             measured = self.fractal_dimension_by_boxes(wavelengths)
             for text in plausibility.dimension_doubts(measured, None):

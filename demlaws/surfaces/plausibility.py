@@ -115,7 +115,7 @@ def field_doubts(heights, radius: float) -> list[str]:
     ]
 
 
-def advise(heights, scale: float = 1.0) -> None:
+def warn_of_map(heights, scale: float = 1.0) -> None:
     """Issue a `MapWarning` for each doubt."""
     for text in doubts(heights, scale):
         warn(f"height map: {text}", MapWarning)

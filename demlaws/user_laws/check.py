@@ -9,7 +9,7 @@ from demlaws.contact import GRANITE, Contact, contact_at
 from demlaws.curves.soundness import Check, curve_checks, refuse_unless_collapses
 from demlaws.errors import DemlawsError, NotPassive, quiet
 from demlaws.laws.registry import find
-from demlaws.make import example
+from demlaws.make import example_law
 
 GRANITE_PAIR = Contact(4.35e-3, 0.5 * GRANITE.plane_modulus, 2.40e-6, 2.22, GRANITE.hardness)
 """The granite pair SS(18-18), on which a law is checked by default."""
@@ -96,7 +96,7 @@ def check_law(
     if not isinstance(contact, Contact) or contact.size is not None:
         raise DemlawsError("check_law takes one contact, not an array of contacts")
     with quiet(), np.errstate(all="ignore"):
-        law = example(name, contact, "elastic", **options)
+        law = example_law(name, contact, "elastic", **options)
         checks = list(curve_checks(law.shape, law.params, float(contact.radius), law.definition.solved))
         if law.collapses and not law.definition.solved:  # a solved law's curve comes with a number of its own
             checks.append(_trial("one curve serves all contacts", refuse_unless_collapses, law, contact)[0])
@@ -129,9 +129,9 @@ def _array_check(law, contact, options):
     overlap, errors = 1e-3 * np.asarray(three.radius), []
     try:
         for places in (np.arange(3), order):
-            many = example(law.name, contact_at(three, places), "elastic", **options)
+            many = example_law(law.name, contact_at(three, places), "elastic", **options)
             for n, place in enumerate(places):
-                one = example(law.name, contact_at(three, place), "elastic", **options)
+                one = example_law(law.name, contact_at(three, place), "elastic", **options)
                 for of_many, of_one in ((many.force, one.force), (many.stiffness, one.stiffness)):
                     errors.append(abs(of_many(overlap[places])[n] / of_one(overlap[place]) - 1.0))
     except DemlawsError as error:
@@ -164,7 +164,7 @@ def _yade_check(law, contact, options):
             paths.append((_PATH * one.radius).tolist())
             surface = {"roughness": float(one.sigma_or_zero) / math.sqrt(2.0), "hardness": one.hardness}
             asked.append((one.radius, one.modulus, surface | {"fractal_dimension": one.fractal_dimension}))
-            expected.append(example(law.name, one, rule, **options).follow(paths[n]).force)
+            expected.append(example_law(law.name, one, rule, **options).follow(paths[n]).force)
         found = ask(law.name, rule, options, [home] if loaded else [], asked, paths)
     except DemlawsError as error:
         return Check(what, 1, 0, note=str(error))
@@ -184,7 +184,7 @@ def _trial(what, function, *arguments):
 def _rule_check(law, contact, rule, paths, options):
     """Random paths of one contact on which the dissipated energy falls, so that work is returned."""
     try:
-        trial = example(law.name, contact, rule, **options)
+        trial = example_law(law.name, contact, rule, **options)
     except DemlawsError as error:
         # a rule that would return work is refused for every law: that is no fault of this one
         fault = not isinstance(error, NotPassive) and rule in law.definition.unloading

@@ -13,8 +13,18 @@ from demlaws.contact import Contact, warn_of_roughness
 from demlaws.core.cache import tag_of
 from demlaws.core.dispatch import bind, function_of_text, scalar
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, root_finder
-from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, Numbers, Option, check_name, with_sigma
+from demlaws.errors import DemlawsError, warn
+from demlaws.laws.definition import (
+    Advice,
+    Definition,
+    Drawing,
+    Fitting,
+    Loading,
+    Numbers,
+    Option,
+    check_name,
+    with_sigma,
+)
 from demlaws.units import number
 
 _CONTACT = ("hertz_coefficient", "radius", "modulus", "sigma")
@@ -22,6 +32,9 @@ _OF_CONTACT = ("fractal_dimension", "hardness")
 _X, _W = np.polynomial.legendre.leggauss(8)
 _PANELS = 32  # an octave of overlap
 _OCTAVES = 40
+_MANY = 20
+_tags: list[str] = []
+"""Of the laws made so far: numba keeps their machine code."""
 
 
 def define(
@@ -51,8 +64,8 @@ def define(
     options : dict, optional
         Name → default, or (default, unit, meaning); None for a required option.
     **facts
-        Fields of `Definition` or of its `Fitting`, `Advice` and `Drawing`, for instance equation, source, limits, kinks,
-        free, colour.
+        Fields of `Definition` or of its `Loading`, `Fitting`, `Advice` and `Drawing`, for instance equation, source, limits,
+        kinks, free, colour.
 
     Returns
     -------
@@ -123,9 +136,9 @@ def define(
 
 
 def _grouped(facts: dict[str, Any]) -> dict[str, Any]:
-    """Facts of a law with those of `Fitting`, `Advice` and `Drawing` as these records; "fitted" means `Fitting.parameters`."""
+    """Facts of a law, those of its records (`Loading`, `Fitting`, ...) in these; "fitted" means `Fitting.parameters`."""
     facts = {("parameters" if name == "fitted" else name): value for name, value in facts.items()}
-    kinds: dict[str, Any] = {"fitting": Fitting, "advice": Advice, "drawing": Drawing}
+    kinds: dict[str, Any] = {"loading": Loading, "fitting": Fitting, "advice": Advice, "drawing": Drawing}
     for name, kind in kinds.items():
         values = {field: facts.pop(field) for field in kind._fields if field in facts}
         if values:
@@ -142,10 +155,21 @@ def _described(law, name, value):
 
 
 def _types(name, functions, extra, old):
-    """Type of the law's Shape, with its Params bound to the kernels. old: they have σ also by its former name."""
+    """Type of the law's Shape, with its Params bound to the kernels; the same type for the same functions again.
+
+    old: they have σ also by its former name.
+    """
     tag = tag_of(*functions, name, extra)
     contact = (*_CONTACT, "roughness") if old else _CONTACT
     stem = "".join(part.capitalize() for part in str(name).replace("_", "-").split("-") if part.isalnum())
+    if known := globals().get(f"{stem}Shape_{tag}"):
+        return known
+    _tags.append(tag)
+    if len(_tags) == _MANY:
+        text = (
+            f"{_MANY} laws of different functions are defined: each one that is used keeps some 10 MB until the process ends; "
+        )
+        warn(f"{text}give numbers that differ as options of one law", UserWarning)
     shape_type, params_type = (
         namedtuple(f"{stem}{kind}_{tag}", fields, module=__name__)
         for kind, fields in (("Shape", extra), ("Params", (*contact, *extra)))

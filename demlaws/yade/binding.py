@@ -10,10 +10,10 @@ import yade.utils
 from demlaws.errors import DemlawsError, EngineStopped, LargeOverlap, ShapeWarning, TimeStepWarning, ValidityWarning, warn
 from demlaws.units import LARGE_RADIUS, LARGE_ROUGHNESS, SMALL_OVERLAP, judge
 from demlaws.yade import layout, native, reports
-from demlaws.yade.omega import LOOKS, is_our_contact, radius_fault, real_contacts
+from demlaws.yade.omega import FULL_CHECK_STEPS, invalid_radius, is_our_contact, real_contacts
 
 O = yade.O  # noqa: E741  YADE's name
-REACH = 4.0
+LARGEST_STEP_RATIO = 4.0
 """Longest step over the P-wave step r √(ρ/E) that is stable for a free sphere with four contacts per side at contact radii up
 to 0.3 R: 2 √(m/4K) with m = 4/3 π ρ r³, K = 2 E* a, R = r/2, E* = E/2 is 5.3 r √(ρ/E); less, for safety [our derivation]"""
 
@@ -61,7 +61,7 @@ class Binding:
         self.seen = {}
         self.scene, self.guards = scene, 0
         self._messages = set()
-        self.context.forget()
+        self.context.clear_faults()
 
     def rows(self, contacts):
         """The contacts as an array of `layout.contact_dtype`; tag 0 where the law has not seen the contact."""
@@ -133,7 +133,7 @@ class Binding:
         self.report_notes()
         self.pairs.radii.refresh(self.context)
         self.attachment.collect(real_contacts)
-        thoroughly = self.guards in LOOKS or self.guards % 1000 == 0
+        thoroughly = self.guards in FULL_CHECK_STEPS or self.guards % 1000 == 0
         if thoroughly:
             self.verify()
         if thoroughly or self.guards % 10 == 0:
@@ -185,17 +185,17 @@ class Binding:
     def report_notes(self):
         """Raise or warn of what native code has noted of contacts."""
         self.raise_fault()
-        unlisted = self.context.take(layout.UNLISTED)
+        unlisted = self.context.pop_fault(layout.UNLISTED)
         if unlisted:
             self.judge_unlisted(unlisted)
-        strange = self.context.take(layout.UNKNOWN_SHAPE, once=True)
+        strange = self.context.pop_fault(layout.UNKNOWN_SHAPE, once=True)
         if strange:
             text = reports.body_radius_text(strange, float(self.context["values"][layout.UNKNOWN_SHAPE]))
             warn(f"law {self.label!r}: {text}", ShapeWarning)
-        joint = self.context.take(layout.SHARED, once=True)
+        joint = self.context.pop_fault(layout.SHARED, once=True)
         if joint:
             warn(f"law {self.label!r}: {reports.joint_text(*joint)}", ShapeWarning)
-        if self.context.take(layout.DEEP, once=True):
+        if self.context.pop_fault(layout.DEEP, once=True):
             rows = self.rows(real_contacts())
             rows = rows[(rows["tag"] > 0) & (rows["overlap"] > SMALL_OVERLAP * rows["radius"]) & (rows["modulus"] > 0.0)]
             if len(rows):
@@ -206,7 +206,7 @@ class Binding:
         seen = np.flatnonzero(self.context["seen"][: layout.FAULTS])
         if len(seen):
             kind = int(seen[0])
-            first, second = self.context.take(kind)
+            first, second = self.context.pop_fault(kind)
             self.context["seen"][: layout.FAULTS] = layout.UNSEEN
             text = reports.fault_text(self, kind, (first, second), float(self.context["values"][kind]))
             raise EngineStopped(f"contact {first}+{second}{text}")
@@ -224,7 +224,7 @@ class Binding:
         if not thoroughly and math.isfinite(yade.utils.kineticEnergy()):
             return
         for body in O.bodies:
-            text = radius_fault(body)
+            text = invalid_radius(body)
             if text is not None:
                 raise EngineStopped(text)
             place, velocity = body.state.pos, body.state.vel
@@ -320,7 +320,7 @@ class Binding:
         """
         steppers = [e for e in engines if isinstance(e, yade.GlobalStiffnessTimeStepper) and not e.dead and e.active]
         spheres = bool(steppers) and any(isinstance(body.shape, yade.Sphere) for body in O.bodies)
-        limit = REACH * yade.utils.PWaveTimeStep() if spheres else math.inf
+        limit = LARGEST_STEP_RATIO * yade.utils.PWaveTimeStep() if spheres else math.inf
         known = 0.0 < limit < math.inf
         for stepper in steppers:
             former, scaled, bound = stepper.maxDt, stepper.densityScaling, None
@@ -332,4 +332,4 @@ class Binding:
                     stepper.maxDt = self.bound = bound
             chosen = ours and known and self.share is not None
             if unbounded and not chosen and (known or O.interactions.countReal()):
-                self._warn_once("stepper", reports.stepper_text(stepper, bound, REACH), TimeStepWarning)
+                self._warn_once("stepper", reports.stepper_text(stepper, bound, LARGEST_STEP_RATIO), TimeStepWarning)

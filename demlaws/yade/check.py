@@ -49,7 +49,7 @@ def main(words):
 
 def self_tests(dl, pairs):
     """Print a self-test of each (law, rule); the number of failures."""
-    from demlaws.make import example
+    from demlaws.make import example_law
     from demlaws.yade import selftest
     from demlaws.yade.binding import Binding
     from demlaws.yade.pairs import Pairs
@@ -61,7 +61,7 @@ def self_tests(dl, pairs):
     for name, rule in pairs:
         start = time.perf_counter()
         try:
-            binding = Binding("check", Pairs(example(name, contact, rule), surfaces, None, {}))
+            binding = Binding("check", Pairs(example_law(name, contact, rule), surfaces, None, {}))
         except dl.DemlawsError as error:
             print(f"{name:18}{rule:11}  not joined: {str(error).split(': ', 1)[-1][:90]}")
             continue

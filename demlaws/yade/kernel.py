@@ -23,15 +23,15 @@ from demlaws.yade.mindlin import Pointers, body_of, native_go, with_states
 from demlaws.yade.records import (
     add_float,
     add_integer,
-    alarm,
     array,
     assign,
-    cold,
+    c_function,
     exchange_if,
-    foreign,
-    note,
+    not_inlined,
     pointee,
     read_floats,
+    record_fault,
+    request_guard,
     vector,
     view,
     write_floats,
@@ -40,9 +40,9 @@ from demlaws.yade.shear import Slip, apply_mindlin, compress, synchronise
 from demlaws.yade.tuples import keep_state, shape_of, state_of
 
 LOWEST_MODULUS = RANGES["modulus"].low
-call_gap_radius = foreign(types.float64, *[types.int64] * 8, *[types.float64] * 2)
+call_gap_radius = c_function(types.float64, *[types.int64] * 8, *[types.float64] * 2)
 """`curvature.gap_radius`."""
-call_map_memory = foreign(types.int64, types.int64, types.int64, *[types.int32] * 3, types.int64)
+call_map_memory = c_function(types.int64, types.int64, types.int64, *[types.int32] * 3, types.int64)
 """void* mmap(void* address, size_t size, int protection, int flags, int file, off_t offset)."""
 
 
@@ -143,7 +143,7 @@ def lever_of(context, body1, body2):
     return layout.NO_LEVER if has_no_radius(context, body1) or has_no_radius(context, body2) else layout.ROUND
 
 
-@cold
+@not_inlined
 def surface_of(context, body):
     """Number of the surface whose label the body's material bears; 0 where no surface has that label."""
     material = view(body.material, objects.Material)
@@ -160,7 +160,7 @@ def surface_of(context, body):
 # --- R of a contact
 
 
-@cold
+@not_inlined
 def serves(pair, radius, modulus):
     """Whether the pair's law may be used at this R and E*: a table of a law that does not collapse is for one contact."""
     return pair.radius == 0.0 or (
@@ -168,14 +168,14 @@ def serves(pair, radius, modulus):
     )
 
 
-@cold
+@not_inlined
 def curvature_radius(context, geom, interaction, body1, body2, radius):
     """R from the curvature of two bodies, or `radius`, which is YADE's, where this is not known yet; faults are noted."""
     shapes = array(context.shapes, context.shape_count, SHAPE)
     last = max(interaction.id1, interaction.id2)
     if last >= shapes.size or shapes[interaction.id1].shape != body1.shape or shapes[interaction.id2].shape != body2.shape:
         context.shapes_stale = 1
-        alarm(context)  # the guard reads the new shapes before the next step
+        request_guard(context)  # the guard reads the new shapes before the next step
         return radius
     first, second = shapes[interaction.id1], shapes[interaction.id2]
     result = math.nan
@@ -187,12 +187,12 @@ def curvature_radius(context, geom, interaction, body1, body2, radius):
         arguments = (*places1, *places2, *where, radius, context.largest_radius)
         result = call_gap_radius(context.gap_radius, arguments)
     if not result > 0.0:
-        note(context, layout.FLAT_GAP if result < 0.0 else layout.NO_CURVATURE, interaction, radius)
+        record_fault(context, layout.FLAT_GAP if result < 0.0 else layout.NO_CURVATURE, interaction, radius)
         return radius
     return result
 
 
-@cold
+@not_inlined
 def chosen_radius(context, geom, interaction, body1, body2, first, second, radius):
     """R of a new contact by the user's choice; `radius`: as spheres and flats have it."""
     unknown1, unknown2 = has_no_radius(context, body1), has_no_radius(context, body2)
@@ -204,7 +204,7 @@ def chosen_radius(context, geom, interaction, body1, body2, first, second, radiu
     edge1 = edges[first] if unknown1 else 0.0
     edge2 = edges[second] if unknown2 else 0.0
     if (unknown1 and edge1 == 0.0) or (unknown2 and edge2 == 0.0):
-        note(context, layout.UNKNOWN_SHAPE, interaction, radius)
+        record_fault(context, layout.UNKNOWN_SHAPE, interaction, radius)
     flat = is_flat(context, body1) or is_flat(context, body2)
     return edged_radius(radius, geom.refR1, geom.refR2, edge1, edge2, flat)
 
@@ -225,7 +225,7 @@ def edged_radius(radius, radius1, radius2, edge1, edge2, flat):
     return edge if flat or not other > 0.0 else edge * other / (edge + other)
 
 
-@cold
+@not_inlined
 def follow_radii(kind, context, geom, interaction, row, pair):
     """Renew R and the row of a contact whose bodies have grown or shrunk; E* remains."""
     row.reach = geom.refR1 + geom.refR2
@@ -236,13 +236,13 @@ def follow_radii(kind, context, geom, interaction, row, pair):
             take_radius(kind, context, interaction, row, pair, radius)
 
 
-@cold
+@not_inlined
 def take_radius(kind, context, interaction, row, pair, radius):
     """Give a contact another R [m]; a fault where the law does not serve it."""
     if not serves(pair, radius, row.modulus):
-        note(context, layout.WRONG_CONTACT, interaction, radius)
+        record_fault(context, layout.WRONG_CONTACT, interaction, radius)
     elif pair.roughness > LARGEST_ROUGHNESS * radius:
-        note(context, layout.TOO_ROUGH, interaction, radius)
+        record_fault(context, layout.TOO_ROUGH, interaction, radius)
     row.radius = radius
     fill_params(kind, row, pair)
 
@@ -265,7 +265,7 @@ def fill_loop(kind, pairs, contacts):
         fill_params(kind, contacts[i], pairs[np.int64(contacts[i].tag) - 1])
 
 
-@cold
+@not_inlined
 def initialise_contact(context, pairs, row, geom, phys, interaction):
     """Write R, E*, K_t/K and the pair to the history of a new contact; returns the number of the pair."""
     modulus = 0.75 * phys.kno / math.sqrt(effective_radius(geom.refR1, geom.refR2))
@@ -273,7 +273,7 @@ def initialise_contact(context, pairs, row, geom, phys, interaction):
     radius = contact_radius(context, geom, body1, body2)
     first, second = surface_of(context, body1), surface_of(context, body2)
     if (first == 0 or second == 0) and context.may_be_unlisted == 0:
-        note(context, layout.UNLISTED, interaction, radius)
+        record_fault(context, layout.UNLISTED, interaction, radius)
     radius = chosen_radius(context, geom, interaction, body1, body2, first, second, radius)
     number = array(context.pair_numbers, (context.surfaces, context.surfaces), np.int64)[first, second]
     pair = pairs[number]
@@ -284,27 +284,27 @@ def initialise_contact(context, pairs, row, geom, phys, interaction):
     if phys.kno == 0.0:
         return number  # a marker
     if not LOWEST_MODULUS < modulus < math.inf:
-        note(context, layout.WRONG_MODULUS, interaction, modulus)
+        record_fault(context, layout.WRONG_MODULUS, interaction, modulus)
         row.modulus = 0.0  # a marker until the guard stops the run: no force
     elif not serves(pair, radius, modulus):
-        note(context, layout.WRONG_CONTACT, interaction, radius)
+        record_fault(context, layout.WRONG_CONTACT, interaction, radius)
     elif pair.roughness > LARGEST_ROUGHNESS * radius:
-        note(context, layout.TOO_ROUGH, interaction, radius)
+        record_fault(context, layout.TOO_ROUGH, interaction, radius)
     else:
         row.ratio = context.shear_ratio if context.shear_ratio > 0.0 else phys.kso / (1.5 * phys.kno)
     return number
 
 
 @kernel
-def find_row(context, mark, phys, phys_address, row_dtype):
+def find_row(context, row_address, phys, phys_address, row_dtype):
     """Address of the row that a contact's mark has; 0 for a row of another contact, law or process."""
     if phys.prevU[2] != context.generation:
         return 0
-    place = abs(mark)
+    place = abs(row_address)
     return place if view(place, row_dtype).phys == phys_address else 0
 
 
-@cold
+@not_inlined
 def make_block(context, number, size):
     """Address of a block of rows that is made now, unless another thread has made it; 0: there is no memory."""
     made = call_map_memory(context.map_memory, (0, size, layout.READ_AND_WRITE, layout.OF_ITS_OWN, -1, 0))
@@ -320,16 +320,16 @@ def free_row(context):
     if context.free_taken[0] < context.free_count:
         place = add_integer(context.free_taken.ctypes.data, 1)
         if place == context.collect_at:
-            alarm(context)
+            request_guard(context)
         if place < context.free_count:
             return array(context.free, context.free_count, np.int64)[place]
     number = add_integer(context.rows_used.ctypes.data, 1)
     if number >= context.collect_at and context.free_count == 0:
-        alarm(context)
+        request_guard(context)
     return number
 
 
-@cold
+@not_inlined
 def take_row(context, row_dtype):
     """Address of a row that no contact has, of zeros; 0: there is no memory for it."""
     number, size = free_row(context), array(context.blocks, 1, row_dtype).itemsize
@@ -346,22 +346,22 @@ def take_row(context, row_dtype):
     return place
 
 
-@cold
+@not_inlined
 def make_row(kind, context, pairs, row_dtype, geom, phys, interaction, phys_address, interaction_address):
     """Address of a new contact's row, negative for a smooth pair; 0: there is no memory for it, or its row is lost."""
     if phys.prevU[1] != 0.0:
-        note(context, layout.LOST_ROW, interaction, 0.0)
+        record_fault(context, layout.LOST_ROW, interaction, 0.0)
         return 0
     place = take_row(context, row_dtype)
     if place == 0:
-        note(context, layout.NO_ROW, interaction, 0.0)
+        record_fault(context, layout.NO_ROW, interaction, 0.0)
         return 0
     row = view(place, row_dtype)
     pair = initialise_contact(context, pairs, row, geom, phys, interaction)
     row.phys, row.interaction, row.pair = phys_address, interaction_address, context.pairs + pair * pairs.itemsize
-    mark = -place if fill_params(kind, row, pairs[pair]) else place
-    phys.prevU[1], phys.prevU[2] = float(mark), context.generation
-    return mark
+    row_address = -place if fill_params(kind, row, pairs[pair]) else place
+    phys.prevU[1], phys.prevU[2] = float(row_address), context.generation
+    return row_address
 
 
 @loop
@@ -378,7 +378,7 @@ def gather_rows(addresses, words):
             words[n] = array(addresses[n], words.shape[1], np.int64)
 
 
-@cold
+@not_inlined
 def end_contact(kind, params_kind, rule, context, pair, row, state):
     """Bank the dissipation of a contact that ends, with the energy of shear that it stored."""
     dissipated = energies(kind, params_kind, rule, pair, row, 0.0, state)[1]
@@ -398,7 +398,7 @@ def supports_class(context, geom, phys):
     return known and is_among(geom.vtable, context.geometry_classes, context.geometry_count)
 
 
-@cold
+@not_inlined
 def without_row(context, contact, phys):
     """The step of a contact that has no row: no force, or NaN without a guard, which would stop the run."""
     phys.kno = 0.0 if context.alarm != 0 else math.nan
@@ -406,17 +406,17 @@ def without_row(context, contact, phys):
     return native_go(context, contact)
 
 
-@cold
+@not_inlined
 def unknown_class(context, contact, interaction):
     """The step of a contact of other classes: the native law's, and a fault."""
-    note(context, layout.WRONG_CLASS, interaction, 0.0)
+    record_fault(context, layout.WRONG_CLASS, interaction, 0.0)
     return native_go(context, contact)
 
 
 @kernel
-def law_of_contact(kind, params_kind, shear, mode, rule, mark, pair, row, overlap, old):
-    """`response` of a contact by what its row has; mark: negative for a smooth pair."""
-    if mark > 0:
+def law_of_contact(kind, params_kind, shear, mode, rule, row_address, pair, row, overlap, old):
+    """`response` of a contact by what its row has; row_address: negative for a smooth pair."""
+    if row_address > 0:
         shape, p = shape_of(kind, pair), params_of(params_kind, row)
         force, stiffness, sideways, new = response(shear, rule, shape, p, overlap, old)
         compress(mode, rule, shape, p, row, overlap, force, sideways, new)
@@ -429,12 +429,12 @@ def law_of_contact(kind, params_kind, shear, mode, rule, mark, pair, row, overla
     return 0.0, 0.0, 0.0, old
 
 
-@cold
+@not_inlined
 def is_too_deep(context, interaction, row, overlap):
     """Whether an overlap is beyond LARGEST_OVERLAP of R; the guard warns of the first one beyond SMALL_OVERLAP."""
     if row.modulus == 0.0:
         return False  # a marker
-    note(context, layout.DEEP, interaction, overlap)
+    record_fault(context, layout.DEEP, interaction, overlap)
     return overlap > LARGEST_OVERLAP * row.radius and row.hertz == 0.0  # a smooth contact has Hertz's force, as in YADE's law
 
 
@@ -442,11 +442,11 @@ def is_too_deep(context, interaction, row, overlap):
 def is_faulty(context, interaction, row, overlap, force):
     """Whether a contact has no force that can be applied, of which a note is made."""
     if overlap > SMALL_OVERLAP * row.radius and is_too_deep(context, interaction, row, overlap):
-        note(context, layout.TOO_DEEP, interaction, overlap)
+        record_fault(context, layout.TOO_DEEP, interaction, overlap)
     elif context.alarm == 0:
-        note(context, layout.UNGUARDED, interaction, overlap)
+        record_fault(context, layout.UNGUARDED, interaction, overlap)
     elif force - force != 0.0:
-        note(context, layout.NOT_FINITE, interaction, overlap)
+        record_fault(context, layout.NOT_FINITE, interaction, overlap)
     else:
         return False
     return True
@@ -461,32 +461,32 @@ def go(kind, params_kind, shear, mode, rule, pair_dtype, row_dtype, context, con
     if not supports_class(context, geom, phys):
         return unknown_class(context, contact, interaction)
     overlap = -1.0 if geom.penetrationDepth == -math.inf else geom.penetrationDepth  # newer YADE: level sets apart
-    mark = np.int64(phys.prevU[1])
-    if find_row(context, mark, phys, phys_address, row_dtype) == 0:
+    row_address = np.int64(phys.prevU[1])
+    if find_row(context, row_address, phys, phys_address, row_dtype) == 0:
         pairs = array(context.pairs, context.surfaces * (context.surfaces + 1) // 2, pair_dtype)
-        mark = make_row(kind, context, pairs, row_dtype, geom, phys, interaction, phys_address, contact.interaction)
-        if mark == 0:
+        row_address = make_row(kind, context, pairs, row_dtype, geom, phys, interaction, phys_address, contact.interaction)
+        if row_address == 0:
             return without_row(context, contact, phys)
-    row = view(abs(mark), row_dtype)
+    row = view(abs(row_address), row_dtype)
     pair = view(row.pair, pair_dtype)
     if row.interaction != contact.interaction:
-        note(context, layout.SHARED, interaction, 0.0)
+        record_fault(context, layout.SHARED, interaction, 0.0)
     if geom.refR1 + geom.refR2 != row.reach:
         follow_radii(kind, context, geom, interaction, row, pair)
     old = state_of(rule, row)
-    force, stiffness, sideways, new = law_of_contact(kind, params_kind, shear, mode, rule, mark, pair, row, overlap, old)
+    force, stiffness, sideways, new = law_of_contact(kind, params_kind, shear, mode, rule, row_address, pair, row, overlap, old)
     if is_faulty(context, interaction, row, overlap, force):
         # without a guard, which would stop the run, propagate NaN
         force, stiffness, sideways, new = 0.0 if context.alarm != 0 else math.nan, 0.0, 0.0, old
     tangential = 0.0
     if abs(phys.kno + phys.kso - row.written) > 1e-9 * row.written:
-        note(context, layout.CHANGED, interaction, 0.0)
+        record_fault(context, layout.CHANGED, interaction, 0.0)
     if overlap > 0.0:
         phys.kno, phys.kso = coefficients(force, sideways, overlap, row.ratio)
         row.written = phys.kno + phys.kso
         tangential = phys.kso * math.sqrt(overlap)
     elif overlap - overlap != 0.0:
-        note(context, layout.NOT_FINITE, interaction, overlap)  # NaN: a body's position is not finite
+        record_fault(context, layout.NOT_FINITE, interaction, overlap)  # NaN: a body's position is not finite
     keep_state(new, row)
     contact = with_states(context, contact)
     if overlap > 0.0:

@@ -153,14 +153,14 @@ class Context:
     def __setitem__(self, name, value):
         self.record[name][0] = value
 
-    def take(self, kind, once=False):
-        """Numbers of the two bodies of a note, which is cleared, or None; once: it is not made again until `forget`."""
+    def pop_fault(self, kind, once=False):
+        """Numbers of the two bodies of a note, which is cleared, or None; once: it is not made again until `clear_faults`."""
         if self["seen"][kind] != SEEN:
             return None
         self["seen"][kind] = REPORTED if once else UNSEEN
         return tuple(self["bodies"][kind].tolist())
 
-    def forget(self):
+    def clear_faults(self):
         """Clear all notes of native code."""
         self["seen"] = UNSEEN
         self["shapes_stale"] = 1

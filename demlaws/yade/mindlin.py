@@ -16,9 +16,9 @@ from demlaws.core.numba_compat import INLINED, kernel
 from demlaws.yade import objects
 from demlaws.yade.records import (
     assign,
+    c_function,
     cross,
     dot,
-    foreign,
     minus_scaled,
     on_stack,
     pointee,
@@ -28,11 +28,11 @@ from demlaws.yade.records import (
 )
 
 _ADDRESS, _NUMBER = types.int64, types.int32
-call_go = foreign(types.uint8, *[_ADDRESS] * 4)
+call_go = c_function(types.uint8, *[_ADDRESS] * 4)
 """bool Law2::go(shared_ptr<IGeom>&, shared_ptr<IPhys>&, Interaction*)."""
-call_body_by_id = foreign(_ADDRESS, _NUMBER, _ADDRESS)
+call_body_by_id = c_function(_ADDRESS, _NUMBER, _ADDRESS)
 """const shared_ptr<Body>& Body::byId(int, Scene*); scene 0: the current one."""
-call_apply_force = foreign(types.void, _ADDRESS, _ADDRESS, _ADDRESS, _NUMBER, _ADDRESS, _NUMBER, _ADDRESS)
+call_apply_force = c_function(types.void, _ADDRESS, _ADDRESS, _ADDRESS, _NUMBER, _ADDRESS, _NUMBER, _ADDRESS)
 """void LawFunctor::applyForceAtContactPoint(force, point, id, position, id, position)."""
 NO_DEGREES_OF_FREEDOM = 63
 """State.blockedDOFs of a body that is not dynamic."""
@@ -177,7 +177,7 @@ def apply_forces(context, contact, law, geom, interaction, first, second, force)
 
 @kernel
 def own_step(mode, context, contact, geom, phys, row):
-    """The native law for a contact that `handles`."""
+    """The native law for a contact that is Mindlin's own."""
     law = view(contact.functor - context.functor_offset, objects.Functor)
     interaction = view(contact.interaction, objects.Interaction)
     first, second = view(contact.first, objects.State), view(contact.second, objects.State)

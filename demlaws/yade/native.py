@@ -381,10 +381,10 @@ class Attachment:
             place = place_of.get((contact.id1, contact.id2))
             if place is None:
                 continue
-            mark = kernel.new_row(self.context.record, self.rows.dtype)
-            if mark == 0:
+            row_address = kernel.new_row(self.context.record, self.rows.dtype)
+            if row_address == 0:
                 raise DemlawsError(f"no memory for the history of contact {contact.id1}+{contact.id2}: {MORE_MEMORY}")
-            rows = read_memory(mark, self.rows.dtype.itemsize, ctypes.c_uint8).view(self.rows.dtype)
+            rows = read_memory(row_address, self.rows.dtype.itemsize, ctypes.c_uint8).view(self.rows.dtype)
             row = rows[0]
             for name in saved.dtype.names:
                 row[name] = saved[name][place]
@@ -393,7 +393,7 @@ class Attachment:
             row["pair"] = self.context["pairs"] + number * self._pairs.records.itemsize
             kernel.fill_loop(self._pairs.kind, self._pairs.records, rows)
             smooth = row["hertz"] != 0.0 or row["modulus"] == 0.0
-            contact.phys.prevU = yade.Vector3(0.0, -mark if smooth else mark, self.context["generation"])
+            contact.phys.prevU = yade.Vector3(0.0, -row_address if smooth else row_address, self.context["generation"])
 
     def collect(self, contacts):
         """Between steps: make rows of contacts that have ended or were erased free again, before the free ones are used up.

@@ -14,7 +14,7 @@ _engines = yade.wrapper.Omega.engines
 PHYSICS = tuple(getattr(yade, name) for name in ("MindlinPhys", "MindlinCapillaryPhys") if hasattr(yade, name))
 TOKEN = "demlaws-scene"
 """Tag of a scene that identifies it; a loaded scene gets another one."""
-LOOKS = (2, 3, 12, 102, 1002)
+FULL_CHECK_STEPS = (2, 3, 12, 102, 1002)
 """Calls of the guard with a check of every contact and body, which takes time."""
 
 
@@ -80,7 +80,7 @@ def is_our_contact(contact):
     return contact.isReal and type(contact.phys) in PHYSICS
 
 
-def radius_fault(body):
+def invalid_radius(body):
     """Message about a sphere whose radius is not a positive number, or None."""
     radius = body.shape.radius if isinstance(body.shape, yade.Sphere) else 1.0
     if 0.0 < radius < math.inf:

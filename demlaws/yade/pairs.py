@@ -78,7 +78,7 @@ class LawSource:
         bound = _bound_law(law)
         if bound is None:
             self.definition = find(law)
-            self.name, self.options = law, self.definition.read(options)
+            self.name, self.options = law, self.definition.read_options(options)
             self.unloading = self.definition.default_rule(**self.options)
             return
         self.definition, self.name, self.unloading = bound.definition, bound.name, bound.unloading
@@ -89,7 +89,7 @@ class LawSource:
             if bound.contact.size is not None:
                 raise DemlawsError("this table is bound to an array of contacts: bind it to one, table.bound_to(contact)")
             return
-        self.options = self.definition.read({**bound.options, **options})
+        self.options = self.definition.read_options({**bound.options, **options})
         if bound.contact.size is None and self.needs_one_contact:
             self.only = bound.contact.radius, bound.contact.modulus
         if self.unloading == GIVEN:
@@ -120,9 +120,9 @@ class LawSource:
     def _bound(self, contact, unloading):
         """The law of a contact with a rule (a `Table`, or `Bound`)."""
         if self.table is not None:
-            from demlaws.make import rebound
+            from demlaws.make import unloading_for
 
-            return rebound(self.table, contact)
+            return unloading_for(self.table, contact)
         parts = Unloading(self.definition.rule(unloading))
         if unloading == GIVEN:
             if self.curve is None:
@@ -144,7 +144,7 @@ class LawSource:
             dimension = 2.0  # without roughness it does not matter, but the law wants one
         radius, modulus = self.contacts(surface, modulus)
         contact = Contact(radius, modulus, surface.roughness, dimension, surface.hardness)
-        needs = self.definition.needs + (() if self.curve is None else self.curve.definition.needs)
+        needs = self.definition.loading.needs + (() if self.curve is None else self.curve.definition.loading.needs)
         if surface.roughness == 0.0 and any(getattr(contact, name) is None for name in needs):
             return None
         shape = self._bound(contact, unloading).shape
@@ -284,9 +284,9 @@ class Pairs:
 
     def _unloading(self, unloading):
         """Name of a rule of a law, or GIVEN: every law then unloads along the given one."""
-        from demlaws.make import known_unloading
+        from demlaws.make import check_unloading
 
-        named = known_unloading(unloading)
+        named = check_unloading(unloading)
         if isinstance(named, str):
             return named
         for source in self.sources:
@@ -424,7 +424,7 @@ class Pairs:
         """Whether the bulk of contacts has passed the law's yield point: an array of bool; None: no law has one.
 
         highest: largest overlaps so far [m]."""
-        own = np.array([source is not None and source.definition.bulk is not None for _, source in self.combined])
+        own = np.array([source is not None and source.definition.loading.bulk is not None for _, source in self.combined])
         if not own.any():
             return None
         bulk = np.zeros(len(contacts), bool)
@@ -447,8 +447,8 @@ class Pairs:
 
     @property
     def needs_no_judgement(self):
-        """Whether materials that are not listed are known to be meant as they are served."""
-        only_hertz = all(source.definition.computed == HERTZ_CURVE for source in self.sources)
+        """Whether the script has said how materials that are not listed are treated."""
+        only_hertz = all(source.definition.loading.computed == HERTZ_CURVE for source in self.sources)
         return self.smooth or only_hertz or self.everywhere is not None
 
     @property

@@ -121,7 +121,7 @@ def exchange_if(typing_context, address, expected, value):
     return types.int64(types.int64, types.int64, types.int64), generate
 
 
-def foreign(result, *arguments):
+def c_function(result, *arguments):
     """Compiled function that calls a C++ function of this signature: `call(address, arguments)`, arguments a tuple."""
 
     @intrinsic
@@ -215,23 +215,23 @@ def unit_perpendicular(a):
 
 # --- notes for the guard
 
-cold = numba.njit(error_model="numpy", nogil=True)
+not_inlined = numba.njit(error_model="numpy", nogil=True)
 """Compile a function that few contacts call, not inlined."""
 
 
 @kernel
-def alarm(context):
+def request_guard(context):
     """Have the guard run before the contacts of the next step."""
     if context.alarm != 0:
         array(context.alarm, 1, np.int64)[0] = 0
 
 
-@cold
-def note(context, kind, interaction, value):
+@not_inlined
+def record_fault(context, kind, interaction, value):
     """Note something of a contact for the guard, which runs before the next step; a fault stops the run there."""
     if context.seen[kind] != layout.REPORTED:
         context.bodies[kind, 0] = interaction.id1
         context.bodies[kind, 1] = interaction.id2
         context.values[kind] = value
         context.seen[kind] = layout.SEEN
-        alarm(context)
+        request_guard(context)

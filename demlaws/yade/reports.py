@@ -10,7 +10,7 @@ import yade.config
 from demlaws.errors import did_you_mean
 from demlaws.units import RANGES, large_overlap, too_large_overlap
 from demlaws.yade import layout, native
-from demlaws.yade.omega import radius_fault, real_contacts
+from demlaws.yade.omega import invalid_radius, real_contacts
 from demlaws.yade.pairs import NOT_SERVED
 
 O = yade.O  # noqa: E741  YADE's name
@@ -57,7 +57,7 @@ def fault_text(binding, kind, bodies, value):
     """Message about a fault of the contact of two bodies; value: overlap or R [m], or E* [Pa]."""
     first, second = bodies
     stones = [O.bodies[number].material for number in bodies]
-    wrong = next(filter(None, (radius_fault(O.bodies[number]) for number in bodies)), None)
+    wrong = next(filter(None, (invalid_radius(O.bodies[number]) for number in bodies)), None)
     if wrong is not None:
         return f": {wrong}"
     shapes = [type(O.bodies[number].shape).__name__ for number in bodies]
@@ -198,7 +198,7 @@ def deep_text(rows):
 
 def stepper_text(stepper, bound, reach):
     """Message about a time stepper without a valid bound; bound: the valid one [s], which is its maxDt if the user gave none;
-    None without spheres; reach: `binding.REACH`."""
+    None without spheres; reach: `binding.LARGEST_STEP_RATIO`."""
     why = "it uses the present stiffness of contacts, and a young contact is soft until the step in which it is not"
     if bound is None:
         return (

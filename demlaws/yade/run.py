@@ -151,7 +151,7 @@ def run(script, arguments=(), threads=1, **options):
     return subprocess.run(command(script, arguments, threads), env=environment(), **options)
 
 
-def become(line):
+def exec_yade(line):
     """Replace this process by one of a command line of YADE, which then gets the signals, and whose exit status counts."""
     variables = environment()
     sys.stdout.flush()

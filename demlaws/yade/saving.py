@@ -45,7 +45,7 @@ def restore(binding, content):
     binding.attachment.restore(bodies, np.frombuffer(history, dtype, count, bodies.nbytes), real_contacts())
 
 
-def are_same(one, other):
+def same_law(one, other):
     """Whether two bindings are the same law: contacts of one may continue with the other."""
     return pairs_text(one.pairs, True) == pairs_text(other.pairs, True)
 
@@ -69,7 +69,7 @@ def pairs_text(pairs, identity=False):
         "radius": pairs.radii.choice,
     }
     if user_laws(pairs):
-        content["answers"] = _answers(pairs)
+        content["answers"] = _sample_forces(pairs)
     if identity:
         del content["modulus"], content["smooth"]
     try:
@@ -91,7 +91,7 @@ def pairs_from(text):
     options["radius"] = Curvature(*radius) if isinstance(radius, list) else radius
     pairs = Pairs(law, content["surfaces"], content["unloading"], {}, content.get("modulus"), **options)
     answers = content.get("answers")
-    if answers is not None and not np.allclose(answers, _answers(pairs), rtol=1e-8, atol=0.0, equal_nan=True):
+    if answers is not None and not np.allclose(answers, _sample_forces(pairs), rtol=1e-8, atol=0.0, equal_nan=True):
         raise DemlawsError(
             f"law {', '.join(map(repr, user_laws(pairs)))} is registered, but gives other forces than when the scene was "
             "saved: the history of the contacts belongs to the former law. Register the law unchanged"
@@ -100,12 +100,12 @@ def pairs_from(text):
 
 
 def user_laws(pairs):
-    """Names of the laws that take part which are not the package's: a name says nothing of their functions."""
+    """Names of the laws of this scene that are not the package's: their functions may differ under one name."""
     names = {definition.name for source in pairs.sources for definition in source.definitions()}
     return sorted(name for name in names if home_of(name) != home_of("hertz"))
 
 
-def _answers(pairs):
+def _sample_forces(pairs):
     """Forces [N] that tell laws of one name apart: of every pair on loading, unloading and loading further.
 
     At one R and E* whatever the bodies are, since more of them may have come when the same law is made again.

@@ -1,9 +1,9 @@
 """The laws of a scene: engine list, guards, saving and loading.
 
 A guard is a PyRunner right before the engine that contains a law. It runs at the first step, at the second, then every hundred
-steps, and before the next step's contacts whenever native code asks for it (`kernel.alarm`). `O.engines` does not show it. In a
-saved scene a functor that does not accept Mindlin's contacts is in the law's place; the guard runs at the first step after
-loading and puts the law there. Without a guard YADE ends with an error; the native law never acts instead.
+steps, and before the next step's contacts whenever native code asks for it (`records.request_guard`). `O.engines` does not
+show it. In a saved scene a functor that does not accept Mindlin's contacts is in the law's place; the guard runs at the first
+step after loading and puts the law there. Without a guard YADE ends with an error; the native law never acts instead.
 """
 
 import contextlib
@@ -186,9 +186,9 @@ def _take_over(functor, old):
     """Let a functor that is the same law as the one at work continue its contacts and account."""
     if old is None or functor.binding is old.binding:
         return
-    from demlaws.yade.saving import are_same
+    from demlaws.yade.saving import same_law
 
-    if are_same(functor.binding, old.binding):
+    if same_law(functor.binding, old.binding):
         old.binding.attachment.point(functor)
         functor.binding = old.binding
 
@@ -204,12 +204,12 @@ def _refuse_switch(engines, before, laws, old):
     new_others, old_others = others(engines), others(before)
     if (not laws and not new_others) or (not old and not old_others):
         return
-    from demlaws.yade.saving import are_same
+    from demlaws.yade.saving import same_law
 
     same = set(laws) == set(old) and new_others == old_others
     for label, functor in laws.items() if same else ():
         former = old[label]
-        same &= functor is former or (are_same(former.binding, functor.binding) and former.settings() == functor.settings())
+        same &= functor is former or (same_law(former.binding, functor.binding) and former.settings() == functor.settings())
     if not same:
         raise DemlawsError(
             f"the law is switched while {O.interactions.countReal()} contacts exist, which YADE would leave with the old one. "

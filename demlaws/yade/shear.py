@@ -301,7 +301,7 @@ def is_changed(phys, row):
 
 
 @generic(lambda *_: lambda mode, phys, row, stiffness, force: stored_energy(mode, phys, row, stiffness))
-def adopt(mode, phys, row, stiffness, force):
+def set_shear_force(mode, phys, row, stiffness, force):
     """Take over an elastic shear force [N] that a script has set; energy [J] of the contact with it."""
 
 
@@ -329,7 +329,7 @@ def apply_with_account(mode, context, contact, row, stiffness):
     given, changed = vector(phys.shearElastic), is_changed(phys, row)
     held, loss = row.held, relax_shear(mode, phys, row, stiffness)
     if changed:
-        held, loss = adopt(mode, phys, row, stiffness, given), 0.0
+        held, loss = set_shear_force(mode, phys, row, stiffness, given), 0.0
     first, old = held - loss, vector(phys.shearElastic)
     keep = advance(mode, context, contact, row)
     if not stiffness > 0.0:
@@ -366,7 +366,7 @@ bind(
     after_native_step=_follow_native_step,
     relax_shear=_relax_levels,
     stored_energy=energy_of_levels,
-    adopt=_adopt_as_one_level,
+    set_shear_force=_adopt_as_one_level,
 )
 bind(Slip, synchronise=_to_half_step, within_limit=together_within_limit)
 MODES = {"elastic": Levels(), "loading": Levels(), "native": Native(), "slip": Slip()}

@@ -7,7 +7,18 @@ from demlaws.core.numba_compat import kernel
 from demlaws.core.slip import SPRINGS, compressions, depth_of, ladder_of, set_springs, slip, unloads_by_hertz
 from demlaws.yade import layout, objects
 from demlaws.yade.mindlin import advance, damping_of_normal, shear_damping, supports_options, turned, within_limit
-from demlaws.yade.records import assign, cross, dot, minus_scaled, note, pointee, scaled, unit_perpendicular, vector, view
+from demlaws.yade.records import (
+    assign,
+    cross,
+    dot,
+    minus_scaled,
+    pointee,
+    record_fault,
+    scaled,
+    unit_perpendicular,
+    vector,
+    view,
+)
 from demlaws.yade.shear import Slip, account, is_changed
 
 LADDER = ladder_of(SPRINGS)
@@ -69,7 +80,7 @@ def apply_to_springs(mode, context, contact, row, stiffness):
         assign(row.tangent[0], (0.0, 0.0, 0.0))
         return keep
     if is_changed(phys, row):
-        note(context, layout.SET_SHEAR, view(contact.interaction, objects.Interaction), 0.0)
+        record_fault(context, layout.SET_SHEAR, view(contact.interaction, objects.Interaction), 0.0)
     normal = vector(geom.normal)
     first = turned_tangent(geom, vector(row.tangent[0]), normal)
     assign(row.tangent[0], first)

@@ -14,8 +14,8 @@ from demlaws.core.unloading import GIVEN, RULES
 from demlaws.errors import NotPassive
 from demlaws.laws import definition as laws_definition
 from demlaws.laws.registry import registry
-from demlaws.make import example, example_curve
-from making.formula import latex, lines, symbols_of
+from demlaws.make import example_curve, example_law
+from making.equations import EQUATIONS
 from making.links import relinked
 from making.symbols import SYMBOLS, meaning
 from making.words import GROUPS, WORDS
@@ -39,9 +39,9 @@ def quietly(function, *arguments, **options):
         return function(*arguments, **options)
 
 
-def equation(text):
-    """Formula blocks of a record's equation."""
-    return "".join(f"```{{math}}\n{latex(part)}\n```\n\n" for part in lines(text))
+def equation(name):
+    """Formula blocks of a law's equation."""
+    return "".join(f"```{{math}}\n{line}\n```\n\n" for line in EQUATIONS[name].lines)
 
 
 def table(head, rows):
@@ -65,7 +65,7 @@ def prose(text):
 
 def differs(law, force):
     """Whether a law differs visibly from Hertz's in a picture to this force."""
-    smooth = quietly(example("hertz", law.contact).overlap, force)
+    smooth = quietly(example_law("hertz", law.contact).overlap, force)
     return abs(quietly(law.overlap, force) / smooth - 1.0) > 0.02
 
 
@@ -75,7 +75,7 @@ def draw_law(law, top, folder):
 
     fig, (left, right) = plots.figure(columns=2, width=4.6, height=3.6)
     colour = plots.colour(law.name) if law.name != "hertz" else "tab:blue"
-    for curve, shade in ((example("hertz", law.contact), "0.6"), (law, colour)):
+    for curve, shade in ((example_law("hertz", law.contact), "0.6"), (law, colour)):
         style = (
             {"color": shade} if shade != "0.6" else {"color": shade, "ls": ":", "lw": 2.5, "zorder": 3}
         )  # seen on equal curves
@@ -113,7 +113,7 @@ def cautions(definition, law):
         sentences.append("It neglects roughness: a rough contact is far softer at low load.")
     if definition.needs_map:
         sentences.append("It needs a measured height map; with a roughness alone, use another law.")
-    if definition.computed == laws_definition.ROOT:
+    if definition.loading.computed == laws_definition.ROOT:
         sentences.append("Its force is the root of an equation, solved at each call: for many contacts use its table.")
     if definition.needs_map:
         sentences.append(
@@ -163,10 +163,10 @@ def worked_example(name, law):
 def law_page(name, definition, folder):
     """The page of one law, its picture written beside it."""
     module = inspect.getmodule(definition.prepare)
-    law = quietly(example, name, GRANITE)
+    law = quietly(example_law, name, GRANITE)
     shown, usual = law, definition.default_rule(**law.options)
     with contextlib.suppress(dl.DemlawsError):  # elastic unloading would not be seen
-        shown = quietly(example, name, GRANITE, "hertz" if usual == "elastic" else usual)
+        shown = quietly(example_law, name, GRANITE, "hertz" if usual == "elastic" else usual)
     top = 50.0 if name == "hertz" or differs(shown, 50.0) else 1000.0
     picture = draw_law(shown, top, folder)
     physics, use = WORDS.get(name, (f"{definition.description}.", "see the source"))
@@ -176,9 +176,9 @@ def law_page(name, definition, folder):
         f"![Force and stiffness of {name}]({picture})\n",
         f"*Left: loading to {top:g} N and unloading. Right: tangent stiffness of first loading. Contact: {SHOWN}.*\n",
         "## Equation\n",
-        equation(definition.equation),
+        equation(name),
     ]
-    known = [(s, meaning(name, s)) for s in symbols_of(definition.equation)]
+    known = [(s, meaning(name, s)) for s in EQUATIONS[name].symbols.split()]
     rows = [(f"`{s}`", *reversed(match)) for s, match in known if match]
     if rows:
         text.append(table(["symbol", "unit", "meaning"], rows))

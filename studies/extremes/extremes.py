@@ -93,7 +93,7 @@ def groups(case, random, quick=False):
         radius = np.full(12, 2.0 * GRANITE.radius)  # two equal spheres of half the granite pair's roughness squared each
         return [make_group(case, GRANITE, radius, radius, np.full(12, GRANITE.sigma / math.sqrt(2.0)))]
     found = []
-    dimensions = DIMENSIONS if "fractal_dimension" in definition.needs else (GRANITE.fractal_dimension,)
+    dimensions = DIMENSIONS if "fractal_dimension" in definition.loading.needs else (GRANITE.fractal_dimension,)
     for dimension in dimensions[:: 2 if quick and len(dimensions) > 1 else 1]:
         rows = []
         for sigma, radii in SURFACES:
@@ -116,7 +116,7 @@ def _kinks(group, pair):
     if contact.size is not None:
         contact = contact.with_values(**{n: float(getattr(contact, n)[pair]) for n in ("radius", "modulus", "sigma")})
     options = group.case.options
-    places = definition.kinks(bind_law(group.case.law, contact, **options).params, **options)
+    places = definition.loading.kinks(bind_law(group.case.law, contact, **options).params, **options)
     return [float(k) for k in places if 10.0 * group.quantum[pair] < k < 0.9 * group.largest[pair]]
 
 

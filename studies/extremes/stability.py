@@ -20,7 +20,7 @@ from demlaws.driver import elastic_contact, impact_loop
 from demlaws.errors import DemlawsError, quiet
 from demlaws.granite import find_test
 from demlaws.laws.registry import registry
-from demlaws.make import example
+from demlaws.make import example_law
 from demlaws.timestep import timestep
 from studies.extremes.exact import EXACT
 from studies.extremes.paths import finite_loop, path_loop
@@ -68,8 +68,8 @@ class Case(NamedTuple):
         """The law on a contact or an array of contacts; as a table one that reaches `table_end` times each of their radii."""
         with quiet():
             if self.evaluation == "closed form":
-                return example(self.law, contact, self.unloading)
-            law = example(self.law, _longest(contact), self.unloading)
+                return example_law(self.law, contact, self.unloading)
+            law = example_law(self.law, _longest(contact), self.unloading)
             share = 0.099 if registry()[self.law].solved else table_end  # solved curves end at a tenth of the radius
             end = None if table_end is None else float(np.max(law.force(share * np.asarray(law.contact.radius))))
             table = law.tabulate(TABLE, end)
@@ -93,7 +93,7 @@ def cases(laws=None, unloadings=None, evaluations=("closed form", "table")):
             continue
         for rule in unloadings or definition.offered():
             try:
-                example(name, GRANITE, rule)
+                example_law(name, GRANITE, rule)
             except DemlawsError:
                 continue
             found += [Case(name, rule, evaluation) for evaluation in evaluations]
@@ -117,7 +117,7 @@ def contacts_for(case, count, random):
     if case.one_contact:
         return [case.bind(GRANITE, 0.9)]
     result = []
-    for dimension in DIMENSIONS if "fractal_dimension" in definition.needs else (GRANITE.fractal_dimension,):
+    for dimension in DIMENSIONS if "fractal_dimension" in definition.loading.needs else (GRANITE.fractal_dimension,):
         contact = extreme_contacts(count, random, dimension)
         if case.evaluation == "table":  # one curve for all; a table that scales with roughness has no smooth contacts
             contact = contact.with_values(sigma=np.maximum(contact.sigma, 1e-12 * contact.radius))
@@ -279,7 +279,7 @@ def _first_kinks(law, case, radius):
     """Overlaps [m] at which contacts first yield beyond R/10, where no law holds and pairs are not promised to be passive."""
     if case.evaluation == "table" or law.contact.size is None:
         return np.full(radius.size, np.inf)
-    kinks = law.definition.kinks
+    kinks = law.definition.loading.kinks
     found = (kinks(loading_part(params_at(law.params, i)), **law.options) for i in range(radius.size))
     return np.array([min((k for k in own if k > 0.1 * r), default=np.inf) for own, r in zip(found, radius, strict=True)])
 

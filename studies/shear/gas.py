@@ -19,7 +19,7 @@ from demlaws.errors import DemlawsError, quiet
 from demlaws.lammps.run import HEAD as LAMMPS_HEAD
 from demlaws.laws.registry import registry
 from demlaws.liggghts.run import HEAD as LIGGGHTS_HEAD
-from demlaws.make import example
+from demlaws.make import example_law
 from studies.engines import under_yade
 
 ENGINES = {"liggghts": liggghts, "lammps": lammps}
@@ -68,7 +68,7 @@ def cases():
     for name, definition in registry().items():
         for rule in definition.offered():
             with contextlib.suppress(DemlawsError):
-                example(name, CONTACT, rule)
+                example_law(name, CONTACT, rule)
                 yield name, rule
 
 
@@ -97,7 +97,7 @@ def _places(side):
 def save_tables(name, rule, poisson, folder):
     """Write pair.tbl and wall.tbl of a law: one that does not collapse has another curve at a wall, whose radius is larger."""
     for file, radius in (("pair.tbl", DIAMETER / 4), ("wall.tbl", DIAMETER / 2)):
-        law = example(name, contact(poisson, radius), rule)
+        law = example_law(name, contact(poisson, radius), rule)
         with quiet():
             for share in (0.9, 0.3, 0.1):  # of the radius: how far a height map goes is not known before
                 with contextlib.suppress(DemlawsError):

@@ -11,7 +11,7 @@ from demlaws.core.levels import levels_force, set_stiffness
 from demlaws.core.numba_compat import loop
 from demlaws.core.shear import CHOICES, DEFAULT, shear_stiffness
 from demlaws.errors import quiet
-from demlaws.make import example
+from demlaws.make import example_law
 from studies.shear.gas import CONTACT
 
 RATIO, FRICTION, LOAD = 2 * (1 - 0.25) / (2 - 0.25), 0.5, 10.0
@@ -41,7 +41,7 @@ class Vibration(NamedTuple):
 def specimen(name, rule):
     """Law, overlap at the load and K_t there."""
     with quiet():
-        law = example(name, CONTACT, rule)
+        law = example_law(name, CONTACT, rule)
         overlap = law.overlap(LOAD)
         return law, overlap, law.shear_stiffness([overlap], RATIO)[0]
 

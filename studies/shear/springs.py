@@ -6,7 +6,7 @@ import numpy as np
 
 import demlaws as dl
 from demlaws.errors import quiet
-from demlaws.make import example
+from demlaws.make import example_law
 from demlaws.shear import sheared
 from studies.shear.gas import CONTACT
 
@@ -66,7 +66,7 @@ def paths():
 def errors(name, rule, counts):
     """Kind of path → largest error of the force over the largest μP of the path, for each number of springs."""
     with quiet():
-        law = example(name, CONTACT, rule)
+        law = example_law(name, CONTACT, rule)
         depth = law.overlap(LOAD)
     unit = depth * np.array([1.0, FRICTION / RATIO, FRICTION / RATIO])
 

@@ -8,7 +8,7 @@ from yade.utils import kineticEnergy, sphere, wall
 from demlaws.contact import Surface
 from demlaws.errors import DemlawsError, quiet
 from demlaws.laws.registry import find
-from demlaws.make import example
+from demlaws.make import example_law
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, engines
 from studies.shear.gas import DIAMETER, SPACING, TIME, contact
 from studies.under_yade import serve
@@ -23,7 +23,7 @@ def functor(law, rule, shear, poisson):
     pair = contact(poisson)
     surface = Surface(pair.sigma / math.sqrt(2.0), pair.fractal_dimension, pair.hardness)
     flats = "yade" if find(law).needs_map else "plane"  # solved for one contact: walls with YADE's own radius there
-    return Law2_ScGeom_MindlinPhys_Demlaws(example(law, pair, rule), None, surface, shear=shear, flats=flats)
+    return Law2_ScGeom_MindlinPhys_Demlaws(example_law(law, pair, rule), None, surface, shear=shear, flats=flats)
 
 
 def simulate(given, poisson, friction, shear):

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from demlaws.advice.modulus import HALF, MEASURED, STEADY, Numbers, numbers_of
+from demlaws.advice.modulus import HALF, MEASURED, STEADY, PackingNumbers, numbers_of
 from demlaws.advice.scene import Scene
 from demlaws.contact import GRANITE
 from demlaws.errors import DemlawsError
@@ -101,7 +101,7 @@ def _change(names, point, other=None):
     )
 
 
-def _numbers(run) -> Numbers:
+def _numbers(run) -> PackingNumbers:
     radii, pressure = run.size * 4e-3, (0.1 * run.stress, run.stress)
     scene = Scene(radii=radii, materials=GRANITE, surfaces=run.surface, pressure=pressure, quantity="stiffness")
     return numbers_of(scene, run.law, {}, run.factor)

@@ -16,7 +16,7 @@ from demlaws.core.numba_compat import loop
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, quiet
 from demlaws.laws.registry import registry
-from demlaws.make import example
+from demlaws.make import example_law
 from studies.extremes.stability import GRANITE
 from studies.trade.candidates import RICHEST
 
@@ -101,7 +101,7 @@ def _ways(laws, progress):
         given = (GIVEN,) if definition.advice.candidate and not definition.advice.smooth else ()
         for rule in (*definition.unloading, *given):
             try:
-                law = example(name, GRANITE, rule)
+                law = example_law(name, GRANITE, rule)
             except DemlawsError:
                 continue
             ways[name, rule, "closed form", ""] = law

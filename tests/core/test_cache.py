@@ -6,6 +6,8 @@ import importlib.util
 import os
 import pwd
 import shutil
+import signal
+import subprocess
 import sys
 import threading
 import time
@@ -130,24 +132,95 @@ def test_processes_that_compile_the_same_loops_at_once(tmp_path):
     """)
     names = ["hertz", "rms", "hertz"]
     together = [finish(p).split() for p in [start(code.replace("NAME", n), NUMBA_CACHE_DIR=tmp_path) for n in names]]
-    assert all(int(compiled) > 3 for *_, compiled in together)
+    assert all(sum(int(together[n][2]) for n in group) > 3 for group in ((0, 2), (1,)))  # the same loops are compiled once
     assert together[0][:2] == together[2][:2] and len({stiffness for stiffness, *_ in together}) == 2
     for name, (stiffness, force, _) in zip(names, together, strict=True):
         assert python(code.replace("NAME", name), NUMBA_CACHE_DIR=tmp_path).split() == [stiffness, force, "0"]
     left = [path.name for path in tmp_path.rglob("*") if path.is_file()]
-    assert left and all(name.endswith((".nbi", ".nbc", ".py")) for name in left), left
+    assert left and all(name.endswith((".nbi", ".nbc", ".py", ".digests", "lock")) for name in left), left
 
 
-def test_each_set_of_types_has_a_folder():
-    """Two processes that write to one folder of numba's cache at once may exchange their machine code: it numbers the files."""
+def test_each_set_of_types_has_a_name():
+    """Two processes that write under one name at once may exchange their machine code: numba numbers its files."""
     law = dl.law("hertz", dl.Contact(radius=1e-2, modulus=1e10))
     batches = [(law, np.float64), (law, np.float32), (dl.law("rms", GRANITE, "elastic"), np.float64)]
-    folders = set()
+    names = set()
     for law, kind in batches:
         overlap = np.full(4, 1e-6, kind)
         arguments = (law.rule_tag, law.shape, law.params, overlap, (), UNBOUNDED, FINITE, overlap, overlap)
-        folders.add(cache.folder_of(batch_loop.py_func, tuple(map(numba.typeof, arguments)), {}))
-    assert len(folders) == len(batches) and None not in folders
+        names.add(cache.name_of(batch_loop.py_func, tuple(map(numba.typeof, arguments)), {}))
+    assert len(names) == len(batches) and None not in names
+
+
+@pytest.mark.parametrize("suffix", ["nbi", "nbc"])
+def test_damaged_machine_code_is_compiled_again(tmp_path, suffix):
+    """numba keeps no checksum: one changed byte gave 3e-321 N, or ended the process with SIGBUS."""
+    first = hertz(NUMBA_CACHE_DIR=tmp_path)
+    files = list(tmp_path.rglob(f"*.{suffix}"))
+    for file in files:
+        content = bytearray(file.read_bytes())
+        content[len(content) // 2] ^= 0xFF
+        file.write_bytes(content)
+    assert files and hertz(NUMBA_CACHE_DIR=tmp_path) == first
+    assert hertz(NUMBA_CACHE_DIR=tmp_path) == (first[0], 0)
+
+
+@pytest.mark.parametrize("stop", [signal.SIGTERM, signal.SIGKILL])
+def test_what_a_killed_process_left_is_removed(tmp_path, stop):
+    """numba writes to a temporary file, which it then renames."""
+    code = f"""
+        import os
+        os.replace = lambda *names: os.kill(os.getpid(), {int(stop)})
+        import demlaws as dl
+        dl.law("hertz", dl.Contact(radius=1e-2, modulus=1e10)).stiffness(1e-6)
+    """
+    process = start(code, NUMBA_CACHE_DIR=tmp_path)
+    process.communicate(timeout=120)
+    assert process.returncode == -stop
+    assert any(".tmp." in file.name for file in tmp_path.rglob("*"))
+    hertz(NUMBA_CACHE_DIR=tmp_path)
+    assert not any(".tmp." in file.name for file in tmp_path.rglob("*"))
+
+
+def test_loops_share_a_folder(tmp_path):
+    """Each loop and set of types had folders of its own: 541 while the tests ran."""
+    hertz(NUMBA_CACHE_DIR=tmp_path)
+    folders = [path for path in tmp_path.rglob("*") if path.is_dir()]
+    assert len(list(tmp_path.rglob("*.nbi"))) > 1 and len(folders) <= 2
+
+
+def test_a_process_waits_for_another_that_compiles_the_same(tmp_path, theirs, monkeypatch):
+    """Not for one that compiles anything else."""
+    monkeypatch.setattr(cache, "_common_folder", lambda: tmp_path / "demlaws-0")
+    (tmp_path / "demlaws-0").mkdir()
+    code = """
+        from pathlib import Path
+        from demlaws.core import cache
+        cache._common_folder = lambda: Path(FOLDER)
+        with cache.placed(lambda x: x, NAME):
+            print("in", flush=True)
+    """
+    codes = {name: code.replace("FOLDER", repr(str(tmp_path / "demlaws-0"))).replace("NAME", repr(name)) for name in "ab"}
+    with cache.placed(theirs.double, "a"):
+        assert python(codes["b"]) == "in"
+        waiting = start(codes["a"])
+        with pytest.raises(subprocess.TimeoutExpired):
+            waiting.wait(timeout=3)
+    assert finish(waiting) == "in"
+
+
+def test_the_newest_machine_code_is_kept(tmp_path, theirs, monkeypatch):
+    """A program that defines laws in a loop fills no disk."""
+    folder = tmp_path / "demlaws-0"
+    folder.mkdir()
+    monkeypatch.setattr(cache, "_common_folder", lambda: folder)
+    monkeypatch.setattr(cache, "_MOST", 2)
+    for n in range(4):
+        with cache.placed(theirs.double, f"double_{n}"):
+            (folder / f"demlaws.double_{n}-1.nbi").write_bytes(b"code")
+        os.utime(folder / f"double_{n}.digests", (n, n))
+    assert [name for name in map("double_{}".format, range(4)) if cache.is_whole(name)] == ["double_2", "double_3"]
+    assert not list(folder.glob("*double_0*"))
 
 
 def test_no_folder_is_removed(tmp_path):
@@ -190,9 +263,10 @@ def test_a_function_that_another_thread_caches_meanwhile_stays_in_its_folder(the
             thread.join()
         return njit(*arguments, **options)
 
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
+    other_thread()
     monkeypatch.setattr(numba, "njit", watched)
     assert numba_compat.loop(theirs.triple)(2.0) == 6.0
-    other_thread()
     assert len(found) > 1 and len(set(found)) == 1
 
 
@@ -201,7 +275,7 @@ def test_a_full_disk_is_one_warning(theirs, monkeypatch):
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr(cache, "placed", full)
-    with pytest.warns(UserWarning, match="remove this folder: .*No space left"):
+    with pytest.warns(UserWarning, match="cannot be kept.*No space left"):
         assert numba_compat.loop(theirs.triple)(2.0) == 6.0
 
 
@@ -240,6 +314,23 @@ def test_the_key_of_a_helper_does_not_depend_on_who_asks_first():
     for things in ((small, large), (large, small), (large,), (small, large)):
         cache.content_key(things)
     assert again == []
+
+
+def test_the_key_of_helpers_that_call_each_other():
+    """That of each began with itself where it was asked first, and with the other where that was."""
+
+    @numba.njit
+    def even(n):
+        return n == 0 or odd(n - 1)
+
+    @numba.njit
+    def odd(n):
+        return n != 0 and even(n - 1)
+
+    again = []
+    even.recompile = odd.recompile = lambda: again.append(1)
+    keys = [[cache.content_key(one) for one in order] for order in ((even, odd), (odd, even))]
+    assert keys[0] == keys[1][::-1] and keys[0][0] != keys[0][1] and again == []
 
 
 def test_works_where_no_folder_takes_a_cache():

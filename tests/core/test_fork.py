@@ -13,7 +13,7 @@ def announced():
     started.set()
     return real()
 numba_compat.announced = announced
-numba_compat.cache.folder_of = lambda *arguments: None  # nothing is kept: the thread compiles
+numba_compat.cache.name_of = lambda *arguments: None  # nothing is kept: the thread compiles
 pair = dl.Contact(4e-3, 32e9)
 thread = threading.Thread(target=lambda: dl.law("hertz", pair).force(1e-6))
 thread.start()

@@ -8,7 +8,7 @@ import pytest
 from examples import GRANITE, shared
 
 import demlaws as dl
-from demlaws.make import example as example_law
+from demlaws.make import example_law
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 

@@ -10,7 +10,7 @@ import pytest
 from examples import GRANITE
 
 import demlaws as dl
-from demlaws.make import example as example_law
+from demlaws.make import example_law
 
 HEADER = Path(dl.__file__).parent / "cpp"
 # the paths go where a source does not support its law; the header must agree there, too

@@ -23,7 +23,7 @@ from inputs import (
 from spheres import DIAMETER, ROUGH, assert_goes_on, both, continued, spheres
 
 import demlaws as dl
-from demlaws.make import example
+from demlaws.make import example_law
 
 REFUSED = "began under another law|not the table that|different contact history model"
 PRESS = [(-20, 0, 1000)]
@@ -75,14 +75,14 @@ LAWS = [
 @both
 def test_force_and_energies_are_the_laws(engine, granite_pair, name, unloading, options):
     """In LAMMPS also what `compute pair/local` shows of the contact."""
-    law = example(name, granite_pair, unloading, **options)
+    law = example_law(name, granite_pair, unloading, **options)
     assert_same(*part(engine, "check").run_path(law), limit=1e-5)
 
 
 @pytest.mark.parametrize(("unloading", "ranks", "newton"), [("hertz", 1, "off"), ("hertz", 2, "off"), ("table", 2, "on")])
 @pytest.mark.parametrize("engine", ["lammps"])
 def test_ranks_and_pairs_of_two_ranks(engine, granite_pair, unloading, ranks, newton):
-    law = example("pohrt-popov", granite_pair, unloading)
+    law = example_law("pohrt-popov", granite_pair, unloading)
     assert_same(*part(engine, "check").run_path(law, rtol=1e-8, ranks=ranks, newton=newton, every=20), limit=1e-7)
 
 
@@ -124,7 +124,7 @@ def test_damping_goes_by_the_tangent(engine, folder, law, restitution):
 )
 def test_a_restart_in_mid_unloading_goes_on(engine, tmp_path, law, rule, ranks):
     """Force, energies, and what ended contacts had lost, of a pair on the border of two ranks."""
-    law = example("pohrt-popov", law.contact, rule)
+    law = example_law("pohrt-popov", law.contact, rule)
     law.tabulate(rtol=1e-8).save(tmp_path / "law.tbl")
     text = spheres(engine, "", [*LOAD_UNLOAD, (0.2, 0, 100)], left=-0.0087, ranks=ranks, **ENERGY)
     whole, rest = assert_goes_on(engine, tmp_path, text, [(-0.2, 0, 600), (0.2, 0, 1800)], ranks)

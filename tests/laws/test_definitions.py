@@ -101,8 +101,8 @@ def test_a_yielding_law_needs_what_its_rough_law_needs(name):
     definition = find(name)
     for loading in ("pohrt-popov", "yip-venart", "hertz"):
         assert set(definition.needed(**definition.drawing.example, loading=loading)) == {
-            *definition.needs,
-            *find(loading).needs,
+            *definition.loading.needs,
+            *find(loading).loading.needs,
         }
 
 
@@ -133,7 +133,7 @@ BAD_OPTIONS = {  # what is more than one option's range
     "rough-plastic": [
         YIELD | {"loading": "rms", "steepness": 0.2},
         # laws that yield by themselves
-        *(YIELD | find(name).drawing.example | {"loading": name} for name in registry() if find(name).unloads_its_own_way),
+        *(YIELD | find(name).drawing.example | {"loading": name} for name in registry() if find(name).has_own_rule),
         YIELD | {"loading": "rough-plastic"},
     ],
     "conical-damage": [{"strength": 1e9, "angle": 1.6}],

@@ -79,7 +79,7 @@ def test_errors_against_fifty_digits(name, options, dimension, rng):
 def test_unloading_against_fifty_digits(name, options):
     """From loads far below, about and far above first yield, down to no force; after reloading from below, too."""
     law = dl.law(name, GRANITE, **options)
-    assert law.unloading == find(name).default_rule() and find(name).unloads_its_own_way
+    assert law.unloading == find(name).default_rule() and find(name).has_own_rule
     exact = REFERENCES[name](radius=GRANITE.radius, modulus=GRANITE.modulus, **options)
     gaps = 0
     for maximum in GRANITE.radius * np.array([1e-5, 4e-3, 7e-3, 0.02, 0.1]):

@@ -129,7 +129,7 @@ def test_a_quantity_that_a_law_does_not_use(law, name):
     """May be left out, of one contact and of an array: the same forces, and limits without it."""
     if name == "hardness" or find(law).needs_map:
         contact = dataclasses.replace(GRANITE, **{name: None})
-        assert find(law).shape(contact, **find(law).read(options_of(law))) is not None
+        assert find(law).shape(contact, **find(law).read_options(options_of(law))) is not None
         return
     for contact in (GRANITE, dataclasses.replace(GRANITE, radius=np.array([4e-3, 5e-3]))):
         law_with, law_without = (
@@ -174,7 +174,7 @@ def test_a_law_of_a_user_that_reads_roughness(registered_here):
     plain = dl.define("plain", lambda p, x: 1e6 * x, lambda p, x: 1e6)
     direct = dl.define("direct", lambda p, x: 1e6 * x * (1.0 + p.sigma), lambda p, x: 1e6 * (1.0 + p.sigma))
     indirect = dl.define("indirect", lambda p, x: 1e6 * x * helper(p), lambda p, x: 1e6 * helper(p))
-    assert plain.needs == () and direct.needs == indirect.needs == ("sigma",)
+    assert plain.loading.needs == () and direct.loading.needs == indirect.loading.needs == ("sigma",)
     dl.register(direct)
     with pytest.raises(MissingQuantity):
         dl.law("direct", dl.Contact(4e-3, 32e9))

@@ -67,7 +67,7 @@ def of_scene(law, name, value, folder):
 
 def in_every_way(law, options):
     """Options as each way in reads them."""
-    yield find(law).read(options)
+    yield find(law).read_options(options)
     yield LawSource(law, options).options
     yield Case(law, (Grain(4e-3, MATERIAL),), options=options).options
     yield dl.Scene(radii=4e-3, materials=MATERIAL, force=(1, 2), reference=law, reference_options=options).reference_options
@@ -96,7 +96,7 @@ def test_a_law_made_of_text(law, tmp_path):
     number, text = (quiet(dl.law, law, GRANITE, "elastic", **one) for one in (options, text_of(law, options)))
     assert text.options == number.options and text == number and text.limits() == number.limits()
     assert quiet(text.force, 2e-6) == quiet(number.force, 2e-6)
-    if text.definition.computed in (HERTZ_CURVE, CLOSED):
+    if text.definition.loading.computed in (HERTZ_CURVE, CLOSED):
         file = quiet(text.tabulate, rtol=1e-2).save(tmp_path / "law.tbl")
         assert file.read_bytes() == quiet(number.tabulate, rtol=1e-2).save(tmp_path / "number.tbl").read_bytes()
 
@@ -143,7 +143,7 @@ def test_junk_is_refused_by_name(law, name, tmp_path, capsys):
 @pytest.mark.parametrize(("law", "name"), [pair for pair in NUMERIC if default_of(*pair) is None])
 def test_none_is_not_given(law, name):
     """None where that is the default is an option left out."""
-    assert find(law).read({name: None}) == {}
+    assert find(law).read_options({name: None}) == {}
 
 
 WORDS = [(law, name) for law, d in registry().items() for name in d.options if (law, name) not in NUMERIC]

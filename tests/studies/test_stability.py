@@ -35,7 +35,7 @@ def test_extremes(case):
         assert max(found.rounding.values()) < 40.0
 
 
-OWN = [name for name, definition in registry().items() if definition.unloads_its_own_way]
+OWN = [name for name, definition in registry().items() if definition.has_own_rule]
 
 
 @pytest.mark.slow

@@ -20,7 +20,7 @@ from demlaws.core.dispatch import leaves, map_leaves
 from demlaws.core.loops import FINITE, UNBOUNDED, batch_loop
 from demlaws.laws.definition import CLOSED, HERTZ_CURVE
 from demlaws.laws.registry import registry
-from demlaws.make import example
+from demlaws.make import example_law
 from demlaws.responses.batch import in_threads
 
 EXTREMES = ("virgin", "mixture")
@@ -41,7 +41,7 @@ def goal(case):
     definition = registry()[case.law]
     if case.form == "table" or definition.solved:
         return TABULATED
-    if definition.computed not in (HERTZ_CURVE, CLOSED):
+    if definition.loading.computed not in (HERTZ_CURVE, CLOSED):
         return None
     return STATELESS if case.unloading == "elastic" and case.law != "rough-plastic" else HYSTERETIC
 
@@ -63,7 +63,7 @@ def contact(scales, n, seed=1):
 def make(case, n):
     """The law of a case, or None where it is refused: not passive, or without one table for contacts that differ."""
     try:
-        law = example(case.law, contact(case.scales, n), case.unloading)
+        law = example_law(case.law, contact(case.scales, n), case.unloading)
         return law.tabulate(1e-5) if case.form == "table" else law
     except dl.DemlawsError:
         return None

@@ -43,13 +43,16 @@ private:
   }
 };
 
-// Error::all (every rank comes here) or Error::one; they throw or end the process.
+// Error::all (every rank comes here) or Error::one; they throw.
 [[noreturn]] void raise(void *error, bool every_rank, const std::string &what) {
   LAMMPS_NS::Error *const of = (LAMMPS_NS::Error *)error;
-  fflush(stdout); // in a pipe the message would be lost where mpirun ends this rank because another one has stopped
-  setvbuf(stdout, NULL, _IONBF, 0);
-  if (every_rank) of->all(FLERR, what);
-  of->one(FLERR, what);
+  try {
+    if (every_rank) of->all(FLERR, what);
+    of->one(FLERR, what);
+  } catch (...) { // in a pipe the message would be lost where mpirun ends this rank because another one has stopped
+    fflush(stdout);
+    throw;
+  }
 }
 
 } // namespace

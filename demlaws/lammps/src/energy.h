@@ -13,7 +13,7 @@ namespace {
 
 class Ledger {
 public:
-  bool busy = false;       // somebody wants to know: the contacts take the long way
+  bool busy = false;       // an energy compute is active: the contacts take the slow path
   bool collecting = false; // `compute pair/local` is asking every pair contact once
   double collected = 0.;   // what they store [J]
   double pending = 0.;     // what plastic flow took of them, and of walls, that no step has booked yet [J]

@@ -213,7 +213,7 @@ template <class ABI> struct Granular {
           shear_stiffness_ * per_stiffness_; // K = 2 E* a: what mindlin, viscoelastic and heat scale with
       return now.force;
     }
-    // After a step that somebody wants to know more of: the state that the contact had before, that it keeps, and that
+    // After a step whose energies a compute reads: the state that the contact had before, that it keeps, and that
     // the step at this overlap gives it, which is not kept where histories are only read (setup, compute
     // pair/local).
     __attribute__((noinline, cold)) void account(const double *before, const double *kept, const double *state) {

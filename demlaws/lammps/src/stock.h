@@ -163,12 +163,15 @@ inline void *error_of(void *object) { return *((void ***)object)[3]; }
 __attribute__((noinline, cold, noreturn)) void raise(void *error, bool every_rank, const std::string &what) {
   const Stock &stock = Stock::get();
   const std::string file = "demlaws";
-  fflush(stdout); // in a pipe the message would be lost where mpirun ends this rank because another one has stopped
-  setvbuf(stdout, NULL, _IONBF, 0);
-  if (every_rank && stock.all4) stock.all4(error, file, 0, -2, what);
-  if (every_rank && stock.all) stock.all(error, file, 0, what);
-  if (stock.one4) stock.one4(error, file, 0, -2, what);
-  if (stock.one) stock.one(error, file, 0, what);
+  try {
+    if (every_rank && stock.all4) stock.all4(error, file, 0, -2, what);
+    if (every_rank && stock.all) stock.all(error, file, 0, what);
+    if (stock.one4) stock.one4(error, file, 0, -2, what);
+    if (stock.one) stock.one(error, file, 0, what);
+  } catch (...) { // in a pipe the message would be lost where mpirun ends this rank because another one has stopped
+    fflush(stdout);
+    throw;
+  }
   fprintf(stderr, "%s\n", what.c_str());
   abort();
 }

@@ -1,4 +1,4 @@
-"""What Python does at the start of a process of `demlaws yade run`, in whose PYTHONPATH this folder is.
+"""What Python does at the start of a process of `demlaws yade run`, whose PYTHONPATH contains this folder.
 
 `demlaws.yade` is imported right after the package yade: a script that loads a saved scene may not import it. The
 sitecustomize of the system, which this file hides, is executed, too.

@@ -8,7 +8,7 @@ from inputs import error_of, modulus, save
 from inputs_for_liggghts import simulate, two_spheres
 
 import demlaws as dl
-from demlaws.make import example
+from demlaws.make import example_law
 
 pytestmark = pytest.mark.releases
 
@@ -52,7 +52,7 @@ def test_limit_force(folder):
 )
 def test_columns_of_the_history(tmp_path, granite_pair, tangential, rolling, first, unloading):
     """compute pair/gran/local history: the tangential model's values, the rolling model's, then ours; see docs/liggghts.md."""
-    law = example("rough-plastic", granite_pair.with_values(modulus=modulus()), unloading)
+    law = example_law("rough-plastic", granite_pair.with_values(modulus=modulus()), unloading)
     table = save(law, tmp_path / "law.tbl")
     style = f"pair_style gran model demlaws/table tangential {tangential} rolling_friction {rolling} table {table}"
     text = two_spheres(style, LOAD_UNLOAD[:2], every=100)

@@ -26,7 +26,7 @@ from yade_scenes import (
 import demlaws as dl
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.laws.registry import find
-from demlaws.make import example
+from demlaws.make import example_law
 
 pytestmark = pytest.mark.releases
 
@@ -48,7 +48,7 @@ def test_two_spheres_every_law(omega, name, rule, more):
     if rule == GIVEN or find(name).needs_map:  # a law that has its curve with it, or the map of one contact
         pair = GRANITE.combined(GRANITE)
         contact = dl.Contact(0.005, MODULUS, pair.roughness, pair.fractal_dimension, pair.hardness)
-        given, options = (example(name, contact, rule, **more), None), {}
+        given, options = (example_law(name, contact, rule, **more), None), {}
     law = functor(*given, **options)
     two_spheres(law, sideways=0.02)
     recorder = Recorder()

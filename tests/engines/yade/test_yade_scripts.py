@@ -154,7 +154,7 @@ def test_a_batch_with_a_job_that_fails(tmp_path, capsys):
 def test_command_lines(tmp_path, monkeypatch):
     seen, words = [], ["yade", "run", "--gui", "--cores=0,1", "-f5", str(tmp_path / "s.py"), "-x", "--threads"]
     (tmp_path / "s.py").write_text("")
-    monkeypatch.setattr(run, "become", seen.append)
+    monkeypatch.setattr(run, "exec_yade", seen.append)
     main(words)
     assert seen[0][1:] == ["-j1", "--cores=0,1", "-f5", str(tmp_path / "s.py"), "-x", "--threads"]
     script = tmp_path / "s.py"

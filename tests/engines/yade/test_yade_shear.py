@@ -17,7 +17,7 @@ from demlaws.core.unloading import RULES, Hertz, Rule, own_rule
 from demlaws.driver import sheared
 from demlaws.laws import registry
 from demlaws.laws.definition import Advice, Rules
-from demlaws.make import example
+from demlaws.make import example_law
 from studies.validation import engines
 from studies.validation.jobs import collision_jobs
 
@@ -68,7 +68,7 @@ def taken_along(law, overlaps, displacements, friction=14.0):
 
 def test_tangential_stiffness_through_a_reversal(omega):
     """K_t is continuous where the tangent jumps, from 1.24 N/µm on first loading to 3.03 just below."""
-    one = example("pohrt-popov", dl.Contact(RADIUS / 2, MODULUS, 2.4e-6, 2.22, 6.266e9), "hertz")
+    one = example_law("pohrt-popov", dl.Contact(RADIUS / 2, MODULUS, 2.4e-6, 2.22, 6.266e9), "hertz")
     surfaces = {"granite": dl.Surface(2.4e-6 / 2**0.5, 2.22, 6.266e9)}
     deep = 2.2657e-6
     path = np.array([0.5, 1.0, 1.0 - 1e-10, 0.8, 1.0 - 1e-10, 1.0 + 1e-10, 1.2]) * deep
@@ -85,7 +85,7 @@ def test_tangential_stiffness_through_a_reversal(omega):
 )
 def test_shear_force_is_that_of_the_passive_contact(omega, name, rule):
     """Along closed paths of normal force and displacement, which then return no work."""
-    one = example(name, CONTACT, rule)
+    one = example_law(name, CONTACT, rule)
     for forces, displacements in PATHS.values():
         for choice in CHOICES:
             law = functor(name, rule, shear=choice)
@@ -115,7 +115,7 @@ def oblique(law, steps=400, seed=5):
 def test_levels_are_those_of_python(omega, levels):
     """Along oblique paths under vibration, with sliding; energies, too."""
     for name, rule in [("hertz", "elastic"), ("pohrt-popov", "hertz")]:
-        one = example(name, CONTACT, rule)
+        one = example_law(name, CONTACT, rule)
         overlaps, places = oblique(one)
         surfaces = {} if name == "hertz" else {"granite": GRANITE}
         law = functor(name, rule, surfaces, levels=levels)
@@ -134,7 +134,7 @@ def test_levels_are_those_of_python(omega, levels):
 def test_shear_force_is_kept_under_vibration(omega, monkeypatch):
     """After 1,000 vibrations by 1 % a contact at half of Coulomb's limit has the force of all springs; with one level none."""
     monkeypatch.setattr("demlaws.shear.MOST_LEVELS", 300)  # as the reference
-    one = example("pohrt-popov", CONTACT, "hertz")
+    one = example_law("pohrt-popov", CONTACT, "hertz")
     depth = float(one.overlap(40.0))
     overlaps = depth * np.concatenate([np.linspace(0.1, 1.0, 10), np.ones(10), np.tile([0.99, 1.01], 1000), [1.0]])
     places = np.zeros(len(overlaps))
@@ -149,7 +149,7 @@ def test_shear_force_is_kept_under_vibration(omega, monkeypatch):
 
 
 def test_levels_continue_from_a_saved_scene(omega, tmp_path):
-    one = example("pohrt-popov", CONTACT, "hertz")
+    one = example_law("pohrt-popov", CONTACT, "hertz")
     overlaps, places = oblique(one, 100)
     whole = functor()
     pair_of_spheres(whole, friction=0.5)
@@ -166,7 +166,7 @@ def test_levels_continue_from_a_saved_scene(omega, tmp_path):
 @pytest.mark.parametrize("levels", shared([1, 3, 8], lambda levels: levels == 3))
 def test_no_step_of_a_random_path_creates_energy(omega, levels):
     """What the totals count as dissipated never falls, and what is stored never exceeds the work."""
-    one = example("pohrt-popov", CONTACT, "hertz")
+    one = example_law("pohrt-popov", CONTACT, "hertz")
     overlaps, places = oblique(one, 200, seed=levels)
     law = functor(levels=levels)
     pair_of_spheres(law, friction=0.5)
@@ -208,7 +208,7 @@ def test_a_gas_gains_no_energy(omega, name, rule, shear):
 def test_levels_with_the_native_go(omega):
     """With calcEnergy YADE's own function acts; all levels follow its Coulomb limit. (Our step is no reference: where both
     differ, the self-test refuses it.)"""
-    one = example("pohrt-popov", CONTACT, "hertz")
+    one = example_law("pohrt-popov", CONTACT, "hertz")
     overlaps, places = oblique(one)
     pair_of_spheres(functor(calcEnergy=True), friction=0.5)
     reached, _, *shear, _ = lead(overlaps, places)
@@ -218,7 +218,7 @@ def test_levels_with_the_native_go(omega):
 
 def test_levels_turn_with_the_contact(omega):
     """Two spheres in contact that turn about each other as one body keep the size of their shear force, in its plane."""
-    one = example("pohrt-popov", CONTACT, "hertz")
+    one = example_law("pohrt-popov", CONTACT, "hertz")
     depth = float(one.overlap(40.0))
     overlaps = depth * np.array([0.5, 1.0, 1.0, 0.9, 0.95, 1.0])
     pair_of_spheres(functor(), friction=0.5)
@@ -253,7 +253,7 @@ def test_wrong_levels_and_ratios_are_refused(omega, wrong):
 
 def test_ratio_of_stiffnesses(omega, tmp_path):
     """K_t is the given share of the stiffness of unloading, also in a saved scene."""
-    one = example("pohrt-popov", CONTACT, "hertz")
+    one = example_law("pohrt-popov", CONTACT, "hertz")
     depth = float(one.overlap(40.0)) * np.array([0.5, 1.0, 0.9])
     pair_of_spheres(functor(shear_ratio=0.1))
     reached, stiffness, *_ = lead(depth, np.zeros(3))
@@ -302,7 +302,7 @@ def test_friction_limits_a_damped_contact_that_slides():
 )
 def test_partial_slip_is_that_of_python(omega, name, rule):
     """With the energies: the same springs, which are laid, lifted and divided."""
-    one = example(name, CONTACT, rule)
+    one = example_law(name, CONTACT, rule)
     generator = np.random.default_rng(2)
     depth = float(one.overlap(60.0))
     overlaps = depth * np.concatenate([[1.0, 1.0, 1.0], generator.uniform(0.7, 1.0, 60)])
@@ -320,7 +320,7 @@ def test_partial_slip_is_that_of_python(omega, name, rule):
 
 def test_partial_slip_of_a_contact_that_grows(omega):
     """Within the error of few springs."""
-    one = example("pohrt-popov", CONTACT, "hertz")
+    one = example_law("pohrt-popov", CONTACT, "hertz")
     forces, displacements = PATHS["wild"]
     overlaps = overlaps_at(one, forces)
     reached, _, shear, _ = taken_along(functor(shear="slip"), overlaps, displacements, friction=0.5)

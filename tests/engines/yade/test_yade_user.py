@@ -205,12 +205,12 @@ def test_one_surface_for_all_materials(omega):
 @pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda law: pickle.loads(pickle.dumps(law))])
 def test_a_copy_is_the_same_law(omega, copied):
     """A copy by YADE's own functions would be smooth Hertz: 34.1 N for 6.67."""
-    from demlaws.yade.saving import are_same
+    from demlaws.yade.saving import same_law
 
     law = acting(functor(label="first", neverErase=True))
     other = copied(law)
     assert other.label == "first" and other.neverErase
-    assert other.binding is not law.binding and are_same(other.binding, law.binding)
+    assert other.binding is not law.binding and same_law(other.binding, law.binding)
     omega.reset()
     acting(other)
     assert force() == expected()

@@ -11,7 +11,7 @@ import pytest
 
 import demlaws as dl
 from demlaws import yade as dy
-from demlaws.make import example
+from demlaws.make import example_law
 from demlaws.yade.run import run
 
 
@@ -173,7 +173,7 @@ class Recorder:
             keep = overlap >= 0
             if not keep.any():
                 continue
-            one = unloading(contact) if callable(unloading) else example(law, contact, unloading, **options)
+            one = unloading(contact) if callable(unloading) else example_law(law, contact, unloading, **options)
             path = one.follow(overlap[keep])
             wrong = max(wrong, np.abs(path.force - force[keep]).max())
             largest = max(largest, path.force.max())
