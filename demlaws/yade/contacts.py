@@ -5,6 +5,8 @@ from typing import NamedTuple
 import numpy as np
 import yade
 
+from demlaws.units import number
+
 O = yade.O  # noqa: E741  YADE's name
 
 
@@ -36,8 +38,8 @@ SHEAR = {"shear_stored": "held", "shear_dissipated": "lost", "viscous": "viscous
 """Energy of `Contacts` → field of a contact's history."""
 
 
-def state_of(pairs, contacts, rows):
-    """`Contacts` that a law has seen; rows: their histories."""
+def state_of(pairs, contacts, rows, strength=None):
+    """`Contacts` that a law has seen; rows: their histories; strength: of the column `above` [Pa]."""
     from demlaws.responses.contacts import Contacts
 
     active = rows["tag"] > 0
@@ -51,7 +53,7 @@ def state_of(pairs, contacts, rows):
     columns = {name: fields.get(name, nothing) for name in ("maximum_overlap", "plastic_overlap", "radius_ratio")}
     if not fields:
         columns["plastic_overlap"] = np.zeros(len(rows))
-    overlap = before["overlap"].copy()
+    overlap, pressure = before["overlap"].copy(), pairs.pressures(before)
     highest = np.fmax(overlap, columns["maximum_overlap"])
     centres = [_ends(contact) for contact in contacts]
     shears = [contact.phys.shearForce.norm() for contact in contacts]
@@ -70,6 +72,8 @@ def state_of(pairs, contacts, rows):
         branch=(overlap < columns["maximum_overlap"]).astype(int),
         flattened=energies["dissipated"] > 1e-9 * (energies["stored"] + energies["dissipated"]),
         bulk_yielded=pairs.bulk_yielded(before, highest),
+        mean_pressure=pressure,
+        above=None if strength is None else pressure > number(strength, "strength", "Pa"),
         sliding=np.array([bool(c.phys.isSliding) for c in contacts], bool),
         shear_force=np.array(shears, float),
         **{name: before[field].copy() for name, field in SHEAR.items()},
@@ -81,8 +85,8 @@ def state_of(pairs, contacts, rows):
 def _ends(contact):
     """Centres of both bodies, the second one's image where it lies across a periodic face; on a wall the contact's point."""
     ends = []
-    for number, image in ((contact.id1, (0, 0, 0)), (contact.id2, contact.cellDist)):
-        body = O.bodies[number]
+    for body_number, image in ((contact.id1, (0, 0, 0)), (contact.id2, contact.cellDist)):
+        body = O.bodies[body_number]
         if body is None or not isinstance(body.shape, yade.Sphere):
             ends.append(tuple(contact.geom.contactPoint))
         elif O.periodic:
