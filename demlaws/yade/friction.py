@@ -8,7 +8,6 @@ from demlaws.core.dispatch import bind, generic
 from demlaws.core.numba_compat import kernel
 from demlaws.core.shear import mean_pressure
 from demlaws.errors import DemlawsError, did_you_mean
-from demlaws.shear import PressureFriction
 from demlaws.yade import objects
 from demlaws.yade.records import view
 
@@ -57,6 +56,10 @@ class Choice:
 
     def __init__(self, friction, labels, everything):
         self.by_label, self.by_pair, self.of_materials = {}, {}, friction == OF_MATERIALS
+        if friction is None or self.of_materials:
+            return
+        from demlaws.shear import PressureFriction
+
         if isinstance(friction, PressureFriction):
             self.by_label = dict.fromkeys(labels, friction)
         elif isinstance(friction, dict):
@@ -75,7 +78,7 @@ class Choice:
                     self.by_label[names[0]] = value
                 else:
                     self.by_pair[tuple(sorted(names))] = value
-        elif friction is not None and not self.of_materials:
+        else:
             raise DemlawsError(
                 "friction must be a demlaws.PressureFriction, a dict from labels or pairs of labels to them, or "
                 f"{OF_MATERIALS!r}, got {friction!r:.60}; a constant one is the materials' frictionAngle"
@@ -104,6 +107,8 @@ def choice_from(content, everything):
     """The argument `friction` that has this `Choice.content`."""
     if content is None or not content["pairs"]:
         return OF_MATERIALS if content is not None and content["of_materials"] else None
+    from demlaws.shear import PressureFriction
+
     named = [tuple(label or everything for label in labels) for labels, _ in content["pairs"]]
     return {
         labels if len(labels) == 2 else labels[0]: PressureFriction(*values)
