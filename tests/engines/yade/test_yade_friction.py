@@ -228,3 +228,34 @@ def test_contacts_above_a_strength(omega):
     assert law.contacts(strength="1 kPa").above.tolist() == [True]
     with pytest.raises(dl.DemlawsError, match="strength"):
         law.contacts(strength=-1.0)
+
+
+def test_another_roughness_acts_in_contacts_that_begin_later(omega):
+    """A body that gets the material of another label: live contacts keep roughness and memory (docs/how-to)."""
+    law = functor(surfaces={"fresh": dl.Surface(3e-6, 2.2), "worn": dl.Surface(1e-6, 2.2)})
+    fresh, worn = material("fresh"), material("worn")
+    omega.bodies.append(fixed_pair(fresh, 0.0))
+    set_engines(law, 1e-9)
+
+    def press(overlap):
+        omega.bodies[1].state.pos = (0, 0, 0.02 - overlap)
+        advance(3)
+        contacts = law.contacts()
+        return contacts.roughness, contacts.plastic_overlap, contacts.force
+
+    def law_of(roughness, overlaps):
+        pair = dl.Contact(0.005, MODULUS, roughness * 2**0.5, 2.2)
+        return dl.law("pohrt-popov", pair, "hertz").follow([0.02 - (0.02 - overlap) for overlap in overlaps])
+
+    press(1e-5)
+    for body in omega.bodies:
+        body.material = worn
+    sigma, plastic, force = (float(value[0]) for value in press(8e-6))
+    path = law_of(3e-6, [1e-5, 8e-6])
+    assert sigma == pytest.approx(3e-6 * 2**0.5) and plastic == pytest.approx(path.plastic_overlap[-1], rel=1e-9)
+    assert force == pytest.approx(path.force[-1], rel=1e-9)
+    omega.bodies[1].state.pos = (0, 0, 0.021)
+    advance(3)
+    assert not omega.interactions.countReal()
+    sigma, _, force = (float(value[0]) for value in press(8e-6))
+    assert sigma == pytest.approx(1e-6 * 2**0.5) and force == pytest.approx(law_of(1e-6, [8e-6]).force[-1], rel=1e-9)
