@@ -158,3 +158,26 @@ def test_a_pair_of_types_has_its_own(engine, tmp_path):
     for log in logs[:3]:
         np.testing.assert_array_equal(log["side"], logs[0]["side"])
     assert np.abs(logs[3]["side"] - logs[0]["side"]).max() > 0.05 * np.abs(logs[0]["side"]).max()
+
+
+@pytest.mark.parametrize("engine", ["liggghts"])
+def test_a_wall_takes_over_that_of_the_pair_style(engine, tmp_path):
+    """As if its own line had it; the line's own word goes first."""
+    save_law(tmp_path, "rough")
+    words = "friction_pressure 0.6 2e-9"
+    start, contacts, rest = gas(engine, 0.2, f"elastic {words}")
+    assert rest.count(words) == 6
+    walls = words, "", "friction_pressure 0 0"
+    logs = [simulate(engine, tmp_path, start + contacts + rest.replace(words, one) + "run 12000\n") for one in walls]
+    np.testing.assert_array_equal(logs[0]["lost"], logs[1]["lost"])
+    assert abs(logs[2]["lost"][-1] / logs[0]["lost"][-1] - 1.0) > 1e-3
+
+
+@pytest.mark.parametrize("engine", ["lammps"])
+def test_types_with_another_one_are_not_mixed(engine, tmp_path):
+    save_law(tmp_path, "rough")
+    text = spheres(engine, WORDS, SLID[:1])
+    line = next(line for line in text.splitlines() if line.startswith("pair_coeff"))
+    model = line.split(maxsplit=3)[3]
+    lines = f"pair_coeff 1 1 {model}\npair_coeff 2 2 {model.replace(WORDS, '')}"
+    assert "'friction_pressure' to be mixed" in refused(engine, tmp_path, text.replace(line, lines))
