@@ -186,7 +186,7 @@ def sheared(
     return Sheared(depth, along, force, ratio * stiffness, shear_force, work, stored)
 
 
-def pressure_along(law: Law, overlap: np.ndarray) -> np.ndarray:
+def _pressure_along(law: Law, overlap: np.ndarray) -> np.ndarray:
     """Mean pressure P/(π a²) [Pa] of one contact at each point of a path of overlaps [m]; `PressureFriction` has the area."""
     pressure = np.empty(overlap.size)
     known = law.rule_tag, law.shape, law.params, law.contact.radius, law.contact.modulus
@@ -198,7 +198,7 @@ def _friction_along(law, overlap, friction):
     """Coefficient of friction at each point of a path of overlaps [m]."""
     if not isinstance(friction, PressureFriction):
         return np.full(overlap.size, math.inf if friction is None else number(friction, "friction", allow_low=True))
-    pressure, hardness = pressure_along(law, overlap), law.contact.hardness
+    pressure, hardness = _pressure_along(law, overlap), law.contact.hardness
     highest = float(pressure.max())
     if hardness is not None and highest > hardness:
         warn(f"mean pressure {highest:.4g} Pa is above the hardness {hardness:.4g} Pa: the friction law is not known there")
