@@ -198,8 +198,15 @@ def _friction_along(law, overlap, friction):
     """Coefficient of friction at each point of a path of overlaps [m]."""
     if not isinstance(friction, PressureFriction):
         return np.full(overlap.size, math.inf if friction is None else number(friction, "friction", allow_low=True))
-    pressure, hardness = _pressure_along(law, overlap), law.contact.hardness
-    highest = float(pressure.max())
-    if hardness is not None and highest > hardness:
-        warn(f"mean pressure {highest:.4g} Pa is above the hardness {hardness:.4g} Pa: the friction law is not known there")
+    pressure = _pressure_along(law, overlap)
+    doubt = _beyond_hardness(float(pressure.max()), law.contact.hardness)
+    if doubt is not None:
+        warn(doubt)
     return friction.coefficient(pressure)
+
+
+def _beyond_hardness(highest: float, hardness: float | None) -> str | None:
+    """Text about a mean pressure above the hardness [Pa], or None."""
+    if hardness is None or not highest > hardness:
+        return None
+    return f"mean pressure {highest:.4g} Pa is above the hardness {hardness:.4g} Pa: the friction law is not known there"

@@ -288,6 +288,12 @@ class Binding:
         if self.pairs.roughnesses[number] > LARGE_ROUGHNESS * rows["radius"][smallest]:
             labels = [O.bodies[body].material.label for body in (contacts[smallest].id1, contacts[smallest].id2)]
             self._warn_once((number, "roughness"), self.roughness_text(*labels, float(rows["radius"][smallest])))
+        hardness = self.pairs.combined[number][0].hardness
+        if self.context["by_pressure"] and hardness is not None:
+            from demlaws.shear import _beyond_hardness
+
+            text = _beyond_hardness(float(self.pairs.pressures(rows).max()), hardness)
+            self._warn_once((number, "pressure"), text)
         if largest > LARGE_RADIUS:
             self._warn_once("radius", judge(radius=largest)[0].text)
         for reason, entries in self._beyond_limits(number, rows, force).items():

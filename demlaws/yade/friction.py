@@ -55,7 +55,8 @@ class Choice:
     """
 
     def __init__(self, friction, labels, everything):
-        self.by_label, self.by_pair, self.of_materials = {}, {}, friction == OF_MATERIALS
+        self.by_label, self.by_pair = {}, {}
+        self.of_materials = isinstance(friction, str) and friction == OF_MATERIALS
         if friction is None or self.of_materials:
             return
         from demlaws.shear import PressureFriction
@@ -66,7 +67,7 @@ class Choice:
             for key, value in friction.items():
                 names = tuple("" if name == everything else name for name in (key if isinstance(key, tuple) else (key,)))
                 unknown = [name for name in names if name not in labels]
-                if unknown or len(names) > 2:
+                if unknown or not 1 <= len(names) <= 2:
                     known = ", ".join(map(repr, [*labels[1:], everything]))
                     more = did_you_mean(unknown[0], labels) if unknown and isinstance(unknown[0], str) else ""
                     raise DemlawsError(

@@ -3,10 +3,10 @@
     python -m studies.friction              the table of the stored runs, runs.csv
     python -m studies.friction --run        make them again (LAMMPS, some ten minutes)
 
-A packing is pressed at each stress once and then sheared with every friction, so that runs of one packing are pairs. Frictions:
-`pressure`: μ0 + c1/(1 + c2 p); `mean`: constant, its value at the mean pressure of the contacts (by force) of the pressed packing
-at this stress; `one`: constant, that of the middle stress at all of them. Grains have a hundredth of the modulus of granite; c2 is
-larger by 100^(2/3), by which Hertz's pressures are smaller at equal force.
+A packing is pressed at each stress once and then sheared with every friction, so that runs of one packing are pairs.
+Frictions: `pressure`: μ0 + c1/(1 + c2 p); `mean`: constant, its value at the mean pressure of the contacts (by force)
+of the pressed packing at this stress; `one`: constant, that of the middle stress at all of them. Grains have a
+hundredth of the modulus of granite; c2 is larger by 100^(2/3), by which Hertz's pressures are smaller at equal force.
 """
 
 import argparse
@@ -27,7 +27,7 @@ REAL = dl.PressureFriction(mu0=0.3, c1=0.6, c2=4e-9)
 """Of granite's pressures; not measured: from 0.6 to 0.5 over the three stresses."""
 FRICTION = dl.PressureFriction(REAL.mu0, REAL.c1, REAL.c2 * SOFT ** (2 / 3))
 FRICTIONS = ("pressure", "mean", "one")
-STEP, SPEED, SETTLE, SHEAR = 2e-5, 0.1, 30000, 40000
+STEP, SPEED, SETTLE, SHEAR, SLOW = 2e-5, 0.1, 30000, 40000, 20.0
 SCENE = """{head}boundary p p f
 newton off
 region box block 0 {side!r} 0 {side!r} -0.05 {height!r}
@@ -42,9 +42,9 @@ pair_style granular
 timestep {step!r}
 """
 MOVE = """fix walls bottom setforce 0 0 0
+fix slow top viscous {slow!r}
 fix press top aveforce NULL NULL {push!r}
 fix drag top setforce 0 0 NULL
-fix slow top viscous {slow!r}
 fix move all nve/sphere
 velocity bottom set 0 0 0
 compute f all pair/local force
@@ -72,7 +72,7 @@ def packing(seed):
             for j in range(SIDE):
                 jitter = random.uniform(-0.04, 0.04, 3) * pitch * (kind == 1)
                 x, y, z = np.array([i + 0.5, j + 0.5, layer]) * pitch + jitter
-                diameter = 2.0 * RADIUS * random.uniform(0.9, 1.1)
+                diameter = 2.0 * RADIUS * (random.uniform(0.9, 1.1) if kind == 1 else 1.0)  # a plate moves as one
                 lines.append(f"create_atoms {kind} single {x:.9g} {y:.9g} {z:.9g}")
                 lines.append(f"set atom {len(lines) // 2 + 1} diameter {diameter:.9g} density 2650")
     return "\n".join(lines), SIDE * pitch
@@ -95,7 +95,7 @@ def sheared(seed, stress):
         contact = dl.Contact(RADIUS / 2, 60.6e9 / SOFT / (2 * (1 - 0.25**2)))
         dl.law("hertz", contact).tabulate(max_force=3e4).save(folder / "law.tbl")
         scene = SCENE.format(atoms=atoms, pair=pair("", 0.3), **common)
-        moving = MOVE.format(push=push, slow=20.0)
+        moving = MOVE.format(push=push, slow=SLOW)
         dump = "dump d all local 1 contacts.txt c_f\nrun 0 post no\nundump d\n"
         (folder / "in.press").write_text(scene + moving + f"run {SETTLE}\n{dump}write_restart pressed.rst\n")
         run(folder / "in.press")
@@ -112,7 +112,8 @@ def sheared(seed, stress):
             (folder / "in.shear").write_text(text)
             log = run(folder / "in.shear")
             late = log["Step"] > log["Step"][0] + SHEAR // 2
-            ratio = float(np.mean(-log["f_drag[1]"][late]) / (stress * side**2))
+            drag = -float(np.mean(log["drag[1]"][late])) - SIDE**2 * SLOW * SPEED  # without that of `fix viscous`
+            ratio = drag / (stress * side**2)
             grown = float(log["height"][-1] / log["height"][0] - 1.0)
             rows.append((seed, stress, friction, here, ratio, grown))
             print(*rows[-1], flush=True)

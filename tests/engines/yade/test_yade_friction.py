@@ -182,6 +182,8 @@ def test_a_saved_scene_goes_on_with_its_friction(omega, tmp_path):
         ({"granite": 0.5}, "must be a demlaws.PressureFriction"),
         (0.5, "frictionAngle"),
         ("constant", "'materials'"),
+        (np.ones(2), "PressureFriction"),
+        ({(): FRICTION}, "not a label"),
     ],
 )
 def test_frictions_that_are_refused(friction, named):
@@ -259,3 +261,12 @@ def test_another_roughness_acts_in_contacts_that_begin_later(omega):
     assert not omega.interactions.countReal()
     sigma, _, force = (float(value[0]) for value in press(8e-6))
     assert sigma == pytest.approx(1e-6 * 2**0.5) and force == pytest.approx(law_of(1e-6, [8e-6]).force[-1], rel=1e-9)
+
+
+def test_a_pressure_above_the_hardness_is_warned_of_once(omega):
+    law = functor("hertz", "elastic", {"granite": dl.Surface(0.0, hardness=0.3e9)}, friction=FRICTION)
+    with pytest.warns(dl.ValidityWarning, match="is above the hardness 3e\\+08 Pa: the friction law") as caught:
+        dragged(omega, law)
+        law.totals()
+        law.totals()
+    assert sum("the friction law" in str(one.message) for one in caught) == 1
