@@ -34,5 +34,6 @@ def test_the_page_shows_the_stored_runs():
         found = study.effects()[stress, "mean"]
         assert found.mean == pytest.approx(np.exp(np.mean([np.log(b / a) for a, b in pairs])) - 1.0, rel=1e-12)
         mean = np.mean([after for _, after in pairs])
-        shown = f"| {1e-3 * stress:.0f} | {mean:.3f} | {100 * found.mean:+.1f} % ({100 * found.low:+.1f} to {100 * found.high:+.1f}) |"
+        change = f"{100 * found.mean:+.1f} % ({100 * found.low:+.1f} to {100 * found.high:+.1f})"
+        shown = f"| {1e-3 * stress:.0f} | {mean:.3f} | {change} |"
         assert shown.replace("-", "−") in page
