@@ -291,8 +291,9 @@ class Binding:
         hardness = self.pairs.combined[number][0].hardness
         if self.context["by_pressure"] and hardness is not None:
             from demlaws.shear import _beyond_hardness
+            from demlaws.yade.contacts import pressures
 
-            text = _beyond_hardness(float(self.pairs.pressures(rows).max()), hardness)
+            text = _beyond_hardness(float(pressures(self.pairs, rows).max()), hardness)
             self._warn_once((number, "pressure"), text)
         if largest > LARGE_RADIUS:
             self._warn_once("radius", judge(radius=largest)[0].text)

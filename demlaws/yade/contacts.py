@@ -5,7 +5,15 @@ from typing import NamedTuple
 import numpy as np
 import yade
 
+from demlaws.core.dispatch import step
+from demlaws.core.numba_compat import loop
+from demlaws.core.shear import mean_pressure
+from demlaws.core.unloading import rule_of_smooth_contact
+from demlaws.laws.hertz import HertzParams, HertzShape
 from demlaws.units import number
+from demlaws.yade.kernel import params_of
+from demlaws.yade.tuples import shape_of
+from demlaws.yade.tuples import state_of as history_of
 
 O = yade.O  # noqa: E741  YADE's name
 
@@ -34,6 +42,32 @@ class Totals(_Energies):
         return f"Totals(stored={self.stored!r}, dissipated={self.dissipated!r}{more})"
 
 
+@loop
+def pressures_loop(kind, params_kind, rule, pairs, contacts, out):
+    """Mean pressures [Pa] of an array of contacts."""
+    for i in range(contacts.size):
+        c = contacts[i]
+        pair, old = pairs[np.int64(c.tag) - 1], history_of(rule, c)
+        out[i] = 0.0
+        if c.modulus == 0.0:
+            continue
+        if pair.smooth != 0:
+            smooth, shape, p = rule_of_smooth_contact(rule), HertzShape(), HertzParams(c.hertz)
+            force, stiffness, new = step(smooth, shape, p, c.overlap, old)
+            out[i] = mean_pressure(smooth, shape, p, c.radius, c.modulus, c.overlap, force, stiffness, new)
+        else:
+            shape, p = shape_of(kind, pair), params_of(params_kind, c)
+            force, stiffness, new = step(rule, shape, p, c.overlap, old)
+            out[i] = mean_pressure(rule, shape, p, c.radius, c.modulus, c.overlap, force, stiffness, new)
+
+
+def pressures(pairs, contacts):
+    """Mean pressures [Pa] of an array of `layout.contact_dtype`."""
+    out = np.zeros(len(contacts))
+    pressures_loop(pairs.kind, pairs.params_kind, pairs.rule, pairs.records, contacts, out)
+    return out
+
+
 SHEAR = {"shear_stored": "held", "shear_dissipated": "lost", "viscous": "viscous"}
 """Energy of `Contacts` → field of a contact's history."""
 
@@ -53,7 +87,7 @@ def state_of(pairs, contacts, rows, strength=None):
     columns = {name: fields.get(name, nothing) for name in ("maximum_overlap", "plastic_overlap", "radius_ratio")}
     if not fields:
         columns["plastic_overlap"] = np.zeros(len(rows))
-    overlap, pressure = before["overlap"].copy(), pairs.pressures(before)
+    overlap, pressure = before["overlap"].copy(), pressures(pairs, before)
     highest = np.fmax(overlap, columns["maximum_overlap"])
     centres = [_ends(contact) for contact in contacts]
     shears = [contact.phys.shearForce.norm() for contact in contacts]

@@ -13,7 +13,7 @@ from demlaws.core.dispatch import first_loading, scale, step, stored_and_dissipa
 from demlaws.core.fastmath import hertz_coefficient
 from demlaws.core.loops import clamped_roughness
 from demlaws.core.numba_compat import callback, kernel, loop
-from demlaws.core.shear import mean_pressure, shear_stiffness
+from demlaws.core.shear import shear_stiffness
 from demlaws.core.unloading import rule_of_smooth_contact
 from demlaws.laws.hertz import HertzParams, HertzShape
 from demlaws.units import LARGEST_OVERLAP, LARGEST_ROUGHNESS, RANGES, SMALL_OVERLAP
@@ -348,14 +348,6 @@ def take_row(context, row_dtype):
 
 
 @cold
-def note_friction(context, interaction, phys_address):
-    """Note a contact whose friction depends on the pressure, for which the code was not made."""
-    c1 = view(phys_address, objects.MindlinPhysCDM).c1
-    if c1 != 0.0:
-        note(context, layout.FRICTION, interaction, c1)
-
-
-@cold
 def make_row(kind, context, pairs, row_dtype, geom, phys, interaction, phys_address, interaction_address):
     """Address of a new contact's row, negative for a smooth pair; 0: there is no memory for it, or its row is lost."""
     if phys.prevU[1] != 0.0:
@@ -366,7 +358,9 @@ def make_row(kind, context, pairs, row_dtype, geom, phys, interaction, phys_addr
         note(context, layout.NO_ROW, interaction, 0.0)
         return 0
     if context.by_pressure == 0 and phys.vtable == context.conical:
-        note_friction(context, interaction, phys_address)
+        c1 = view(phys_address, objects.MindlinPhysCDM).c1
+        if c1 != 0.0:
+            note(context, layout.FRICTION, interaction, c1)
     row = view(place, row_dtype)
     pair = initialise_contact(context, pairs, row, geom, phys, interaction)
     row.phys, row.interaction, row.pair = phys_address, interaction_address, context.pairs + pair * pairs.itemsize
@@ -578,25 +572,6 @@ def evaluate_loop(kind, params_kind, shear, rule, pairs, contacts, out):
         out[i].tangent = stiffness
         out[i].force = force
     return bad
-
-
-@loop
-def pressures_loop(kind, params_kind, rule, pairs, contacts, out):
-    """Mean pressures [Pa] of an array of contacts."""
-    for i in range(contacts.size):
-        c = contacts[i]
-        pair, old = pairs[np.int64(c.tag) - 1], state_of(rule, c)
-        out[i] = 0.0
-        if c.modulus == 0.0:
-            continue
-        if pair.smooth != 0:
-            smooth, shape, p = rule_of_smooth_contact(rule), HertzShape(), HertzParams(c.hertz)
-            force, stiffness, new = step(smooth, shape, p, c.overlap, old)
-            out[i] = mean_pressure(smooth, shape, p, c.radius, c.modulus, c.overlap, force, stiffness, new)
-        else:
-            shape, p = shape_of(kind, pair), params_of(params_kind, c)
-            force, stiffness, new = step(rule, shape, p, c.overlap, old)
-            out[i] = mean_pressure(rule, shape, p, c.radius, c.modulus, c.overlap, force, stiffness, new)
 
 
 @loop

@@ -427,12 +427,6 @@ class Pairs:
         kernel.energies_loop(self.kind, self.params_kind, self.rule, self.records, contacts, out)
         return out
 
-    def pressures(self, contacts):
-        """Mean pressures [Pa] of an array of `layout.contact_dtype`."""
-        out = np.zeros(len(contacts))
-        kernel.pressures_loop(self.kind, self.params_kind, self.rule, self.records, contacts, out)
-        return out
-
     def bulk_yielded(self, contacts, highest):
         """Whether the bulk of contacts has passed the law's yield point: an array of bool; None: no law has one.
 
