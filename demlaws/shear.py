@@ -186,14 +186,27 @@ def sheared(
     return Sheared(depth, along, force, ratio * stiffness, shear_force, work, stored)
 
 
+def _pressure_along(law: Law, overlap: np.ndarray) -> np.ndarray:
+    """Mean pressure P/(π a²) [Pa] of one contact at each point of a path of overlaps [m]; `PressureFriction` has the area."""
+    pressure = np.empty(overlap.size)
+    known = law.rule_tag, law.shape, law.params, law.contact.radius, law.contact.modulus
+    pressure_loop(*known, overlap, law.new_state(1).arrays, pressure)
+    return pressure
+
+
 def _friction_along(law, overlap, friction):
     """Coefficient of friction at each point of a path of overlaps [m]."""
     if not isinstance(friction, PressureFriction):
         return np.full(overlap.size, math.inf if friction is None else number(friction, "friction", allow_low=True))
-    contact, pressure = law.contact, np.empty(overlap.size)
-    known = law.rule_tag, law.shape, law.params, contact.radius, contact.modulus, law.unloading == "elastic"
-    pressure_loop(*known, overlap, law.new_state(1).arrays, pressure)
-    highest, hardness = float(pressure.max()), contact.hardness
-    if hardness is not None and highest > hardness:
-        warn(f"mean pressure {highest:.4g} Pa is above the hardness {hardness:.4g} Pa: the friction law is not known there")
+    pressure = _pressure_along(law, overlap)
+    doubt = _beyond_hardness(float(pressure.max()), law.contact.hardness)
+    if doubt is not None:
+        warn(doubt)
     return friction.coefficient(pressure)
+
+
+def _beyond_hardness(highest: float, hardness: float | None) -> str | None:
+    """Text about a mean pressure above the hardness [Pa], or None."""
+    if hardness is None or not highest > hardness:
+        return None
+    return f"mean pressure {highest:.4g} Pa is above the hardness {hardness:.4g} Pa: the friction law is not known there"

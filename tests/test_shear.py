@@ -288,13 +288,14 @@ def test_the_limit_is_that_of_the_pressure(name, rule):
     np.testing.assert_allclose(np.abs(path.shear_force[1:]), limit[1:], rtol=1e-9)
 
 
+@pytest.mark.parametrize("paths", [20, pytest.param(1000, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("shear", ["elastic", "loading", "slip"])
 @each_law_and_rule
-def test_friction_by_pressure_creates_no_energy(name, unloading, shear):
+def test_friction_by_pressure_creates_no_energy(name, unloading, shear, paths):
     """Random paths whose overlap and displacement change together; the same with c1 = 0 as with a number."""
     law = make(name, unloading)
     scale, random = quiet(law.overlap, LOAD), np.random.default_rng(7)
-    for _ in range(20):
+    for _ in range(paths):
         overlap = scale * np.clip(1.0 + 0.4 * random.standard_normal(150).cumsum(), -0.1, 3.0)
         across = 0.3 * scale * random.standard_normal((150, 2)).cumsum(0)
         result = quiet(sheared, law, overlap, across, RATIO, shear, friction=PRESSURE_FRICTION, springs=8)

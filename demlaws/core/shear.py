@@ -9,10 +9,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.core.dispatch import bind, first_loading, gather, generic, inverse, scatter, step, unloading_curve
+from demlaws.core.dispatch import (
+    bind,
+    contact_area,
+    first_loading,
+    gather,
+    generic,
+    inverse,
+    scatter,
+    step,
+    unloading_curve,
+)
 from demlaws.core.fastmath import cbrt, sqrt
 from demlaws.core.numba_compat import kernel, loop
-from demlaws.core.unloading import Elastic, Given, Hertz, Thornton
+from demlaws.core.unloading import Elastic, Given, Hertz, Thornton, rule_of
 
 SPRINGS = 11
 """Springs of a contact in the engines by default (`slip`)."""
@@ -161,23 +171,48 @@ def shear_loop(choice, rule, shape, p, overlap, state):
     return shear
 
 
-@loop
-def pressure_loop(rule, shape, p, radius, modulus, elastic, overlap, state, pressure):
-    """Mean pressure P/(π a²) [Pa] along a path of one contact: `pressure` is written, `state` is moved on as in `follow_loop`.
+# --- the pressure of the contact
 
-    a² is that of first loading, which `elastic` says is the way back, too; else 2 E* a is the stiffness of unloading.
+
+def _pressure(*kinds):
+    rule = rule_of(kinds[0].instance_class)
+    remembers = bool(rule.state) and rule.state[0] == "maximum_overlap"
+    if not rule.state:
+        return lambda rule, shape, p, radius, modulus, overlap, force, stiffness, state: (
+            over_area(force, radius * first_loading(shape, p, overlap)[3]) if force > 0.0 else 0.0
+        )
+
+    def pressure(rule, shape, p, radius, modulus, overlap, force, stiffness, state):
+        if not force > 0.0:
+            return 0.0
+        if remembers and overlap >= state[0]:
+            area = contact_area(rule, shape, p, overlap, first_loading(shape, p, overlap)[3])
+            return over_area(force, radius * area)
+        a = 0.5 * max(unloading_stiffness(rule, shape, p, overlap, force, stiffness, state), 0.0) / modulus
+        return over_area(force, a * a)
+
+    return pressure
+
+
+@generic(_pressure)
+def mean_pressure(rule, shape, p, radius, modulus, overlap, force, stiffness, state):
+    """Mean pressure P/(π a²) [Pa] of a contact; force, stiffness and state are those that `step` has just returned.
+
+    a² is that of first loading, for a rule that keeps a radius the one from which it unloads; where the contact unloads,
+    2 E* a is the stiffness of unloading. Twin: demlaws/cpp/demlaws_contact.h.
     """
-    highest = 0.0
+
+
+@kernel
+def over_area(force, square):
+    """P/(π a²) [Pa]; 0 without an area."""
+    return force / (math.pi * square) if square > 0.0 else 0.0
+
+
+@loop
+def pressure_loop(rule, shape, p, radius, modulus, overlap, state, pressure):
+    """Mean pressure [Pa] along a path of one contact: `pressure` is written, `state` is moved on as in `follow_loop`."""
     for n in range(overlap.size):
         force, tangent, new = step(rule, shape, p, overlap[n], gather(state, 0))
         scatter(state, 0, new)
-        pressure[n] = 0.0
-        if not (overlap[n] > 0.0 and force > 0.0):
-            continue
-        if elastic or overlap[n] >= highest:
-            square = radius * first_loading(shape, p, overlap[n])[3]
-        else:
-            a = 0.5 * unloading_stiffness(rule, shape, p, overlap[n], force, tangent, new) / modulus
-            square = a * a
-        highest = max(highest, overlap[n])
-        pressure[n] = force / (math.pi * square) if square > 0.0 else 0.0
+        pressure[n] = mean_pressure(rule, shape, p, radius, modulus, overlap[n], force, tangent, new)

@@ -63,7 +63,8 @@ struct State {
 
 struct Force {
   double force, stiffness;
-  bool outside; // the overlap lies beyond the table: force is an uncertified extrapolation
+  bool outside;  // the overlap lies beyond the table: force is an uncertified extrapolation
+  double square; // a^2 of the contact area [m^2] on first loading; 0 where the contact unloads
 };
 
 // One step of one contact. `state` points to state_size(rule) doubles: maximum overlap [m], plastic overlap [m],
@@ -72,7 +73,7 @@ struct Force {
 template <Unloading RULE>
 inline Force step_rule(const Pair &pair, double radius, double overlap, double *state, bool update,
                        double inverse_radius = 0.) {
-  Force now = {0., 0., false};
+  Force now = {0., 0., false, 0.};
   if (overlap <= 0.) {
     if (update)
       for (int i = 0; i < state_size(RULE); i++) state[i] = 0.;
@@ -90,22 +91,23 @@ inline Force step_rule(const Pair &pair, double radius, double overlap, double *
     }
   }
   if (loads) {
+    const double u = overlap * inverse_length;
     double s;
-    now.outside = !pair.table->loading_curve().evaluate(overlap * inverse_length, s, slope);
+    now.outside = !pair.table->loading_curve().evaluate(u, s, slope);
     hertz_overlap = s * length;
+    const double area = RULE == ETSION    ? pair.table->area_of_overlap(u)
+                        : RULE == JACKSON ? pair.table->fitted_area(u, s)
+                                          : pair.table->area(s);
+    now.square = area * length * radius;
     if (RULE != ELASTIC && update && s == s) {
       state[0] = overlap;
       if (RULE == HERTZ) state[1] = overlap - hertz_overlap;
       else if (RULE == GIVEN) state[1] = overlap - pair.table->recover(s) * length;
       else if (RULE == LINEAR) // P/k2
-        state[1] = overlap - (4. / 3.) * s * sqrt(s) / pair.table->linear_stiffness(overlap * inverse_length) * length;
+        state[1] = overlap - (4. / 3.) * s * sqrt(s) / pair.table->linear_stiffness(u) * length;
       else if (RULE == EEPA) state[1] = pair.table->eepa_plastic() * overlap;
       else {
         // R_p/R = (area/s)^1.5, recoverable overlap s (R/R_p)^(1/3)
-        const double u = overlap * inverse_length;
-        const double area = RULE == ETSION    ? pair.table->area_of_overlap(u)
-                            : RULE == JACKSON ? pair.table->fitted_area(u, s)
-                                              : pair.table->area(s);
         const double ratio = s / area;
         state[1] = overlap - hertz_overlap * sqrt(ratio);
         state[2] = 1. / (ratio * sqrt(ratio));
@@ -180,6 +182,12 @@ inline Force step(const Pair &pair, double radius, double overlap, State &state)
 inline double eepa_energy(double overlap, double plastic) {
   const double a = sqrt(overlap), b = sqrt(plastic);
   return 0.2 * (a - b) * (a - b) * (a * a * (2. * a + 4. * b) + b * b * (6. * a + 3. * b));
+}
+
+// Mean pressure P / (pi a^2) [Pa] after a step: a is that of first loading, or K / (2 E*) where the contact unloads.
+inline double mean_pressure(const Pair &pair, const Force &now) {
+  const double a = 0.5 * now.stiffness / pair.modulus, square = now.square > 0. ? now.square : a * a;
+  return now.force > 0. && square > 0. ? now.force / (M_PI * square) : 0.;
 }
 
 // Whether `name` is a choice of the normal stiffness that K_t is a multiple of (docs/shear.md); SLIP: that of ELASTIC,

@@ -137,6 +137,14 @@ struct ShearStep {
   }
 };
 
+// Friction that falls with the mean pressure p of the contact: mu0 + c1 / (1 + c2 p) (Suhr & Six 2016); see
+// demlaws/shear.py. mu0 is the engine's own coefficient; c1 0: constant friction.
+struct PressureFriction {
+  double c1 = 0., c2 = 0.; // -, 1/Pa
+  bool valid() const { return c1 >= 0. && c2 >= 0. && c1 - c1 == 0. && c2 - c2 == 0.; }
+  DEMLAWS_INLINE double above_constant(double pressure) const { return c1 / (1. + c2 * pressure); }
+};
+
 inline bool may_have_levels(double count) { return count == (int)count && count >= 1. && count <= MOST_LEVELS; }
 inline int levels_size(int count) { return numbers_of_shear(count, count); }
 

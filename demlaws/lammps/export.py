@@ -93,9 +93,9 @@ def export(folder, law=USUAL, grains=(), *, unloading=None, options=None, **more
     """Write a ready case into `folder` and return its in.case: grains of all types settle in a box under gravity.
 
     law: a name, or a whole `Case`; more: further fields of `demlaws.plugins.grains.Case`: rtol, stock, max_force, restitution,
-    friction, count, shear_ratio, levels. Written are the tables (one for all pairs where the law collapses, else one per pair
-    of types and a wall), grains.data, in.case, run.sh and post/. stock="hertz", for law hertz: LAMMPS's own hertz/material
-    instead of tables; the case needs no plugin.
+    friction, count, shear_ratio, levels, friction_pressure. Written are the tables (one for all pairs where the law collapses,
+    else one per pair of types and a wall), grains.data, in.case, run.sh and post/. stock="hertz", for law hertz: LAMMPS's own
+    hertz/material instead of tables; the case needs no plugin.
     """
     case, folder = make_case(law, grains, unloading, options, more), output_folder(folder)
     stock, grains = case.stock, case.grains

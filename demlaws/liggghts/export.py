@@ -52,10 +52,10 @@ def export(folder, law=USUAL, grains=(), *, unloading=None, options=None, **more
     """Write a ready case into `folder` and return its in.case: grains of all types settle in a box under gravity.
 
     law: a name, or a whole `Case`; more: further fields of `Case`: rtol, stock, max_force, restitution, friction, count,
-    shear_ratio, levels. Written are the tables (one for all pairs where the law collapses, else one per pair of types and a
-    wall), in.case with its property block, run.sh and post/. Walls are of the first grain's material and have the last type.
-    With stock="hertz", fitted on the first grain's contact with itself, in.case and fit.txt state the error of the fit at
-    other loads.
+    shear_ratio, levels, friction_pressure. Written are the tables (one for all pairs where the law collapses, else one per pair
+    of types and a wall), in.case with its property block, run.sh and post/. Walls are of the first grain's material and have
+    the last type. With stock="hertz", fitted on the first grain's contact with itself, in.case and fit.txt state the error of
+    the fit at other loads.
     """
     case, folder = make_case(law, grains, unloading, options, more), output_folder(folder)
     if case.stock is None:

@@ -76,7 +76,7 @@ class Case:
     law, unloading, options: as for `demlaws.law` (a law to unload along is bound to each contact); grains: `Grain`s, one per
     particle type; max_force: largest force [N] expected in a contact, and that of a stock fit; stock: model of the engine's own
     in place of tables, a case that needs no plugin; shear_ratio: K_t/K (default: that of ν); levels: levels of shear (default:
-    the plugin's).
+    the plugin's); friction_pressure: (c1, c2 [1/Pa]), with which friction falls to `friction` (`demlaws.PressureFriction`).
     """
 
     law: str = USUAL
@@ -91,6 +91,7 @@ class Case:
     count: int = 1000
     shear_ratio: float | None = None
     levels: int | None = None
+    friction_pressure: tuple | None = None
 
     def __post_init__(self):
         if not self.grains:
@@ -105,6 +106,11 @@ class Case:
             number(self.shear_ratio, "shear_ratio", high=LARGEST_SHEAR_RATIO)
         if self.levels is not None:
             whole(self.levels, "levels", high=MOST_LEVELS)
+        if self.friction_pressure is not None:
+            from demlaws.shear import PressureFriction
+
+            law = PressureFriction(self.friction, *self.friction_pressure)
+            object.__setattr__(self, "friction_pressure", (law.c1, law.c2))
         if self.stock and self.shear_words:
             raise DemlawsError(f"stock = {self.stock!r} has the engine's own shear: leave out{self.shear_words}")
 
@@ -127,7 +133,9 @@ class Case:
     def shear_words(self):
         """Words of demlaws/table for shear; empty for its defaults."""
         values = {"shear_ratio": self.shear_ratio, "levels": self.levels}
-        return "".join(f" {name} {value:.12g}" for name, value in values.items() if value is not None)
+        words = "".join(f" {name} {value:.12g}" for name, value in values.items() if value is not None)
+        falls = "" if self.friction_pressure is None else " friction_pressure {:.12g} {:.12g}".format(*self.friction_pressure)
+        return words + falls
 
     def time_step(self):
         """Time step [s] for forces up to `max_force`: a tenth of that of two grains without friction, since grains collide.

@@ -36,6 +36,8 @@ COLUMNS = {
     "bulk_yielded": ("", "whether the bulk has passed the yield point of the law; only of laws that have one"),
     "contact_radius": ("m", "radius a = K/(2E*) of the contact area, exact for elastic laws"),
     "conductance": ("m", "conductance of heat or current between the bodies over their conductivity, K/E* = 2a"),
+    "mean_pressure": ("Pa", "mean pressure P/(π a²), the one of `PressureFriction`"),
+    "above": ("", "whether the mean pressure exceeds the given strength"),
     "sliding": ("", "whether the shear force is at Coulomb's limit"),
     "shear_force": ("N", "shear force"),
     "shear_stored": ("J", "energy that the springs of shear return"),
@@ -73,6 +75,8 @@ class Contacts(Tabular):
     branch: np.ndarray | None = None
     flattened: np.ndarray | None = None
     bulk_yielded: np.ndarray | None = None
+    mean_pressure: np.ndarray | None = None
+    above: np.ndarray | None = None
     sliding: np.ndarray | None = None
     shear_force: np.ndarray | None = None
     shear_stored: np.ndarray | None = None

@@ -113,14 +113,14 @@ class Binding:
                 tracker[self.label + name] = tracked.get(self.label + name, 0.0) + loss - self.seen.get(name, 0.0)
         self.seen = losses
 
-    def contacts(self, interactions=None):
-        """`Contacts`: all real contacts of the scene (or of the given ones)."""
+    def contacts(self, interactions=None, strength=None):
+        """`Contacts`: all real contacts of the scene (or of the given ones); strength: of the column `above` [Pa]."""
         from demlaws.yade.contacts import state_of
 
         self._prepare_reading()
         selection = [interactions] if isinstance(interactions, yade.Interaction) else interactions
         contacts = real_contacts() if selection is None else [one for one in selection if is_our_contact(one)]
-        return state_of(self.pairs, contacts, self.rows(contacts))
+        return state_of(self.pairs, contacts, self.rows(contacts), strength)
 
     # --- checks
 
@@ -155,15 +155,12 @@ class Binding:
         touching = [O.bodies[number] for number in {n for contact in contacts for n in (contact.id1, contact.id2)}]
         self._judge_densities(touching)
         for material in {body.material.id: body.material for body in touching}.values():
-            if any(getattr(material, name, 0.0) for name in ("c1", "c2")):  # FrictMatCDM
-                raise EngineStopped(
-                    f"material {material.label!r} has c1 = {material.c1:g}, c2 = {material.c2:g}: a friction that depends on "
-                    "the force, which the contacts of Ip2_FrictMat_FrictMat_MindlinPhys do not have; set c1 = c2 = 0"
-                )
             if material.young != 0.0:  # 0: a marker, whose contacts have no force
                 for finding in judge(young=material.young, poisson=material.poisson):
                     linear = " (k_s/k_n in YADE's linear laws, not here)" if material.poisson > 0.5 else ""
                     raise EngineStopped(f"material {material.label!r}: {finding.text}{linear}")
+        if any(getattr(body.material, "c1", 0.0) for body in touching):  # FrictMatCDM
+            self._verify_friction(contacts)
         for contact, tag in zip(contacts, self.attachment.rows_of(contacts)["tag"], strict=True):
             if tag > 0 or contact.iterMadeReal >= O.iter - 1 or contact.geom.penetrationDepth <= 0:
                 continue  # made by another engine just now, or about to end
@@ -172,6 +169,22 @@ class Binding:
                 "since YADE keeps the functor of a contact from its first step. O.interactions.clear() lets all contacts begin "
                 "again, but erases their history (shear forces, plastic overlaps)"
             )
+
+    def _verify_friction(self, contacts):
+        """Raise where two FrictMatCDM have a friction by pressure that neither their contact's physics nor the law has."""
+        for contact in contacts:
+            stones = [O.bodies[number].material for number in (contact.id1, contact.id2)]
+            if hasattr(contact.phys, "mu0") or not all(getattr(stone, "c1", 0.0) for stone in stones):
+                continue
+            if math.isnan(
+                self.pairs.friction.of(*(stone.label if stone.label in self.pairs.surfaces else "" for stone in stones))[0]
+            ):
+                raise EngineStopped(
+                    f"material {stones[0].label!r} has c1 = {stones[0].c1:g}: a friction that depends on the pressure, which "
+                    f"contact {contact.id1}+{contact.id2} of {type(contact.phys).__name__} does not have; use "
+                    "Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM, or give the law friction=demlaws.PressureFriction(…), or set "
+                    "c1 = 0"
+                )
 
     def _judge_densities(self, bodies):
         """Warn once per material of a sphere whose mass is not that of a grain; contacts do not use it, the motion does."""
@@ -275,6 +288,13 @@ class Binding:
         if self.pairs.roughnesses[number] > LARGE_ROUGHNESS * rows["radius"][smallest]:
             labels = [O.bodies[body].material.label for body in (contacts[smallest].id1, contacts[smallest].id2)]
             self._warn_once((number, "roughness"), self.roughness_text(*labels, float(rows["radius"][smallest])))
+        hardness = self.pairs.combined[number][0].hardness
+        if self.context["by_pressure"] and hardness is not None:
+            from demlaws.shear import _beyond_hardness
+            from demlaws.yade.contacts import pressures
+
+            text = _beyond_hardness(float(pressures(self.pairs, rows).max()), hardness)
+            self._warn_once((number, "pressure"), text)
         if largest > LARGE_RADIUS:
             self._warn_once("radius", judge(radius=largest)[0].text)
         for reason, entries in self._beyond_limits(number, rows, force).items():

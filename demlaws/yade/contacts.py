@@ -5,6 +5,16 @@ from typing import NamedTuple
 import numpy as np
 import yade
 
+from demlaws.core.dispatch import step
+from demlaws.core.numba_compat import loop
+from demlaws.core.shear import mean_pressure
+from demlaws.core.unloading import rule_of_smooth_contact
+from demlaws.laws.hertz import HertzParams, HertzShape
+from demlaws.units import number
+from demlaws.yade.kernel import params_of
+from demlaws.yade.tuples import shape_of
+from demlaws.yade.tuples import state_of as history_of
+
 O = yade.O  # noqa: E741  YADE's name
 
 
@@ -32,12 +42,38 @@ class Totals(_Energies):
         return f"Totals(stored={self.stored!r}, dissipated={self.dissipated!r}{more})"
 
 
+@loop
+def pressures_loop(kind, params_kind, rule, pairs, contacts, out):
+    """Mean pressures [Pa] of an array of contacts."""
+    for i in range(contacts.size):
+        c = contacts[i]
+        pair, old = pairs[np.int64(c.tag) - 1], history_of(rule, c)
+        out[i] = 0.0
+        if c.modulus == 0.0:
+            continue
+        if pair.smooth != 0:
+            smooth, shape, p = rule_of_smooth_contact(rule), HertzShape(), HertzParams(c.hertz)
+            force, stiffness, new = step(smooth, shape, p, c.overlap, old)
+            out[i] = mean_pressure(smooth, shape, p, c.radius, c.modulus, c.overlap, force, stiffness, new)
+        else:
+            shape, p = shape_of(kind, pair), params_of(params_kind, c)
+            force, stiffness, new = step(rule, shape, p, c.overlap, old)
+            out[i] = mean_pressure(rule, shape, p, c.radius, c.modulus, c.overlap, force, stiffness, new)
+
+
+def pressures(pairs, contacts):
+    """Mean pressures [Pa] of an array of `layout.contact_dtype`."""
+    out = np.zeros(len(contacts))
+    pressures_loop(pairs.kind, pairs.params_kind, pairs.rule, pairs.records, contacts, out)
+    return out
+
+
 SHEAR = {"shear_stored": "held", "shear_dissipated": "lost", "viscous": "viscous"}
 """Energy of `Contacts` → field of a contact's history."""
 
 
-def state_of(pairs, contacts, rows):
-    """`Contacts` that a law has seen; rows: their histories."""
+def state_of(pairs, contacts, rows, strength=None):
+    """`Contacts` that a law has seen; rows: their histories; strength: of the column `above` [Pa]."""
     from demlaws.responses.contacts import Contacts
 
     active = rows["tag"] > 0
@@ -51,7 +87,7 @@ def state_of(pairs, contacts, rows):
     columns = {name: fields.get(name, nothing) for name in ("maximum_overlap", "plastic_overlap", "radius_ratio")}
     if not fields:
         columns["plastic_overlap"] = np.zeros(len(rows))
-    overlap = before["overlap"].copy()
+    overlap, pressure = before["overlap"].copy(), pressures(pairs, before)
     highest = np.fmax(overlap, columns["maximum_overlap"])
     centres = [_ends(contact) for contact in contacts]
     shears = [contact.phys.shearForce.norm() for contact in contacts]
@@ -70,6 +106,8 @@ def state_of(pairs, contacts, rows):
         branch=(overlap < columns["maximum_overlap"]).astype(int),
         flattened=energies["dissipated"] > 1e-9 * (energies["stored"] + energies["dissipated"]),
         bulk_yielded=pairs.bulk_yielded(before, highest),
+        mean_pressure=pressure,
+        above=None if strength is None else pressure > number(strength, "strength", "Pa"),
         sliding=np.array([bool(c.phys.isSliding) for c in contacts], bool),
         shear_force=np.array(shears, float),
         **{name: before[field].copy() for name, field in SHEAR.items()},
@@ -81,8 +119,8 @@ def state_of(pairs, contacts, rows):
 def _ends(contact):
     """Centres of both bodies, the second one's image where it lies across a periodic face; on a wall the contact's point."""
     ends = []
-    for number, image in ((contact.id1, (0, 0, 0)), (contact.id2, contact.cellDist)):
-        body = O.bodies[number]
+    for body_number, image in ((contact.id1, (0, 0, 0)), (contact.id2, contact.cellDist)):
+        body = O.bodies[body_number]
         if body is None or not isinstance(body.shape, yade.Sphere):
             ends.append(tuple(contact.geom.contactPoint))
         elif O.periodic:

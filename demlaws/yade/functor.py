@@ -12,6 +12,7 @@ from demlaws.errors import DemlawsError, page, warn
 from demlaws.laws import HERTZ
 from demlaws.yade import native, selftest
 from demlaws.yade.binding import Binding
+from demlaws.yade.friction import OF_MATERIALS
 from demlaws.yade.pairs import Pairs
 
 NATIVE_ATTRIBUTES = frozenset(yade.Law2_ScGeom_MindlinPhys_Mindlin().dict()) | {"preventGranularRatcheting"}
@@ -21,7 +22,8 @@ O = yade.O  # noqa: E741  YADE's name
 class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
     """A demlaws law as a YADE Law2 functor, in place of Law2_ScGeom_MindlinPhys_Mindlin.
 
-    law: a law's name (`demlaws.laws()`), a `Law`, a `Table`, the path of a saved table, or a dict (label, label) → one of them.
+    law: a law's name (`demlaws.laws()`), a `Law`, a `Table`, the path of a saved table, or a dict (label, label) → one of them,
+        or a law's name with its options: {("sand", "sand"): ("conical-damage", {"strength": 1e9, "angle": 1.2})}.
     unloading: a rule's name, or a `Law` or `Table` whose curve the contacts unload along; default: that of the law.
     surfaces: one `demlaws.Surface` for all materials, or a dict label of a YADE material → Surface ("*": every other material).
         A material without a surface is smooth, and a pair of smooth surfaces is Hertz; a Surface needs its roughness, 0 or
@@ -40,6 +42,9 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
     levels: of "elastic" and "loading", 1 to 8: groups of a contact's springs that touched at similar stiffness and have one
         stretch. With 1 the shear force of a contact whose overlap vibrates is lost.
     shear_ratio: K_t/K, above 0 and at most 4/3; default: that of the materials' Poisson's ratios, as Mindlin's law has it.
+    friction: a `demlaws.PressureFriction` for all contacts, or a dict from labels of `surfaces`, or pairs of them, to one; of
+        two labels the smaller of each parameter. "materials": the c1 and c2 of FrictMatCDM, also by default if a material of
+        the scene has them. Other contacts keep the constant friction of their materials.
     label: name of the law in saved files, unique in a scene and constant.
 
     Further arguments are the law's own options, or attributes of Law2_ScGeom_MindlinPhys_Mindlin (neverErase, calcEnergy,
@@ -58,6 +63,7 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         shear=DEFAULT,
         levels=None,
         shear_ratio=None,
+        friction=None,
         label="demlaws",
         **options,
     ):
@@ -73,6 +79,9 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
                 f"shear='native' keeps the shear force where contacts become softer, which can create energy ({page('shear')})"
             )
         choices = {"smooth": smooth, "flats": flats, "shear": shear, "levels": levels, "shear_ratio": shear_ratio}
+        if friction is None and any(getattr(stone, "c1", 0.0) for stone in O.materials):
+            friction = OF_MATERIALS
+        choices["friction"] = friction
         pairs = Pairs(law, surfaces, unloading, options, modulus, radius=radius, **choices)
         try:
             self.binding = Binding(label, pairs)
@@ -112,9 +121,12 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         """`Totals` of the current scene: stored energy and plastic dissipation [J], ended contacts included."""
         return self.binding.totals()
 
-    def contacts(self, interactions=None):
-        """All real contacts, or the given ones: a table (`demlaws.responses.contacts`) that `save` writes for ParaView."""
-        return self.binding.contacts(interactions)
+    def contacts(self, interactions=None, *, strength=None):
+        """All real contacts, or the given ones: a table (`demlaws.responses.contacts`) that `save` writes for ParaView.
+
+        strength: a mean pressure [Pa], or text with a unit; column `above` has which contacts exceed it.
+        """
+        return self.binding.contacts(interactions, strength)
 
     def normElastEnergy(self):
         """Stored normal energy [J]; replaces Mindlin's formula, which holds for Hertz only."""

@@ -18,6 +18,7 @@ from demlaws.core.unloading import rule_of_smooth_contact
 from demlaws.laws.hertz import HertzParams, HertzShape
 from demlaws.units import LARGEST_OVERLAP, LARGEST_ROUGHNESS, RANGES, SMALL_OVERLAP
 from demlaws.yade import layout, objects
+from demlaws.yade.friction import apply as apply_friction
 from demlaws.yade.layout import CONTEXT, SHAPE
 from demlaws.yade.mindlin import Pointers, body_of, native_go, with_states
 from demlaws.yade.records import (
@@ -356,6 +357,10 @@ def make_row(kind, context, pairs, row_dtype, geom, phys, interaction, phys_addr
     if place == 0:
         record_fault(context, layout.NO_ROW, interaction, 0.0)
         return 0
+    if context.by_pressure == 0 and phys.vtable == context.conical:
+        c1 = view(phys_address, objects.MindlinPhysCDM).c1
+        if c1 != 0.0:
+            record_fault(context, layout.FRICTION, interaction, c1)
     row = view(place, row_dtype)
     pair = initialise_contact(context, pairs, row, geom, phys, interaction)
     row.phys, row.interaction, row.pair = phys_address, interaction_address, context.pairs + pair * pairs.itemsize
@@ -394,7 +399,7 @@ def end_contact(kind, params_kind, rule, context, pair, row, state):
 @kernel
 def supports_class(context, geom, phys):
     """Whether objects are of classes that the law acts on."""
-    known = phys.vtable == context.physics or phys.vtable == context.capillary
+    known = phys.vtable == context.physics or phys.vtable == context.capillary or phys.vtable == context.conical
     return known and is_among(geom.vtable, context.geometry_classes, context.geometry_count)
 
 
@@ -414,17 +419,21 @@ def unknown_class(context, contact, interaction):
 
 
 @kernel
-def law_of_contact(kind, params_kind, shear, mode, rule, row_address, pair, row, overlap, old):
-    """`response` of a contact by what its row has; row_address: negative for a smooth pair."""
+def law_of_contact(
+    kind, params_kind, shear, mode, rule, friction, context, phys, phys_address, row_address, pair, row, overlap, old
+):
+    """`response` of a contact by what its row has, whose springs and friction are set; row_address: negative for a smooth pair."""
     if row_address > 0:
         shape, p = shape_of(kind, pair), params_of(params_kind, row)
         force, stiffness, sideways, new = response(shear, rule, shape, p, overlap, old)
         compress(mode, rule, shape, p, row, overlap, force, sideways, new)
+        apply_friction(friction, context, phys, phys_address, pair, row, rule, shape, p, overlap, force, stiffness, new)
         return force, stiffness, sideways, new
     if row.hertz != 0.0:
         shape, p, smooth = HertzShape(), HertzParams(row.hertz), rule_of_smooth_contact(rule)
         force, stiffness, sideways, new = response(shear, smooth, shape, p, overlap, old)
         compress(mode, smooth, shape, p, row, overlap, force, sideways, new)
+        apply_friction(friction, context, phys, phys_address, pair, row, smooth, shape, p, overlap, force, stiffness, new)
         return force, stiffness, sideways, new
     return 0.0, 0.0, 0.0, old
 
@@ -453,7 +462,7 @@ def is_faulty(context, interaction, row, overlap, force):
 
 
 @kernel
-def go(kind, params_kind, shear, mode, rule, pair_dtype, row_dtype, context, contact):
+def go(kind, params_kind, shear, mode, rule, friction, pair_dtype, row_dtype, context, contact):
     """The body of `go`: our force and stiffness as coefficients kno and kso of Mindlin's law, which then acts."""
     phys_address = pointee(contact.phys_pointer)
     geom, phys = view(contact.geom, objects.ScGeom), view(phys_address, objects.MindlinPhys)
@@ -474,7 +483,8 @@ def go(kind, params_kind, shear, mode, rule, pair_dtype, row_dtype, context, con
     if geom.refR1 + geom.refR2 != row.reach:
         follow_radii(kind, context, geom, interaction, row, pair)
     old = state_of(rule, row)
-    force, stiffness, sideways, new = law_of_contact(kind, params_kind, shear, mode, rule, row_address, pair, row, overlap, old)
+    of_contact = context, phys, phys_address, row_address, pair, row, overlap, old
+    force, stiffness, sideways, new = law_of_contact(kind, params_kind, shear, mode, rule, friction, *of_contact)
     if is_faulty(context, interaction, row, overlap, force):
         # without a guard, which would stop the run, propagate NaN
         force, stiffness, sideways, new = 0.0 if context.alarm != 0 else math.nan, 0.0, 0.0, old
@@ -507,13 +517,13 @@ def go(kind, params_kind, shear, mode, rule, pair_dtype, row_dtype, context, con
 
 
 # what `entry` gives to a copy of the function below
-KIND = PARAMS_KIND = SHEAR = MODE = RULE = PAIR = ROW = CONTEXT_OFFSET = None
+KIND = PARAMS_KIND = SHEAR = MODE = RULE = FRICTION = PAIR = ROW = CONTEXT_OFFSET = None
 
 
 def _go(functor, geom_pointer, phys_pointer, interaction):
     context = view(pointee(pointee(functor) + CONTEXT_OFFSET), CONTEXT)
     contact = Pointers(functor, geom_pointer, phys_pointer, interaction, pointee(geom_pointer), 0, 0)
-    return go(KIND, PARAMS_KIND, SHEAR, MODE, RULE, PAIR, ROW, context, contact)
+    return go(KIND, PARAMS_KIND, SHEAR, MODE, RULE, FRICTION, PAIR, ROW, context, contact)
 
 
 def entry(pairs, context_offset):
@@ -531,6 +541,7 @@ def entry(pairs, context_offset):
         "SHEAR": pairs.shear,
         "MODE": pairs.mode,
         "RULE": pairs.rule,
+        "FRICTION": pairs.friction.tag,
         "PAIR": pairs.records.dtype,
         "ROW": pairs.row,
         "CONTEXT_OFFSET": context_offset,

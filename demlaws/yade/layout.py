@@ -8,9 +8,9 @@ import mmap
 
 import numpy as np
 
-FAULTS = 13
+FAULTS = 14
 WRONG_CLASS, NOT_FINITE, WRONG_CONTACT, TOO_ROUGH, TOO_DEEP, WRONG_MODULUS = range(6)
-NO_ROW, LOST_ROW, FLAT_GAP, NO_CURVATURE, CHANGED, SET_SHEAR, UNGUARDED = range(6, FAULTS)
+NO_ROW, LOST_ROW, FLAT_GAP, NO_CURVATURE, CHANGED, SET_SHEAR, UNGUARDED, FRICTION = range(6, FAULTS)
 UNLISTED, UNKNOWN_SHAPE, SHARED, DEEP = range(FAULTS, FAULTS + 4)
 """Kinds of notes of native code for the guard: faults, which stop the run, and others."""
 NOTES = FAULTS + 4
@@ -34,7 +34,14 @@ READ_AND_WRITE, OF_ITS_OWN = mmap.PROT_READ | mmap.PROT_WRITE, mmap.MAP_PRIVATE 
 """How a block of memory is mapped: used only where something is written."""
 
 _FUNCTIONS = ("go", "body_by_id", "apply_force", "gap_radius")  # addresses; go: the native one
-_CLASSES = ("physics", "capillary", "facet", "wall", "box")  # addresses of tables of virtual functions: how objects begin
+_CLASSES = (
+    "physics",
+    "capillary",
+    "conical",
+    "facet",
+    "wall",
+    "box",
+)  # addresses of tables of virtual functions: how objects begin
 _TABLES = (
     "surfaces",  # number of surfaces: of labels, and the unlisted materials
     "label_hashes",
@@ -56,6 +63,7 @@ _CHOICES = (
     "radius_mode",
     "own_step",  # 1: where possible a contact step without the native function (`mindlin`), 0: never, for tests
     "may_be_unlisted",  # 1: materials without a surface are meant so
+    "by_pressure",  # 1: the code has the friction of MindlinPhysCDM
 )
 
 
@@ -100,7 +108,9 @@ SHAPE = np.dtype(
 def pair_dtype(shape_fields):
     """dtype of a pair of surfaces; shape_fields: of `tuples.fields`, of the law's Shape."""
     # fields that all pairs have come last: numba takes a record for another one that it begins with
-    return np.dtype([*shape_fields, ("smooth", "i8"), *[(name, "f8") for name in ("roughness", "radius", "modulus")]])
+    return np.dtype(
+        [*shape_fields, ("smooth", "i8"), *[(name, "f8") for name in ("roughness", "radius", "modulus", "mu0", "c1", "c2")]]
+    )
 
 
 def contact_dtype(floats):

@@ -23,6 +23,7 @@ from numpy.lib.recfunctions import repack_fields
 
 from demlaws.errors import BridgeWarning, DemlawsError, warn
 from demlaws.yade import kernel, layout, objects
+from demlaws.yade.friction import ByPressure
 from demlaws.yade.omega import O, scratch_scene, set_engines
 from demlaws.yade.records import memory_at
 from demlaws.yade.search import (
@@ -134,6 +135,8 @@ class Layout:
         for name in DAMPING_EXPONENTS:
             if hasattr(yade.MindlinPhys, name):
                 found["MindlinPhys"]["damping_exponent"] = "f8", find_number(yade.MindlinPhys, name)
+        conical = getattr(yade, "MindlinPhysCDM", None)
+        found["MindlinPhysCDM"] = {name: ("f8", find_number(conical, name) if conical else 0) for name in ("mu0", "c1", "c2")}
         found["State"]["ori"] = "f8", (4,), find_vector(yade.State, "ori", 4)
         found["State"]["blockedDOFs"] = "u4", find_degrees_of_freedom()
         bodies = {name: ("i4", find_number(yade.Interaction, name, ctypes.c_int32, NUMBERS)) for name in ("id1", "id2")}
@@ -153,6 +156,10 @@ class Layout:
         if hasattr(yade, "MindlinCapillaryPhys"):  # where YADE is built with capillarity
             self._same_places(yade.MindlinCapillaryPhys, yade.MindlinPhys, ("kn", "kno", "kso"))
             addresses["capillary"] = first_word(yade.MindlinCapillaryPhys)
+        addresses["conical"] = 0
+        if hasattr(yade, "MindlinPhysCDM"):
+            self._same_places(yade.MindlinPhysCDM, yade.MindlinPhys, ("kn", "kno", "kso", "tangensOfFrictionAngle"))
+            addresses["conical"] = first_word(yade.MindlinPhysCDM)
         geometries = [getattr(yade, name) for name in GEOMETRIES if hasattr(yade, name)]
         for cls in geometries:
             self._same_places(cls, yade.ScGeom, ("penetrationDepth", "refR1", "refR2"))
@@ -254,7 +261,7 @@ _entries = {}
 
 def _entry(pairs):
     """Address of native code for laws of this kind."""
-    tags = pairs.shear, pairs.mode, pairs.rule
+    tags = pairs.shear, pairs.mode, pairs.rule, pairs.friction.tag
     # the tags themselves are empty tuples, all equal
     key = pairs.kind, pairs.params_kind, *map(type, tags), pairs.records.dtype, pairs.row, objects.identity()
     if key not in _entries:
@@ -347,7 +354,7 @@ class Attachment:
         for name, classes in (("geometry", found.geometries), ("round_shape", found.round_shapes)):
             context[f"{name}_classes"][: len(classes)] = classes
             context[f"{name}_count"] = len(classes)
-        context["own_step"] = 1
+        context["own_step"], context["by_pressure"] = 1, isinstance(pairs.friction.tag, ByPressure)
         context["surfaces"], context["label_hashes"] = len(pairs.labels), pairs.hashes.ctypes.data
         context["pair_numbers"], context["pairs"] = pairs.numbers.ctypes.data, pairs.records.ctypes.data
         context["plane_flats"] = pairs.flats == "plane"

@@ -8,7 +8,7 @@ from demlaws.yade.records import record
 VECTOR = ("f8", (3,))
 AXES = ("orthonormal_axis", "twist_axis")
 """Members of ScGeom by which vectors turn with the contact: the change of its normal, and the turn about it."""
-ScGeom = MindlinPhys = Interaction = Body = State = Material = Functor = Scene = Cell = None
+ScGeom = MindlinPhys = MindlinPhysCDM = Interaction = Body = State = Material = Functor = Scene = Cell = None
 
 
 def define(**fields):
@@ -18,4 +18,4 @@ def define(**fields):
 
 def identity():
     """Text that changes with any of the dtypes."""
-    return repr((ScGeom, MindlinPhys, Interaction, Body, State, Material, Functor, Scene, Cell))
+    return repr((ScGeom, MindlinPhys, MindlinPhysCDM, Interaction, Body, State, Material, Functor, Scene, Cell))

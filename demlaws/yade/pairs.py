@@ -21,6 +21,7 @@ from demlaws.laws.hertz import HertzShape
 from demlaws.laws.registry import find, laws
 from demlaws.units import number
 from demlaws.yade import kernel, layout, tuples
+from demlaws.yade.friction import Choice
 from demlaws.yade.radii import Radii
 from demlaws.yade.shear import MODES, Levels
 
@@ -205,12 +206,12 @@ class LawSource:
 class Pairs:
     """Laws between labelled surfaces. Number 0 stands for every material whose label is not listed: smooth.
 
-    law: see `LawSource`, or a dict (label, label) → one of those, "" standing for unlisted materials. Of two surfaces
+    law: see `LawSource`, or a dict (label, label) → one of those, or a name and its options; "": unlisted. Of two surfaces
     σ² = Sq1² + Sq2² and so on as in `Surface.combined`. A pair of smooth surfaces is Hertz unless the law means more than
     roughness (a yielding bulk). labels, hashes, numbers (pair of surfaces → record) and records are what `kernel.go`
     reads; shapes and roughnesses are those of each record, None for Hertz. modulus: E* [Pa] with which pressures of the laws
     are compared, or None. smooth: materials without a surface are meant smooth; flats: "plane" or "yade", shear: one of
-    `shear.MODES`, levels, shear_ratio, radius: see the functor.
+    `shear.MODES`, levels, shear_ratio, radius, friction: see the functor.
     """
 
     def __init__(
@@ -227,6 +228,7 @@ class Pairs:
         levels=None,
         shear_ratio=None,
         radius=None,
+        friction=None,
     ):
         if isinstance(surfaces, Surface | Material):
             surfaces = {ALL_LABELS: surfaces}
@@ -243,6 +245,7 @@ class Pairs:
         self.everywhere = self.surfaces.pop(ALL_LABELS, None)
         self.labels = ["", *self.surfaces]
         entries = [self.everywhere or Surface(0.0), *self.surfaces.values()]
+        self.friction = Choice(friction, self.labels, ALL_LABELS)
         self.radii = Radii(radius, [surface.edge_radius for surface in entries])
         self.modulus = modulus
         if isinstance(law, dict):
@@ -295,6 +298,8 @@ class Pairs:
 
     @staticmethod
     def _source(law, options):
+        if isinstance(law, tuple) and len(law) == 2 and isinstance(law[1], dict):
+            law, options = law[0], {**options, **law[1]}
         return law if isinstance(law, LawSource) else LawSource(law, options)
 
     @property
@@ -316,12 +321,13 @@ class Pairs:
     def _make_records(self, surfaces):
         count = len(surfaces)
         self.numbers = np.zeros((count, count), np.int64)
-        self.shapes, self.roughnesses, self.serves_only, self.combined = [], [], [], []
+        self.shapes, self.roughnesses, self.serves_only, self.combined, frictions = [], [], [], [], []
         for i in range(count):
             for j in range(i + 1):
                 self.numbers[i, j] = self.numbers[j, i] = len(self.shapes)
                 pair = surfaces[i].combined(surfaces[j])
                 labels = self.labels[j], self.labels[i]
+                frictions.append(self.friction.of(*labels))
                 self.combined.append((pair, self.by_pair.get(tuple(sorted(labels)), self.default)))
                 shape, serves_only = self._pair(pair, labels)
                 self.shapes.append(shape)
@@ -348,9 +354,10 @@ class Pairs:
         self.saved = repack_fields(self.row[[name for name in self.row.names if name in layout.SAVED]])
         self._keep = []
         self.records = np.zeros(len(self.shapes), layout.pair_dtype(tuples.fields(self.kind, "shape")))
-        for record, shape, roughness, serves_only in zip(
-            self.records, self.shapes, self.roughnesses, self.serves_only, strict=True
+        for record, shape, roughness, serves_only, friction in zip(
+            self.records, self.shapes, self.roughnesses, self.serves_only, frictions, strict=True
         ):
+            record["mu0"], record["c1"], record["c2"] = friction
             record["smooth"], record["roughness"] = shape is None, roughness
             record["radius"], record["modulus"] = serves_only
             if shape is not None:

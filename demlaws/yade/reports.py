@@ -85,6 +85,11 @@ def fault_text(binding, kind, bodies, value):
             f" of {shapes[0]}: YADE's geometry has no radius (refR1 = refR2 = 0), so that the "
             "stiffness of MindlinPhys is not finite, also natively. Use level sets or polyhedra"
         )
+    if kind == layout.FRICTION:
+        return (
+            f" has a friction that depends on the pressure (c1 = {value:g}) by materials that came after the law: give the law "
+            'friction="materials", or make it when the materials are there'
+        )
     if kind in WITHOUT_VALUE:
         return WITHOUT_VALUE[kind]
     if kind == layout.TOO_DEEP:

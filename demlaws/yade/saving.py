@@ -13,8 +13,9 @@ from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError
 from demlaws.law import Table
 from demlaws.laws.registry import home_of, laws
+from demlaws.yade.friction import choice_from
 from demlaws.yade.omega import real_contacts
-from demlaws.yade.pairs import TYPICAL_MODULUS, LawSource, Pairs
+from demlaws.yade.pairs import ALL_LABELS, TYPICAL_MODULUS, LawSource, Pairs
 from demlaws.yade.radii import Curvature
 
 FORMER_VERSION = (
@@ -67,6 +68,7 @@ def pairs_text(pairs, identity=False):
         "levels": pairs.levels,
         "shear_ratio": pairs.shear_ratio,
         "radius": pairs.radii.choice,
+        "friction": pairs.friction.content(),
     }
     if user_laws(pairs):
         content["answers"] = _sample_forces(pairs)
@@ -87,6 +89,7 @@ def pairs_from(text):
     if content["default"]:
         law = _source_from(content["default"])
     options = {name: content[name] for name in ("smooth", "flats", "shear", "shear_ratio")}
+    options["friction"] = choice_from(content.get("friction"), ALL_LABELS)
     options["levels"], radius = content["levels"] or None, content["radius"]
     options["radius"] = Curvature(*radius) if isinstance(radius, list) else radius
     pairs = Pairs(law, content["surfaces"], content["unloading"], {}, content.get("modulus"), **options)

@@ -450,6 +450,7 @@ def test_export_refuses_nonsense(engine, tmp_path):
         ([Grain(0.004, GRANITE, ROUGH)], {"levels": 9}),
         ([Grain(0.004, GRANITE, ROUGH)], {"shear_ratio": 0.0}),
         ([Grain(0.004, GRANITE, ROUGH)], {"shear_ratio": 1.4}),
+        ([Grain(0.004, GRANITE, ROUGH)], {"friction_pressure": (0.2, -1e-9)}),
         ([Grain(0.004, GRANITE, dl.Surface(0.0, 2.2))], {"law": "hertz", "stock": "hertz", "levels": 2}),
     ):
         with pytest.raises(DemlawsError):
@@ -478,10 +479,11 @@ def test_command_line(engine, plugin, tests, tmp_path, capsys):
     assert out.count("self-test") == tests and "all good" in out
     assert cli.main([engine, "build"]) == 0
     assert capsys.readouterr().out.strip() == str(plugin.build())
-    shear = ["--shear-ratio", "0.3", "--levels", "2"]
+    shear = ["--shear-ratio", "0.3", "--levels", "2", "--friction-pressure", "0.2", "1e-9"]
     assert cli.main([engine, "export", case, "--radius", "0.004", "0.005", "--count", "50", *surface, *shear]) == 0
     lines = [line for line in (tmp_path / "case" / "in.case").read_text().splitlines() if "demlaws/table " in line]
-    assert len(lines) > 3 and all("shear_ratio 0.3 levels 2" in line for line in lines if not line.startswith("#"))
+    words = "shear_ratio 0.3 levels 2 friction_pressure 0.2 1e-09"
+    assert len(lines) > 3 and all(words in line for line in lines if not line.startswith("#"))
     assert cli.main([engine, "run", case + "/in.case", "-np", "2", "-var", "steps", "100"]) == 0
     assert "Loop time" in capsys.readouterr().out
     assert cli.main([engine, "run", str(tmp_path / "none")]) == 2

@@ -7,7 +7,7 @@ from inputs import ENERGY, simulate
 from spheres import SHEARED, save_law, spheres
 
 PLUGIN, SOURCE = "plugin", "source"
-SHEARS = ("elastic", "loading", "slip", "elastic levels 5 shear_ratio 0.6")
+SHEARS = ("elastic", "loading", "slip", "elastic levels 5 shear_ratio 0.6", "elastic friction_pressure 0.4 3e-9")
 LAWS = ("rough elastic", "rough", "thornton", "yielded")
 
 

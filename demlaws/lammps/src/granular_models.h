@@ -44,6 +44,8 @@ template <class ABI> struct Granular {
       FINGERPRINT,
       LEVELS,
       RATIO,
+      FRICTION_C1,
+      FRICTION_C2,
       COEFFICIENTS
     };
     enum { MAXIMUM, PLASTIC, STORED, DISSIPATED, STIFFNESS, OUTPUTS }; // p13 to p17 of compute pair/local
@@ -99,6 +101,10 @@ template <class ABI> struct Granular {
       check(demlaws::may_have_levels(coeffs[LEVELS]), "levels", coeffs[LEVELS], ": a whole number from 1 to 8");
       check(coeffs[RATIO] >= 0. && coeffs[RATIO] <= demlaws::LARGEST_SHEAR_RATIO, "shear_ratio", coeffs[RATIO],
             ": K_t/K is above 0, at most 4/3");
+      friction_.c1 = coeffs[FRICTION_C1];
+      friction_.c2 = coeffs[FRICTION_C2];
+      check(friction_.c1 >= 0., "friction_pressure C1", friction_.c1, ": must not be negative");
+      check(friction_.c2 >= 0., "friction_pressure C2", friction_.c2, " 1/Pa: must not be negative");
       this->num_coeffs = NUMBERS;
       if (coeffs[FINGERPRINT] != (double)table_.fingerprint())
         refuse("this is not the table that the restart file was written with (another law, options, contact or range): "
@@ -124,11 +130,11 @@ template <class ABI> struct Granular {
       coeffs[ROUGHNESS] = sqrt(0.5 * (a[ROUGHNESS] * a[ROUGHNESS] + b[ROUGHNESS] * b[ROUGHNESS]));
       coeffs[TOLERANCE] = std::min(a[TOLERANCE], b[TOLERANCE]);
       coeffs[EXTRAPOLATION] = std::min(a[EXTRAPOLATION], b[EXTRAPOLATION]);
-      for (int word : {SHEAR, SPRINGS, LEVELS, RATIO})
+      for (int word : {SHEAR, SPRINGS, LEVELS, RATIO, FRICTION_C1, FRICTION_C2})
         if (a[word] != b[word])
-          refuse("both types must have the same 'shear', 'shear_ratio', 'levels' and 'springs' to be mixed; write "
-                 "pair_coeff for this pair of types, too");
-      for (int word : {SHEAR, SPRINGS, LEVELS, RATIO, FINGERPRINT}) coeffs[word] = a[word];
+          refuse("both types must have the same 'shear', 'shear_ratio', 'levels', 'springs' and 'friction_pressure' to "
+                 "be mixed; write pair_coeff for this pair of types, too");
+      for (int word : {SHEAR, SPRINGS, LEVELS, RATIO, FRICTION_C1, FRICTION_C2, FINGERPRINT}) coeffs[word] = a[word];
       coeffs_to_local();
     }
 
@@ -154,6 +160,7 @@ template <class ABI> struct Granular {
       const std::string &tangential = gm->tangential_model->name;
       if (tangential == "demlaws") return;
       if (slips()) refuse("'shear slip' needs  tangential demlaws XT MU");
+      if (friction_.c1 > 0.) refuse("'friction_pressure' needs  tangential demlaws XT MU");
       if (coeffs[RATIO] > 0.) refuse("'shear_ratio' needs  tangential demlaws XT MU");
       if (tangential.compare(0, 7, "mindlin") || tangential == "mindlin_rescale/force") return;
       Range::of(of.lmp).announce(
@@ -170,6 +177,7 @@ template <class ABI> struct Granular {
     double shear_stiffness() const { return shear_stiffness_; }
     double shear_ratio() const { return coeffs[RATIO] > 0. ? coeffs[RATIO] : 2. * (1. - poiss) / (2. - poiss); }
     bool slips() const { return shear_ == demlaws::SLIP_SHEAR; }
+    double friction_above() const { return friction_above_; } // MU, in the step that came last
     demlaws::UnloadingCurve unloading_curve() const {
       return law_.unloading_curve(force_, gm->delta, gm->history + history_index);
     }
@@ -209,6 +217,7 @@ template <class ABI> struct Granular {
       force_ = now.force;
       shear_stiffness_ =
           demlaws::shear_stiffness<RULE>(shear_, law_.pair, m->Reff, m->delta, now, m->history + history_index);
+      friction_above_ = friction_.c1 > 0. ? friction_.above_constant(demlaws::mean_pressure(law_.pair, now)) : 0.;
       m->contact_radius =
           shear_stiffness_ * per_stiffness_; // K = 2 E* a: what mindlin, viscoelastic and heat scale with
       return now.force;
@@ -252,7 +261,8 @@ template <class ABI> struct Granular {
     Ledger &ledger_;
     demlaws::Law law_;
     double force_ = 0., stiffness_ = 0., shear_stiffness_ = 0., per_stiffness_ = 0.;
-    double mark_ = 0.;
+    double mark_ = 0., friction_above_ = 0.;
+    demlaws::PressureFriction friction_;
     demlaws::Shear shear_ = demlaws::ELASTIC_SHEAR;
     bool computes_pairs_ = false, speed_ = true; // speed_: the tangential model asks for that of the surfaces, vrel
     // BY_RADIUS: viscoelastic, whose formula Abi::fits() has checked
@@ -440,7 +450,8 @@ template <class ABI> struct Granular {
         std::copy(numbers, numbers + size_, copy);
         numbers = copy;
       }
-      const double stiffness = normal_->shear_stiffness(), ratio = ratio_, limit = this->mu * normal_->Fncrit;
+      const double stiffness = normal_->shear_stiffness(), ratio = ratio_,
+                   limit = (this->mu + normal_->friction_above()) * normal_->Fncrit;
       const demlaws::Motion motion = motion_of(keep ? m->dt : 0., demlaws::unit_vector(numbers, size_));
       const demlaws::ShearStep step =
           springs_

@@ -33,7 +33,8 @@ template <class TABLE> struct Words {
     if (at + 4 > count)
       raise(error, true,
             "demlaws/table needs FILE E eta nu, then [roughness SIGMA] [against E2 nu2] [radius_tolerance X] "
-            "[extrapolation on] [shear elastic|loading|slip] [shear_ratio X] [levels N] [springs N]");
+            "[extrapolation on] [shear elastic|loading|slip] [shear_ratio X] [levels N] [springs N] "
+            "[friction_pressure C1 C2]");
     const std::string file = arg[at++];
     static const char *const names[3] = {"E", "eta", "nu"};
     for (int k = 0; k < 3; k++, at++) into[k] = number(error, std::string("(in FILE E eta nu) ") + names[k], arg[at]);
@@ -44,7 +45,7 @@ template <class TABLE> struct Words {
     bool levels = false;
     for (int values; at < count; at += values + 1) {
       const std::string word = arg[at], value = at + 1 < count ? arg[at + 1] : "nothing";
-      values = word == "against" ? 2 : 1;
+      values = word == "against" || word == "friction_pressure" ? 2 : 1;
       const auto given = [&](int n) {
         if (at + values >= count)
           raise(error, true, "demlaws/table: " + word + (values == 2 ? " needs two numbers" : " needs a number"));
@@ -70,6 +71,9 @@ template <class TABLE> struct Words {
       else if (word == "levels") {
         into[TABLE::LEVELS] = given(1);
         levels = true;
+      } else if (word == "friction_pressure") {
+        into[TABLE::FRICTION_C1] = given(1);
+        into[TABLE::FRICTION_C2] = given(2);
       } else if (word == "radius_tolerance") into[TABLE::TOLERANCE] = given(1);
       else if (word == "against") {
         const double E = given(1), nu = given(2);

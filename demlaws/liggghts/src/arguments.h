@@ -9,7 +9,8 @@
 
 namespace demlaws {
 
-// Takes 'table FILE', 'pairtable I J FILE' and 'shear WORD' out of the arguments, for as long as it lives.
+// Takes 'table FILE', 'pairtable I J FILE', 'shear WORD', 'friction_pressure C1 C2' and 'pairfriction_pressure I J C1
+// C2' out of the arguments, for as long as it lives.
 class Arguments {
 public:
   Arguments(LAMMPS *lmp, int &count, char **&arguments) : lmp_(lmp), instance_(Instance::of(lmp)) {
@@ -22,8 +23,25 @@ public:
         add(Types(0, 0), arguments[++i]);
       } else if (word == "pairtable") {
         if (i + 3 >= count) refuse("'pairtable' needs two types and a file name");
-        add(types_of(type(arguments[i + 1]), type(arguments[i + 2])), arguments[i + 3]);
+        add(types_of(type(word, arguments[i + 1]), type(word, arguments[i + 2])), arguments[i + 3]);
         i += 3;
+      } else if (word == "friction_pressure" || word == "pairfriction_pressure") {
+        const bool pair = word[0] == 'p';
+        const int first = i + (pair ? 3 : 1);
+        if (first + 1 >= count)
+          refuse("'" + word + "' needs " + (pair ? "two types, then " : "") +
+                 "C1 and C2 [1/Pa]: mu is coefficientFriction + C1/(1 + C2 p)");
+        const Types types = pair ? types_of(type(word, arguments[i + 1]), type(word, arguments[i + 2])) : Types(0, 0);
+        PressureFriction friction;
+        friction.c1 = number(word, arguments[first]);
+        friction.c2 = number(word, arguments[first + 1]);
+        if (!friction.valid())
+          refuse("'" + word + " " + arguments[first] + " " + arguments[first + 1] +
+                 "': C1 and C2 [1/Pa] must be finite and not negative");
+        if (!line.friction.insert(std::make_pair(types, friction)).second)
+          refuse("'" + word + "' is given twice" + (pair ? " for these types" : ""));
+        line.given.insert("friction_pressure");
+        i = first + 1;
       } else if (word == "shear") {
         if (i + 1 >= count || !shear_from_name(arguments[i + 1], line.shear))
           refuse("'shear' must be elastic, loading or slip" +
@@ -59,12 +77,18 @@ private:
          << ": leave one (a pair has one law, seen from either side)";
     refuse(what.str());
   }
-  int type(const char *text) const {
+  int type(const std::string &word, const char *text) const {
     char *end;
     const long value = strtol(text, &end, 10);
     if (*end || value < 1 || value > lmp_->atom->ntypes)
-      refuse(std::string("'pairtable' names type ") + text + ", which the simulation box does not have");
+      refuse("'" + word + "' names type " + text + ", which the simulation box does not have");
     return (int)value;
+  }
+  double number(const std::string &word, const char *text) const {
+    char *end;
+    const double value = strtod(text, &end);
+    if (end == text || *end) refuse("'" + word + "' has '" + text + "' where a number is needed");
+    return value;
   }
   LAMMPS *const lmp_;
   const std::shared_ptr<Instance> instance_;

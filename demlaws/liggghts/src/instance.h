@@ -19,6 +19,7 @@ inline Types types_of(int i, int j) { return i < j ? Types(i, j) : Types(j, i); 
 struct Line {
   Files files;
   std::set<std::string> given;
+  std::map<Types, PressureFriction> friction; // 'friction_pressure'
   Shear shear = ELASTIC_SHEAR;
 };
 
@@ -28,6 +29,7 @@ struct PairSettings {
   std::map<std::string, const Table *> tables; // as read: since then the folder, or the file, may be another
   bool use_roughness = false, extrapolate = false;
   double radius_tolerance = 0.01, shear_ratio = 0.; // 0: that of Mindlin
+  std::map<Types, PressureFriction> friction;       // of which the coefficient is not constant
   Shear shear = ELASTIC_SHEAR;                      // the normal stiffness used to compute K_t
 };
 

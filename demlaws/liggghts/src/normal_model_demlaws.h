@@ -18,6 +18,7 @@ struct TypePair : Law {
   double tangential;         // kt / K = 4 G* / E*
   double tangential_damping; // gamma_t / gamma_n, or 0
   double mark;               // of its contacts
+  PressureFriction friction;
 };
 
 // Energies of a contact at `overlap`: what it holds, what its plastic flow took. In a contact that has not been updated
@@ -66,6 +67,9 @@ public:
     given_ = instance_->line.given;
     own_.files = instance_->line.files;
     own_.shear = instance_->line.shear;
+    own_.friction = instance_->line.friction;
+    if (!own_.friction.empty() && shear_size_ == 0)
+      error->all(FLERR, "model demlaws/table: 'friction_pressure' needs  tangential demlaws");
     if (given_.count("shear_ratio") && !(own_.shear_ratio > 0. && own_.shear_ratio <= demlaws::LARGEST_SHEAR_RATIO))
       error->all(FLERR, ("model demlaws/table: shear_ratio " + std::to_string(own_.shear_ratio) +
                          ": K_t/K is above 0, at most 4/3")
@@ -160,6 +164,7 @@ public:
     data.Fn = normal;
     data.kn = data.deltan > 0. ? now.force / data.deltan : 0.;
     data.kt = type.tangential * demlaws::shear_stiffness(now_.shear, type.pair, radius, data.deltan, now, state);
+    friction_above_ = type.friction.c1 > 0. ? type.friction.above_constant(demlaws::mean_pressure(type.pair, now)) : 0.;
     data.gamman = damping;
     data.gammat = damping * type.tangential_damping;
     if (WALL) {
@@ -209,6 +214,8 @@ public:
   // For the tangential model: K_t / K, and the curve of a contact after its step.
   demlaws::Shear shear() const { return now_.shear; }
   double shear_ratio(const SurfacesCloseData &data) const { return law_of(data).tangential; }
+  // By how much the friction of the contact whose step came last is above coefficientFriction.
+  double friction_above() const { return friction_above_; }
   demlaws::UnloadingCurve unloading_curve(const SurfacesIntersectData &data) const {
     return law_of(data).unloading_curve(data.kn * data.deltan, data.deltan, state_of(data));
   }
@@ -255,6 +262,7 @@ private:
       if (!given_.count("shear_ratio")) now_.shear_ratio = from.shear_ratio;
       if (!given_.count("extrapolation")) now_.extrapolate = from.extrapolate;
       if (!given_.count("shear")) now_.shear = from.shear;
+      if (!given_.count("friction_pressure")) now_.friction = from.friction;
     }
     state_size_ = 0;
     for (const auto &file : now_.files) {
@@ -269,11 +277,11 @@ private:
     if (!wall_) instance_->pair.tables = tables_;
   }
 
-  // The file of two types; empty without one.
-  std::string file_of(int i, int j) const {
-    demlaws::Files::const_iterator it = now_.files.find(demlaws::types_of(i, j));
-    if (it == now_.files.end()) it = now_.files.find(demlaws::Types(0, 0));
-    return it == now_.files.end() ? std::string() : it->second;
+  // What two types have: of their own, or of all pairs; else what the type makes of nothing.
+  template <class T> static T of_types(const std::map<demlaws::Types, T> &all, int i, int j) {
+    typename std::map<demlaws::Types, T>::const_iterator it = all.find(demlaws::types_of(i, j));
+    if (it == all.end()) it = all.find(demlaws::Types(0, 0));
+    return it == all.end() ? T() : it->second;
   }
 
   // Makes the law of two types.
@@ -281,7 +289,7 @@ private:
     demlaws::TypePair &type = pairs_[i * types_ + j];
     std::ostringstream who;
     who << "model demlaws/table: types " << i << " and " << j << ": ";
-    const std::string file = file_of(i, j);
+    const std::string file = of_types(now_.files, i, j);
     if (file.empty()) error->all(FLERR, (who.str() + "no table; add 'table FILE' or 'pairtable I J FILE'").c_str());
     const demlaws::Table &table = *tables_[file];
     double sigma = 0.; // [m]
@@ -299,6 +307,7 @@ private:
     }
     type.mark = type.Law::mark(shear_size_);
     if (!doubt.empty()) instance_->announce(doubt, who.str() + doubt);
+    type.friction = of_types(now_.friction, i, j);
     type.damping = -2. * 0.91287092917527685576 * beta_[i][j];
     type.tangential = now_.shear_ratio > 0. ? now_.shear_ratio : 4. * effective_shear_[i][j] / effective_modulus_[i][j];
     type.tangential_damping = damp_tangentially_ ? sqrt(type.tangential) : 0.;
@@ -358,6 +367,7 @@ private:
   demlaws::PairSettings own_, now_; // as the line says; as they hold
   int offset_ = -1, mark_at_ = -1, state_size_ = 0, reserved_ = 0, shear_size_ = 0, types_ = 0;
   bool marked_ = false; // contacts keep the mark of their law
+  double friction_above_ = 0.;
   std::vector<demlaws::TypePair> pairs_;
   std::map<std::string, const demlaws::Table *> tables_;
 };

@@ -86,7 +86,7 @@ public:
   template <bool WALL> inline void touch(const SurfacesIntersectData &data, ForceData &on_i, ForceData &on_j) {
     if (data.contact_flags) *data.contact_flags |= CONTACT_TANGENTIAL_MODEL;
     const bool keep = data.computeflag && data.shearupdate;
-    const double limit = friction_[data.itype][data.jtype] * fabs(data.Fn);
+    const double limit = (friction_[data.itype][data.jtype] + normal_->friction_above()) * fabs(data.Fn);
     double copy[demlaws::SpringRow::MOST_SIZE], *const kept = data.contact_history + offset_;
     if (!keep) std::copy(kept, kept + size(), copy);
     double *const numbers = keep ? kept : copy;

@@ -150,7 +150,7 @@ def test_no_bump_on_a_tiled_flat(tmp_path, tables, table, speed):
 
 
 @pytest.mark.parametrize("support", [ON_MESH, "primitive type 1 zplane 0.0"])
-@pytest.mark.parametrize("shear", ["elastic", "slip"])
+@pytest.mark.parametrize("shear", ["elastic", "slip", "elastic friction_pressure 0.4 3e-9"])
 def test_passive_shear_at_walls(tmp_path, tables, shear, support):
     """Press, slide over a node of the mesh and back past Coulomb's limit, lift off partly: the force is Python's."""
     law = dl.law("pohrt-popov", dl.Contact(RADIUS, modulus(), 2.4e-6, 2.22), "hertz")
@@ -160,6 +160,8 @@ def test_passive_shear_at_walls(tmp_path, tables, shear, support):
     rows = simulate(tmp_path, tiled(), (-0.5e-6, 0.0, RADIUS), commands, tables / "granite.tbl", **own)
     force, x, height = rows[:, 0], rows[:, 3], rows[:, 5]
     assert x.min() < -1e-7 and x.max() > 1e-7
-    path = sheared(law, RADIUS - height, x - x[0], 2 * (1 - 0.25) / (2 - 0.25), shear, friction=0.5, springs=1000)
+    friction = dl.PressureFriction(0.5, 0.4, 3e-9) if "friction" in shear else 0.5
+    shear = shear.split()[0]
+    path = sheared(law, RADIUS - height, x - x[0], 2 * (1 - 0.25) / (2 - 0.25), shear, friction=friction, springs=1000)
     np.testing.assert_allclose(-force, path.shear_force, atol=2e-2 * 0.5 * path.force.max())
     assert np.abs(force).max() > 0.1 * path.force.max()

@@ -248,8 +248,8 @@ def test_erased_contacts_are_not_counted(omega):
     assert law.binding.scene is None
 
 
-def test_friction_that_depends_on_the_force_is_refused(omega):
-    """FrictMatCDM with c1, c2, which the contacts of Mindlin's law do not have."""
+def test_friction_by_pressure_that_contacts_do_not_have_is_refused(omega):
+    """FrictMatCDM with c1, which the contacts of Ip2_FrictMat_FrictMat_MindlinPhys do not have."""
     stone = yade.FrictMatCDM(young=60.6e9, poisson=0.25, frictionAngle=0.5, density=2650, label="granite")
     omega.materials.append(stone)
     omega.bodies.append(fixed_pair(stone, OVERLAP))
@@ -258,7 +258,7 @@ def test_friction_that_depends_on_the_force_is_refused(omega):
     assert force() == expected()
     stone.c1 = 0.1
     omega.engines = omega.engines
-    stops("c1 = 0.1, c2 = 0: a friction that depends on .* set c1 = c2 = 0", 10)
+    stops("c1 = 0.1: a friction that depends on the pressure.*Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM.*set c1 = 0", 10)
     stone.c1 = 0.0
     omega.engines = omega.engines
     advance(10)

@@ -151,14 +151,16 @@ def test_energies_of_an_oblique_impact(omega, tmp_path, shear):
     assert law.totals().shear_stored == 0.0 < law.totals().shear_dissipated < 0.1 * start
 
 
-def test_physics_of_another_class_stops_the_run(omega):
-    """Those of the Conical Damage Model without its law: the message names shapes, geometry and physics."""
+def test_physics_of_the_conical_damage_model_are_accepted(omega):
+    """Its stiffnesses and constant friction are those of Mindlin's law; its strength is not used."""
     strength = {"sigmaMax": 1e9, "alpha": 0.1}
     stone = yade.FrictMatCDM(young=60.6e9, poisson=0.25, frictionAngle=0.5, density=2650, label="granite", **strength)
     omega.materials.append(stone)
     omega.bodies.append(fixed_pair(stone, 1e-6))
     set_engines(functor(), 1e-9, physics=yade.Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM())
-    stops("contact 0\\+1 of Sphere and Sphere is described by ScGeom and MindlinPhysCDM")
+    advance(3)
+    contact = dl.Contact(0.005, MODULUS, GRANITE.roughness * 2**0.5, GRANITE.fractal_dimension)
+    assert force() == pytest.approx(float(dl.law("pohrt-popov", contact, "hertz").force(1e-6)), rel=1e-8)
 
 
 def test_native_shear_warns_and_slip_needs_springs(omega):

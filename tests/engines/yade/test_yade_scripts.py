@@ -25,6 +25,7 @@ SAID = {
     "cost": "ratio to native Hertz-Mindlin",
     "measured_surface": "law of mean",
     "examples": "runs by both laws, 0 failed",
+    "split_stone": "4 stones split at 0.6",
 }
 MORE = {"examples": ["--only", "FEMxDEM", "beside", "batch"]}
 """Arguments beside --quick: all of YADE's examples take minutes."""
