@@ -68,7 +68,7 @@ MEASURED = {
     "tables/liggghts-checks.csv": "the command of each row",
     "tables/liggghts-restitution.csv": "the case impact of liggghts_inputs",
     "tables/liggghts-tutorials.csv": "python -m studies.cases.tutorials",
-    "tables/mutations.csv": "make mutations, and python tools/mutations.py --tests 'test_report.py -k published_answer'",
+    "tables/mutations.csv": "make mutations TABLE=docs/tables/mutations.csv, and its last column by docs/inside/mutations.md",
     "tables/plastic-compared.csv": "read in the sources of each row",
     "tables/plastic-differences.csv": "the command or source of each row",
     "tables/shear-ratio.csv": "the command of each row",
