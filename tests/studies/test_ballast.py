@@ -11,6 +11,13 @@ from studies.ballast import bed, beds, cycles, report
 from studies.ballast.__main__ import QUICK, main
 
 
+def test_a_case_has_its_rule_of_unloading(tmp_path):
+    for rule in ("hertz", "elastic"):
+        cycles.Case(law="pohrt-popov", sigma=2.4, rule=rule).contact.save(tmp_path / "pair.tbl")
+        assert f"unloading: {rule}" in (tmp_path / "pair.tbl").read_text().splitlines()
+    assert {case.rule for case in cycles.control()} == {"hertz", "elastic"}
+
+
 def rows_of(settled, last=200):
     number = np.unique(np.round(np.geomspace(1, last, 40)))
     return [{"cycle": n, "cycles": last, "settlement_um": settled(n)} for n in number]
@@ -131,7 +138,9 @@ CLEAR = {
 def test_what_the_page_claims():
     """Effects by pairs of beds that begin from the same places."""
     found = report.series(read(cycles.RESULTS))
-    effects = {what: {n: report.effect(found, what, f) for n, f in report.MEASURES.items()} for what in report.EFFECTS}
+    effects = {
+        what: {n: report.effect(found, pairs, f) for n, f in report.MEASURES.items()} for what, pairs in report.EFFECTS.items()
+    }
     names = [(what, measure) for what, measures in effects.items() for measure in measures]
     bold = paired.clear([effects[what][measure] for what, measure in names])
     found_clear = {}
