@@ -70,7 +70,8 @@ def test_effects_and_packings_of_the_page_are_those_of_the_kept_runs():
     rows = read(cycles.RESULTS)
     page = (Path(__file__).parents[2] / "docs" / "validation" / "triaxial.md").read_text()
     assert report.effects(rows) in page
-    near = [one for case, one in report.simulated(rows).items() if case == report.CORNERS._replace(q=370.0, seed=case.seed)]
-    assert [round(one.at(1), 1) for one in near] == [1.7, 3.0, 1.0]
-    assert [round(one.at(200), 1) for one in near if np.isnan(one.collapsed)] == [11.5, 2.0]
-    assert [one.collapsed for one in near if not np.isnan(one.collapsed)] == [48.0]
+    found = report.simulated(rows)
+    for law, whole, ends in ((report.CORNERS, [11.5, 2.0], [48.0]), (report.SMOOTH, [1.6], [143.0, 1.0])):
+        near = [found[law._replace(q=370.0, seed=seed)] for seed in (1, 2, 3)]
+        assert [round(one.at(200), 1) for one in near if np.isnan(one.collapsed)] == whole
+        assert [one.collapsed for one in near if not np.isnan(one.collapsed)] == ends
