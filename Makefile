@@ -126,9 +126,9 @@ size: $(VENV)/.test
 readme-check: $(VENV)/.test
 	$(BIN)/python tools/readme_check.py
 
-# ONLY='hertz rms' for the mutations whose names contain one of these words
+# ONLY='hertz rms' for the mutations whose names contain one of these words; TABLE=docs/tables/mutations.csv to keep the results
 mutations: $(VENV)/.test
-	$(BIN)/python tools/mutations.py --jobs $(CORES) $(foreach word,$(ONLY),--only $(word))
+	$(BIN)/python tools/mutations.py --jobs $(CORES) $(foreach word,$(ONLY),--only $(word)) $(if $(TABLE),--table $(TABLE))
 
 stability: engines $(VENV)/.plots
 	$(BIN)/python -m studies.extremes --paths 1e7 --engines

@@ -6,6 +6,7 @@
     python tools/mutations.py --jobs 2
     python tools/mutations.py --tests "test_report.py -k published_answer"  # is it noticed by the validation report?
     python tools/mutations.py --list                    # the mutations, after a check that each matches its source
+    python tools/mutations.py --table docs/tables/mutations.csv   # also write the page's table, with --tests its last column
 
 mutations.txt lists them. Most are 2 % of a coefficient, an exponent or a factor; the last group changes logic. Each names a
 source file, the changed expression in its context and the tests that must fail. Files and tests are looked up by name, so that
@@ -17,6 +18,7 @@ are repeated without it: a test that fails there, too, has caught nothing. Exit 
 """
 
 import argparse
+import csv
 import functools
 import os
 import queue
@@ -42,17 +44,25 @@ class Mutation(NamedTuple):
     file: str  # pattern of the end of the path
     tests: str  # test files by name, then options of pytest
     edits: list  # expressions with the change marked as <<old -> new>>
+    part: str = ""  # heading in mutations.txt
+
+    @property
+    def change(self):
+        """The changes alone, in one line."""
+        return "; ".join(" → ".join(map(str.strip, pair)) for edit in self.edits for pair in CHANGE.findall(edit))
 
 
 def read_mutations(path):
     """The mutations of a text file, whose first lines describe its format."""
-    found = []
+    found, part = [], ""
     for line in path.read_text().splitlines():
         if line.startswith("    "):
             found[-1].edits.append(line.strip())
-        elif line and not line.startswith("#"):
+        elif line.startswith("#"):
+            part = line.lstrip("# ")
+        elif line:
             name, file, tests = map(str.strip, line.split(" | "))
-            found.append(Mutation(name, file, tests, []))
+            found.append(Mutation(name, file, tests, [], part[:1].upper() + part[1:]))
     return found
 
 
@@ -170,12 +180,34 @@ def run(mutations, jobs):
     return failures
 
 
+HEADS = ("part", "changed", "from → to", "detected by the test", "by the report")
+
+
+def keep(path, known, failures, report):
+    """Write the page's table: a row per known mutation, with the results of this run; the others stay, or are "not tried"."""
+    with open(path, newline="") as file:
+        old = {row["changed"]: row for row in csv.DictReader(file)}
+    column = HEADS[4 if report else 3]
+    with open(path, "w", newline="") as file:
+        writer = csv.DictWriter(file, HEADS, lineterminator="\n")
+        writer.writeheader()
+        for mutation in known:
+            row = dict.fromkeys(HEADS[3:], "not tried") | old.get(mutation.name, {})
+            row |= dict(zip(HEADS, (mutation.part, mutation.name, mutation.change), strict=False))
+            if mutation.name in failures:
+                failed = failures[mutation.name]
+                test = failed and failed.rpartition("::")[2]
+                row[column] = "no" if test is None else "yes: " + test.partition("[")[2].rstrip("]") if report else test
+            writer.writerow(row)
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", action="append", metavar="TEXT", help="mutations whose name contains TEXT; may be repeated")
     parser.add_argument("--tests", metavar="ARGUMENTS", help="test files and options of pytest in place of each mutation's own")
     parser.add_argument("--jobs", type=int, default=1, help="mutations tried at the same time (default: 1)")
     parser.add_argument("--list", action="store_true", help="list the mutations and check that each can be made")
+    parser.add_argument("--table", type=Path, metavar="FILE", help="CSV file in which the results of this run are written, too")
     options = parser.parse_args(arguments)
     known = read_mutations(Path(__file__).with_suffix(".txt"))
     chosen = [m for m in known if not options.only or any(text in m.name for text in options.only)]
@@ -194,6 +226,8 @@ def main(arguments=None):
         print("\n".join(f"{mutation.name:45}{mutation.file}" for mutation in chosen))
         return 0
     failures = run(chosen, max(options.jobs, 1))
+    if options.table:
+        keep(options.table, known, failures, bool(options.tests))
     survivors = [name for name, failed in failures.items() if failed is None]
     print(f"{len(failures) - len(survivors)} of {len(failures)} mutations caught")
     if survivors:

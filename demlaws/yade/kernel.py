@@ -422,7 +422,7 @@ def unknown_class(context, contact, interaction):
 def law_of_contact(
     kind, params_kind, shear, mode, rule, friction, context, phys, phys_address, row_address, pair, row, overlap, old
 ):
-    """`response` of a contact by what its row has, whose springs and friction are set; row_address: negative for a smooth pair."""
+    """`response` of a contact by what its row has, with springs and friction set; row_address < 0: a smooth pair."""
     if row_address > 0:
         shape, p = shape_of(kind, pair), params_of(params_kind, row)
         force, stiffness, sideways, new = response(shear, rule, shape, p, overlap, old)

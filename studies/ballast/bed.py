@@ -109,17 +109,18 @@ fix             rest all halt 500 v_lacks < 0.02 error continue
 
 
 class Law(NamedTuple):
-    """Contact law, combined roughness [µm] and shear model."""
+    """Contact law, combined roughness [µm], shear model and rule of unloading."""
 
     law: str = "hertz"
     sigma: float = 0.0
     shear: str = "default"
+    unloading: str = "hertz"
 
     def save(self, path):
         """Write its table; one serves all radii."""
         modulus = YOUNG / (2 * (1 - POISSON**2))
         contact = dl.Contact(radius=10e-3, modulus=modulus, sigma=1e-6 * self.sigma, fractal_dimension=2.22)
-        rule = {} if self.law == "hertz" else {"unloading": "hertz"}
+        rule = {} if self.law == "hertz" else {"unloading": self.unloading}
         dl.law(self.law, contact, **rule).tabulate(rtol=1e-5).save(path)
 
 

@@ -23,6 +23,8 @@ HERE = Path(__file__).parent
 RESULTS = HERE / "cycles.csv"
 REPEATS = HERE / "repeats.csv"
 """Two beds of an earlier version of `bed`, whose formula of the load was equal but for rounding."""
+CONTROL = HERE / "elastic.csv"
+"""Beds of `control`; other packings than those of RESULTS, which settled with an earlier version of the default shear."""
 STORE = Path("results") / "ballast"
 LOW, HIGH = 20e3, 200e3  # [Pa]
 STAGES = (35e3, 60e3, 100e3, 200e3)
@@ -44,11 +46,12 @@ class Case(NamedTuple):
     period: float = 0.035  # [s]
     dt: float = 1.4e-5  # [s]
     count: int = 500
+    rule: str = "hertz"  # of unloading
 
     @property
     def contact(self):
         """`bed.Law`."""
-        return bed.Law(self.law, self.sigma, self.shear)
+        return bed.Law(self.law, self.sigma, self.shear, self.rule)
 
     @property
     def clumps(self):
@@ -251,6 +254,14 @@ def wanted():
     yield from (case._replace(seed=seed) for seed in (1, 2) for case in kinds)
     yield rough._replace(cycles=2000, seed=2)
     yield from (case._replace(seed=3) for case in kinds)
+
+
+def control():
+    """Cases that show which part of an effect of roughness is that of the rule of unloading."""
+    smooth, rough = Case(cycles=SPLIT), Case(law=POHRT_POPOV, sigma=2.4, cycles=SPLIT)
+    for seed in range(1, 8):
+        for grains in ("spheres", "clumps"):
+            yield from (case._replace(grains=grains, seed=seed) for case in (smooth, rough, rough._replace(rule="elastic")))
 
 
 def case_of(row):

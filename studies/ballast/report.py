@@ -16,7 +16,7 @@ LONGEST = 200
 """Cycles of the cases in the tables; one case has more."""
 EXPONENTS = np.linspace(0.001, 0.999, 999)
 MEAN = 40e-3  # diameter of a mean grain [m]
-KEY = ("grains", "law", "sigma", "shear")
+KEY = ("grains", "law", "sigma", "shear", "rule")
 
 
 class Kind(NamedTuple):
@@ -26,10 +26,11 @@ class Kind(NamedTuple):
     law: str
     sigma: float
     shear: str
+    rule: str
 
     def __str__(self):
         rough = f", σ = {self.sigma:g} µm" if self.sigma else ""
-        return f"{self.grains}, {self.law}{rough}, {self.shear}"
+        return f"{self.grains}, {self.law}{rough}, {self.shear}" + ", rule elastic" * (self.rule == "elastic")
 
 
 def kind_of(case):
@@ -215,15 +216,21 @@ COLUMNS = {
     "time (s)": seconds,
 }
 """Of each bed; later: cycles 15 to 30."""
-MEASURES = {
-    "settlement, N = 1 (µm)": lambda rows: settlement(rows, 1),
-    "N = 1 to 200 (µm)": lambda rows: settlement(rows, 200) - settlement(rows, 1),
-    "M (MPa)": COLUMNS["M (MPa)"],
-    "n": modulus_exponent,
-    "dissipated in cycle 1 (mJ)": COLUMNS["dissipated in cycle 1 (mJ)"],
-    "later (mJ)": COLUMNS["dissipated later (mJ)"],
-}
-"""Of the tables."""
+
+
+def measures(last=LONGEST):
+    """Name → function of the rows of a bed with `last` cycles: the columns of the tables."""
+    return {
+        "settlement, N = 1 (µm)": lambda rows: settlement(rows, 1),
+        f"N = 1 to {last} (µm)": lambda rows: settlement(rows, last) - settlement(rows, 1),
+        "M (MPa)": COLUMNS["M (MPa)"],
+        "n": modulus_exponent,
+        "dissipated in cycle 1 (mJ)": COLUMNS["dissipated in cycle 1 (mJ)"],
+        "later (mJ)": COLUMNS["dissipated later (mJ)"],
+    }
+
+
+MEASURES = measures()
 
 
 def cell(values):
@@ -272,7 +279,7 @@ def save(rows, again, path):
     return save_csv(path, ["settings", *KEY, "seed", "cycles", *COLUMNS], lines)
 
 
-BASE = Kind("spheres", HERTZ, 0.0, "default")
+BASE = Kind("spheres", HERTZ, 0.0, "default", "hertz")
 ROUGH = BASE._replace(law=POHRT_POPOV, sigma=2.4)
 CLUMPS, ROUGH_CLUMPS = (kind._replace(grains="clumps") for kind in (BASE, ROUGH))
 
@@ -294,23 +301,36 @@ EFFECTS = {
 """Change → pairs of kinds, before and after."""
 
 
-def effect(found, what, function):
-    """`Estimate` of the relative change of a number by one of EFFECTS, over beds of the same seeds; None without a pair."""
+def _controls(grains, smooth, rough):
+    elastic = rough._replace(rule="elastic")
+    return {
+        f"{grains}: σ = 2.4 µm for smooth, rule hertz": ((smooth, rough),),
+        f"{grains}: σ = 2.4 µm for smooth, rule elastic": ((smooth, elastic),),
+        f"{grains}, σ = 2.4 µm: rule hertz for elastic": ((elastic, rough),),
+    }
+
+
+CONTROL = _controls("spheres", BASE, ROUGH) | _controls("clumps", CLUMPS, ROUGH_CLUMPS)
+"""The same of the beds of `cycles.control`."""
+
+
+def effect(found, pairs, function):
+    """`Estimate` of the relative change of a number between pairs of kinds, over beds of the same seeds, or None."""
     values = []
-    for kinds in EFFECTS[what]:
+    for kinds in pairs:
         before, after = (found.get(kind, {}) for kind in kinds)
         values += [[function(beds[seed]) for beds in (before, after)] for seed in sorted(before.keys() & after.keys())]
     return change(*np.transpose(values)) if values and not np.isnan(values).any() else None
 
 
-def effects(rows):
-    """Text: paired changes in percent with 95 % intervals; bold: clear among all of the table."""
-    found = series(rows)
-    heads = [name.split(" (")[0] for name in MEASURES]
-    lines = ["| change (%) | pairs | " + " | ".join(heads) + " |", "|---" * (2 + len(MEASURES)) + "|"]
-    estimates = [[effect(found, what, function) for function in MEASURES.values()] for what in EFFECTS]
-    bold = clear([one for row in estimates for one in row]).reshape(len(EFFECTS), len(MEASURES))
-    for what, row, marks in zip(EFFECTS, estimates, bold, strict=True):
+def effects(rows, changes=EFFECTS, last=LONGEST):
+    """Text: paired changes in percent with 95 % intervals, of beds with `last` cycles; bold: clear among all of the table."""
+    found, numbers = series(rows), measures(last)
+    heads = [name.split(" (")[0] for name in numbers]
+    lines = ["| change (%) | pairs | " + " | ".join(heads) + " |", "|---" * (2 + len(numbers)) + "|"]
+    estimates = [[effect(found, pairs, function) for function in numbers.values()] for pairs in changes.values()]
+    bold = clear([one for row in estimates for one in row]).reshape(len(changes), len(numbers))
+    for what, row, marks in zip(changes, estimates, bold, strict=True):
         if any(row):
             pairs = max(one.samples for one in row if one)
             lines.append(f"| {what} | {pairs} | " + " | ".join(map(_cell, row, marks)) + " |")

@@ -26,7 +26,7 @@ RADII, SHARES = (18e-3, 20e-3, 22e-3), (0.3, 0.4, 0.3)
 """Of the sphere of a grain's volume [m]."""
 REACH = 0.06  # [m]: only spheres that begin so near to a wall can touch it within a part of a test
 MASS, DELAY = 3.0, 3e-3  # [kg], [s] of a piston: a grain layer's mass; its dashpot is MASS/DELAY
-LARGEST = 5e3  # [N], of the tables
+LARGEST = 2e4  # [N], of the tables: grains collide in a collapse
 MARGIN = 0.05  # [m] of LAMMPS's box beyond the walls
 
 GROUND = """\

@@ -194,8 +194,8 @@ def run_case(case, cycles, path=RESULTS, store=STORE, progress=lambda text: None
     while state["done"] < cycles and "collapsed" not in state:
         end = next(one for one in ENDS if one > state["done"])
         advance(case, folder, state, end)
+        keep(case, state["rows"], path)  # first: an interruption between the two repeats the part
         file.write_text(json.dumps(state))
-        keep(case, state["rows"], path)
         last = state["rows"][-1]
         progress(f"{' '.join(map(str, case[:8]))}: cycle {last['cycle']}, {last['axial']:.4g} %")
     return state["rows"]

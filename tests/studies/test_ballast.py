@@ -11,6 +11,13 @@ from studies.ballast import bed, beds, cycles, report
 from studies.ballast.__main__ import QUICK, main
 
 
+def test_a_case_has_its_rule_of_unloading(tmp_path):
+    for rule in ("hertz", "elastic"):
+        cycles.Case(law="pohrt-popov", sigma=2.4, rule=rule).contact.save(tmp_path / "pair.tbl")
+        assert f"unloading: {rule}" in (tmp_path / "pair.tbl").read_text().splitlines()
+    assert {case.rule for case in cycles.control()} == {"hertz", "elastic"}
+
+
 def rows_of(settled, last=200):
     number = np.unique(np.round(np.geomspace(1, last, 40)))
     return [{"cycle": n, "cycles": last, "settlement_um": settled(n)} for n in number]
@@ -131,7 +138,9 @@ CLEAR = {
 def test_what_the_page_claims():
     """Effects by pairs of beds that begin from the same places."""
     found = report.series(read(cycles.RESULTS))
-    effects = {what: {n: report.effect(found, what, f) for n, f in report.MEASURES.items()} for what in report.EFFECTS}
+    effects = {
+        what: {n: report.effect(found, pairs, f) for n, f in report.MEASURES.items()} for what, pairs in report.EFFECTS.items()
+    }
     names = [(what, measure) for what, measures in effects.items() for measure in measures]
     bold = paired.clear([effects[what][measure] for what, measure in names])
     found_clear = {}
@@ -154,6 +163,18 @@ def test_what_the_page_claims():
             assert np.isnan(shares.friction) or shares.friction > 85.0, kind
 
 
+def test_what_the_page_claims_of_the_rule_of_unloading():
+    found, first = report.series(read(cycles.CONTROL)), report.measures(cycles.SPLIT)["settlement, N = 1 (µm)"]
+    changes = {what: report.effect(found, pairs, first) for what, pairs in report.CONTROL.items()}
+    clumps = [changes[f"clumps: σ = 2.4 µm for smooth, rule {rule}"] for rule in ("hertz", "elastic")]
+    assert [one[:3] for one in clumps] == [pytest.approx(span, abs=5e-3) for span in ((0.58, 0.46, 0.71), (0.17, 0.13, 0.21))]
+    for rule in ("hertz", "elastic"):
+        spheres = changes[f"spheres: σ = 2.4 µm for smooth, rule {rule}"]
+        assert spheres.samples == 5 and spheres.low < 0.0 < spheres.high
+    smooth = [first(one) for one in found[report.BASE].values()]
+    assert (min(smooth), max(smooth)) == pytest.approx((28, 85), abs=0.5)
+
+
 def test_laws_fitted_to_200_cycles_fall_short_of_2000():
     for one in report.longest(read(cycles.RESULTS)).values():
         logarithmic, power = np.array(report.fit(one, 200.0).at(2000.0)) / report.settlement(one, 2000.0)
@@ -164,7 +185,9 @@ def test_laws_fitted_to_200_cycles_fall_short_of_2000():
 
 def test_file_and_table_of_the_page_are_those_of_the_kept_runs(tmp_path):
     file = Path(__file__).parents[2] / "docs" / "validation" / "ballast.csv"
-    assert report.effects(read(cycles.RESULTS)) in file.with_suffix(".md").read_text()
+    page = file.with_suffix(".md").read_text()
+    assert report.effects(read(cycles.RESULTS)) in page
+    assert report.effects(read(cycles.CONTROL), report.CONTROL, cycles.SPLIT) in page
     made = report.save(read(cycles.RESULTS), read(cycles.REPEATS), tmp_path / "beds.csv")
     assert Path(made).read_text() == file.read_text()
     labels = {row["settings"] for row in read(file)}

@@ -1,5 +1,7 @@
 """The triaxial study: known courses, the measured data, a short run that continues after an interruption, kept results."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -62,3 +64,14 @@ def test_a_case_continues_after_its_last_part(quick):
     cycles.run_case(case, 11, folder / "cycles.csv", folder)
     after = read(folder / "cycles.csv")
     assert after[: len(before)] == before and after[-1]["cycle"] == 50
+
+
+def test_effects_and_packings_of_the_page_are_those_of_the_kept_runs():
+    rows = read(cycles.RESULTS)
+    page = (Path(__file__).parents[2] / "docs" / "validation" / "triaxial.md").read_text()
+    assert report.effects(rows) in page
+    found = report.simulated(rows)
+    for law, whole, ends in ((report.CORNERS, [11.5, 2.0], [48.0]), (report.SMOOTH, [1.6], [143.0, 1.0])):
+        near = [found[law._replace(q=370.0, seed=seed)] for seed in (1, 2, 3)]
+        assert [round(one.at(200), 1) for one in near if np.isnan(one.collapsed)] == whole
+        assert [one.collapsed for one in near if not np.isnan(one.collapsed)] == ends

@@ -91,10 +91,10 @@ OURS = {
     "pohrt-popov, thornton unloading": "thornton.tbl",
 }
 HISTORY = {  # bytes per contact, docs/tables/cost-memory.csv
-    ("liggghts", STOCK): 32,
-    ("liggghts", "pohrt-popov, hertz unloading"): 128,
-    ("lammps", STOCK): 32,
-    ("lammps", "pohrt-popov, hertz unloading"): 136,
+    ("liggghts", STOCK): 24,
+    ("liggghts", "pohrt-popov, hertz unloading"): 120,
+    ("lammps", STOCK): 24,
+    ("lammps", "pohrt-popov, hertz unloading"): 128,
 }
 SPHERE = 8 * (3 + 3 + 3 + 1 + 1 + 2 * 3 + 2 * 3)
 CORES = len(os.sched_getaffinity(0))
