@@ -9,7 +9,7 @@ from examples import GRANITE
 
 import demlaws as dl
 from demlaws.core.shear import SPRINGS
-from demlaws.make import example as example_law
+from demlaws.make import example_law
 from demlaws.shear import _pressure_along
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")

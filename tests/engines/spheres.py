@@ -7,6 +7,7 @@ import pytest
 from inputs import ENERGY, LOAD_UNLOAD, modulus, moves_of, simulate
 
 import demlaws as dl
+from demlaws.core.shear import SPRINGS
 from demlaws.shear import sheared
 from studies.shear.gas import scene
 
@@ -36,11 +37,15 @@ def save_law(folder, name):
 
 
 def sheared_along(law, log, shear, every=2):
-    """Paths of the sheared and of the normal contact at the rows of a log of SHEARED, displacements, and which rows count."""
+    """Paths of the sheared and of the normal contact at the rows of a log of SHEARED, displacements, and which rows count.
+
+    Of as many springs as the engine has.
+    """
+    springs = int(shear.split()[-1]) if "springs" in shear else SPRINGS
     kept = np.append(np.diff(log["Step"]) > 0, True)  # each run begins with the last line of the one before
     across = np.concatenate([[0.0], *[np.full(steps // every, speed * every * STEP) for _, speed, steps in SHEARED]]).cumsum()
     overlap = log["overlap"][kept]
-    return sheared(law, overlap, across, RATIO, shear.split()[0], friction=0.5, springs=2000), law.follow(overlap), across, kept
+    return sheared(law, overlap, across, RATIO, shear.split()[0], friction=0.5, springs=springs), law.follow(overlap), across, kept
 
 
 def spheres(

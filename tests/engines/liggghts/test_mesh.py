@@ -10,6 +10,7 @@ from inputs import modulus
 from inputs_for_liggghts import properties
 
 import demlaws as dl
+from demlaws.errors import EngineStopped
 from demlaws.liggghts import run
 from demlaws.liggghts.run import HEAD
 from demlaws.shear import sheared
@@ -147,6 +148,13 @@ def test_no_bump_on_a_tiled_flat(tmp_path, tables, table, speed):
     assert np.ptp(rows[:, 3]) > 3.9e-6 and rows[:, 3].min() < 0 < rows[:, 3].max()
     assert np.ptp(force[:, 2]) <= 1e-9 * force[0, 2]
     assert np.abs(force[:, :2]).max() <= 1e-9 * force[0, 2]
+
+
+def test_springs_that_a_page_of_the_mesh_cannot_hold(tmp_path, tables):
+    """LIGGGHTS would end with a segmentation fault."""
+    own = {"words": "shear slip springs 12", "tangential": "demlaws", "properties": properties(), "support": ON_MESH}
+    with pytest.raises(EngineStopped, match="neigh_modify page"):
+        simulate(tmp_path, tiled(), (-0.5e-6, 0.0, RADIUS), "run 1\n", tables / "granite.tbl", **own)
 
 
 @pytest.mark.parametrize("support", [ON_MESH, "primitive type 1 zplane 0.0"])
