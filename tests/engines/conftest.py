@@ -21,7 +21,7 @@ from demlaws.liggghts.run import executable as liggghts
 from demlaws.yade.run import executable as yade
 
 HERE = Path(__file__).parent
-ENGINES_WITH_MODELS = ("lammps", "liggghts")  # docs/how-to/from-source.md
+ENGINES_WITH_MODELS = ("lammps", "liggghts")  # docs/inside/from-source.md
 collect_ignore = [f"{e}/test_source.py" for e in ENGINES_WITH_MODELS if not os.environ.get(f"DEMLAWS_{e.upper()}_SOURCE")]
 BESIDE = HERE.parents[1] / ".venv-lammps"
 if (BESIDE / "bin" / "lmp").exists():

@@ -8,7 +8,7 @@
 
 The source is that of Debian sid, found with apt's own signatures and without a change to this system's lists. It is kept
 with the build in a folder of the cache: the first build takes 5 to 10 minutes on one core, one after a change here half a
-minute. Needs g++, cmake, make and an MPI for C++; standard library only. docs/how-to/from-source.md says more.
+minute. Needs g++, cmake, make and an MPI for C++; standard library only. docs/inside/from-source.md says more.
 
 Exit status: 0 all tests passed, 1 the build or a test failed, 2 wrong arguments, 75 no source could be had.
 """
