@@ -11,9 +11,6 @@ from making.links import DOCS, ELSEWHERE, MADE, ROOT, relinked
 
 TUTORIALS = sorted(path.stem for path in (DOCS / "tutorials").glob("*.md"))
 
-NOT_SEARCHED = "---\nnosearch: true\n---\n\n"
-"""Before pages that a search of the site does not find."""
-
 CASES = "# Cases\n\nComplete inputs with tables, in the repository; each is run by the tests.\n"
 
 
@@ -101,13 +98,6 @@ def moved(source):
     return relinked((ROOT / source).read_text(), source, ELSEWHERE[source])
 
 
-def changes(text):
-    """The newest section of the changelog, without the list of corrected faults."""
-    newest = "\n## ".join(text.split("\n## ")[:2])
-    kept = re.sub(r"^### Fixed\n.*?(?=^### |\Z)", "", newest, flags=re.MULTILINE | re.DOTALL)
-    return f"{kept.rstrip()}\n\nCorrected faults and former versions: `CHANGELOG.md` of the repository.\n"
-
-
 def law_list(groups):
     """The page with one line per law, in groups; the pages of the laws are below it in the navigation."""
     from making.words import WORDS
@@ -135,7 +125,6 @@ def write():
     (MADE / "yade.md").write_text(moved("yade_scripts/README.md"))
     cases = [beneath(moved(f"{engine}_inputs/README.md")) for engine in ("liggghts", "lammps")]
     (MADE / "cases.md").write_text("\n".join([CASES, *cases]))
-    (MADE / "changelog.md").write_text(NOT_SEARCHED + changes(moved("CHANGELOG.md")))
     (MADE / "commands.md").write_text(reference.command_page())
     (MADE / "laws.md").write_text(law_list(theory.write(MADE / "theory")))
     return {

@@ -205,11 +205,11 @@ def _draw_run_in(ax, contact, history, others):
         label="change of map, memory: pressure",
     )
     for memory, few in others.items():
-        ax.semilogy([c.number for c in few], [max(c.relative_change, 1e-6) for c in few], "x:", label=f"change of map, memory: {memory}")
+        ax.semilogy(
+            [c.number for c in few], [max(c.relative_change, 1e-6) for c in few], "x:", label=f"change of map, memory: {memory}"
+        )
     ax.axhline(RUN_IN, color="black", lw=0.8, ls="--", label=f"run-in, ε$_r$ = {RUN_IN:g}")
-    ax.semilogy(
-        number, [c.step.contact_area / history[0].step.contact_area for c in history], "s-", ms=4, label="contact area"
-    )
+    ax.semilogy(number, [c.step.contact_area / history[0].step.contact_area for c in history], "s-", ms=4, label="contact area")
     ax.set(xlabel="cycle", ylim=(5e-7, 3))
     ax.set_title("relative to cycle 1 (0 is drawn at 1e-6)", fontsize=10)
     ax.legend(fontsize=8)
