@@ -104,7 +104,7 @@ def law_list(groups):
 
     lines = ["# Laws\n", "One page per law: equation, example, limits, unloading, source. [Which law?](../laws.md)\n"]
     for group, names in groups.items():
-        lines += [f"## {group}\n", *(f"- [{name}](theory/{name}.md): {WORDS[name].brief}" for name in names), ""]
+        lines += [f"## {group}\n", *(f"- [{name}](theory/{name}.md): {WORDS[name].use}" for name in names), ""]
     toctree = ["```{toctree}", ":hidden:", "", *(f"theory/{name}" for names in groups.values() for name in names), "```"]
     return "\n".join([*lines, *toctree, ""])
 
