@@ -157,13 +157,13 @@ class Law(Response):
         rtol : float
             Largest relative error of force and stiffness.
         max_force : float, optional
-            Force [N] at which the table ends. Default: the force at a tenth of the radius; a law whose curve collapses gives
-            one table for every radius, modulus and roughness, which ends at a tenth of a radius ten times as large.
+            Force [N] at which the table ends. Default: the force at an overlap of R/10. If the law has a single dimensionless
+            curve, the table is valid for every R, E* and σ and ends at an overlap equal to R.
 
         Returns
         -------
         Table
-            It starts where the law is a power law within `rtol`.
+            Below its first row the law is a power law to within `rtol`.
         """
         from demlaws.curves.tabulate import tabulate, tolerance
 

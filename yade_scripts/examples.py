@@ -6,7 +6,7 @@ Law2_ScGeom_MindlinPhys_Mindlin, then ours in its place, and that runs are short
 script is kept here: they are read from the folder in which YADE's package has them, or from the one that is given.
 Start: demlaws yade run -x yade_scripts/examples.py [--quick] [--hertz] [--examples FOLDER] [--only NAME ...] [--out FOLDER]
 --hertz: our Hertz law with native shear in place of the rough one, and the largest distance between places of bodies by both.
-Takes: some 10 min (quick, a quarter of the steps: 5), --only for less. Saves examples.png.
+Takes: about 10 min (quick, a quarter of the steps: 5), --only for less. Saves examples.png.
 """
 
 import argparse

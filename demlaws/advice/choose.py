@@ -381,7 +381,7 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
     Raises
     ------
     DemlawsError
-        If the quantities of the scene do not suffice.
+        If the scene lacks a required key.
 
     Examples
     --------

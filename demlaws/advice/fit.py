@@ -80,9 +80,9 @@ def fit(
     unloading : str or sequence of str, optional
         Unloading rules. Default: each rule of the law if the points unload, else "elastic".
     free : sequence of str, optional
-        Names of the fitted quantities: of the contact, of the laws (`Fitting.parameters`), of the apparatus ("compliance",
-        "drift": displacement [m] in proportion to the rows, "force_zero"); [] for none.
-        Default: `Fitting.free` and "force_zero", which may be left out where the load cell was tared in air.
+        Quantities to fit: of the contact, of the laws (`Fitting.parameters`), of the apparatus ("compliance",
+        "drift": displacement [m] in proportion to the rows, "force_zero"). An empty list fits none.
+        Default: `Fitting.free` and "force_zero", which may be left out if the load cell was tared in air.
     options : dict, optional
         Name of the law → fixed options.
     displacement_noise : float, optional

@@ -105,7 +105,7 @@ def curves(process: str, quantity: str, unloads: bool) -> ErrorCurves:
 def numbers_of(scene: Scene, name: str, options: dict, factor: float) -> PackingNumbers:
     """`PackingNumbers` of a scene's grains of law `name` under its largest pressure, softened by `factor`."""
     if scene.pressure is None:
-        raise DemlawsError("softening is advised for a packing under pressure: give the scene its pressure in Pa")
+        raise DemlawsError("softening advice needs the key `pressure` (Pa) in the scene")
     radius, pressure, softening = 0.25 * (scene.radii[0] + scene.radii[1]), scene.pressure[1], Softening(factor)
     force, diameter = float(scene.mean_force(pressure, radius)), 4.0 * radius
     with quiet():

@@ -14,7 +14,7 @@ from demlaws.cli.output import Output, Result
 from demlaws.errors import DemlawsError, ValidityWarning, most_similar, page
 
 COMMANDS = {
-    "check": ("check", "test the installation with each engine that is found, print versions for a report"),
+    "check": ("check", "test demlaws with every engine found; --report also prints versions"),
     "granite": ("granite", "reproduce the granite contact tests with every law"),
     "laws": ("laws", "list the laws, or the options of one law"),
     "materials": ("materials", "list typical values of materials, with ranges and sources"),

@@ -31,7 +31,9 @@ def add_contact_arguments(parser, test=True, modulus=True):
         "to the first and the second body.",
     )
     if test:
-        contact.add_argument("--test", help="contact of a granite test, for instance SS(18-18)")
+        contact.add_argument(
+            "--test", help="use a contact of the granite tests of Altuhafi et al. (2023), for instance SS(18-18)"
+        )
     pair = {"nargs": "+"}
     contact.add_argument(
         "--radius", type=radius, **pair, help="radius of the first and of the second body in m; flat for a flat"

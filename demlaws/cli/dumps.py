@@ -29,8 +29,8 @@ def add_dump_arguments(parser):
         type=int,
         nargs="+",
         metavar="N",
-        help="columns id1 id2 fx fy fz of CONTACTS, counted from 1, and behind them those of the largest and the plastic "
-        "overlap in m, if it has them; needed unless the columns are named as in exported cases",
+        help="column numbers (from 1) of id1 id2 fx fy fz [largest overlap [plastic overlap]] in CONTACTS; not needed for "
+        "dumps of exported cases",
     )
     add_law_arguments(parser, law_required=False)
 
@@ -120,7 +120,7 @@ def _frame(path, what):
         return _Frame(frame["TIMESTEP"][1].strip(), np.where(periodic, edges, np.inf), columns, resolution)
     except (KeyError, IndexError, ValueError) as error:
         raise DemlawsError(
-            f"{path}: no complete last frame of {what} in an orthogonal box: write a text dump, after the run has ended"
+            f"{path}: not a text dump of {what} with a complete last frame in an orthogonal box: dump as text, let the run end"
         ) from error
 
 

@@ -102,7 +102,11 @@ def _add_export(parts, name):
     exports = parts.add_parser("export", help="write a complete case: tables, input, run script", **text)
     _grain_arguments(exports)
     if name == "liggghts":
-        exports.add_argument("--stock", choices=("hertz",), help="write stock hertz with a fitted modulus; needs no compiler")
+        exports.add_argument(
+            "--stock",
+            choices=("hertz",),
+            help="write the engine's own hertz model with a fitted modulus (no plugin, no compiler)",
+        )
     exports.set_defaults(func=export)
 
 

@@ -54,9 +54,9 @@ def register(add):
     contact.add_argument("--load", type=force, help="normal force in N")
     contact.add_argument("--cycles", type=whole(1, 1000), default=1, help="times that the load is applied (default 1)")
     contact.add_argument(
-        "--plastic-factor", type=plain, help="c_h: fully plastic pressure over hardness (default: that of aluminium)"
+        "--plastic-factor", type=plain, help="c_h: fully plastic pressure over hardness (default: 0.71, of aluminium)"
     )
-    contact.add_argument("--plastic-ratio", type=plain, help="c_A: 2 ω2/ω1 of a sphere (default: that of aluminium)")
+    contact.add_argument("--plastic-ratio", type=plain, help="c_A: 2 ω2/ω1 of a sphere (default: 160, of aluminium)")
     contact.add_argument(
         "--table",
         type=table_file,

@@ -57,7 +57,7 @@ def register(add):
         description="Run a script under YADE with this package importable. As with `yade`, the interpreter stays open when the "
         "script has ended, unless -x is given. Options before the script that are not listed here go to YADE (yade-batch) as "
         "they are, for instance --cores=0,1. Without --gui the graphical interface is not started. Where demlaws is "
-        "installed for YADE's own Python, plain `yade SCRIPT` does the same.",
+        "installed in YADE's Python, `yade SCRIPT` is equivalent.",
         epilog="example: demlaws yade run -x yade_scripts/impact.py --quick",
     )
     run.add_argument("-x", dest="leave", action="store_true", help="exit when the script has ended (status 1 if it failed)")

@@ -124,10 +124,7 @@ def _say_once() -> None:
     global _said
     if not _said:
         _said = True
-        text = (
-            "demlaws: compiling these laws for this machine, some 2 to 10 s where nothing else runs; this is done once and kept"
-        )
-        print(text, file=sys.stderr, flush=True)
+        print("demlaws: compiling laws for this machine (once, about 2 to 10 s)", file=sys.stderr, flush=True)
 
 
 @contextlib.contextmanager

@@ -6,7 +6,7 @@
 //     force P = (4/3) E* sqrt(R) S^1.5 with S = s length,   tangent stiffness K = 2 E* sqrt(R S) ds/du.
 // With `unloading: table` the file holds a second curve of the same kind, which a contact unloads along.
 // One table serves every pair of radii and moduli of a law that collapses; length comes from the roughness.
-// docs/table-format.md has the grammar of the file, and what holds below its first row and beyond its last.
+// docs/inside/table-format.md has the grammar of the file, and what holds below its first row and beyond its last.
 //
 //     demlaws::Table table("granite.tbl");                        // throws std::runtime_error that names file and line
 //     demlaws::Pair pair(table, modulus, roughness);              // E* in Pa, combined rms roughness in m

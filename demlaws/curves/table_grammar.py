@@ -1,4 +1,4 @@
-"""The text of a table file: keys, rows, checksum. docs/table-format.md is its grammar, `table_file` interprets it.
+"""The text of a table file: keys, rows, checksum. docs/inside/table-format.md is its grammar, `table_file` interprets it.
 
 `demlaws/cpp/demlaws_reader.h` reads the same files in the same steps, by the same keys (`make facts`); tests/cpp compares the
 two by verdict and line.

@@ -182,15 +182,17 @@ PRINTED_STIFFNESS = 5000.0
 
 def cones(cone, small):
     """Stiffness and displacement of both cones on first loading, and plastic overlap; runs of RFC10 and FC5."""
-    fig, axes = figure(columns=3, rows=2, width=4.6)
+    fig, axes = figure(columns=2, rows=3, width=4.8)
     for column, run in enumerate((cone, small)):
         _first_loading(axes[0][column], axes[1][column], run)
     axes[0][0].axhline(
         PRINTED_STIFFNESS, color="r", lw=2.5, alpha=0.4, label=f"printed: {PRINTED_STIFFNESS:g} N/mm after yield"
     )
-    _plastic(axes[0][2], axes[1][2], cone, small)
-    for ax in np.ravel(axes):
-        ax.legend(fontsize=7, loc="upper left")
+    _plastic(axes[2][0], axes[2][1], cone, small)
+    for ax in axes[0]:
+        ax.legend(fontsize=8, loc="lower right")
+    for ax in axes[2]:
+        ax.legend(fontsize=9, loc="upper left")
     return fig
 
 
@@ -215,7 +217,7 @@ def _first_loading(left, right, run):
     left.axvline(printed, color="r", lw=1, ls=":", label=f"printed: elastic models to {printed:g} N")
     right.axhline(printed, color="r", lw=1, ls=":")
     left.set(xlabel="force (N)", ylabel="stiffness (N/mm)", title=f"{run.test.name}, R = {1e3 * run.test.radius:.2f} mm")
-    right.set(xlabel="displacement (µm)", ylabel="force (N)", title=f"{run.test.name}: first loading to 20 N")
+    right.set(xlabel="displacement (µm)", ylabel="force (N)", title=f"{run.test.name}: first loading, lines as above")
 
 
 def _plastic(ax, cycles, cone, small):

@@ -69,8 +69,8 @@ _FILLS = ("create_box", "read_data", "read_restart")
 """Commands of a whole input."""
 _BY_HAND = "write the words of the model here"
 _MODULI = (
-    "Young's moduli stay; the table is for E* = E/(2(1 - nu²)) = {:.4g} Pa: at another modulus roughness changes a contact by "
-    "another share; give the modulus of the grains, or a table for softened grains (`demlaws soften`)"
+    "Young's moduli stay; the table is for E* = E/(2(1 - nu²)) = {:.4g} Pa: if the moduli of the input differ, so does the "
+    "effect of roughness; give the modulus of the grains, or a table for softened grains (`demlaws soften`)"
 )
 
 

@@ -12,7 +12,6 @@ ELSEWHERE = {
     "yade_scripts/README.md": "made/yade.md",
     "liggghts_inputs/README.md": "made/cases.md",
     "lammps_inputs/README.md": "made/cases.md",
-    "CHANGELOG.md": "made/changelog.md",
     "README.md": "index.md",
     "CITATION.cff": "bibliography.md",
 }

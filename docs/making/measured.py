@@ -80,7 +80,7 @@ CONES = """**The cones have two radii**: roughness acts on that of the microscop
 the camera (0.62 mm) [our derivation, option `bulk_radius`]. Both yield at the load at which a smooth bulk's p0 is 1.66 GPa,
 the pressure at which Hertz's stiffness of RFC10 is the printed 5000 N/mm, and keep the tangent that they have there. This gives
 the printed 20 N, but 3620 N/mm, and FC5 is softer than Pohrt–Popov above 7 N, not stiffer. The cones' fractal dimension is
-assumed: the paper's Table 3 has it, but its body is missing in the text that we have.
+assumed: the entries of the paper's Table 3 are missing from our copy.
 
 ![Both cones: laws with one and with two radii against what the paper prints](cones.png)"""
 

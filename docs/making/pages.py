@@ -1,4 +1,4 @@
-"""Pages written to docs/made before Sphinx runs: laws, commands, cases, gallery, pages from other folders."""
+"""Pages written to docs/made before Sphinx runs: laws, commands, cases, pictures, pages from other folders."""
 
 import json
 import os
@@ -11,28 +11,17 @@ from making.links import DOCS, ELSEWHERE, MADE, ROOT, relinked
 
 TUTORIALS = sorted(path.stem for path in (DOCS / "tutorials").glob("*.md"))
 
-NOT_SEARCHED = "---\nnosearch: true\n---\n\n"
-"""Before pages that a search of the site does not find."""
-
 CASES = "# Cases\n\nComplete inputs with tables, in the repository; each is run by the tests.\n"
 
 
 def draw_gallery(folder):
-    """Run the scripts of docs/gallery in `folder`, where they write their figures; returns the page of the gallery."""
+    """Run the scripts of docs/gallery in `folder`, where they write their figures."""
     folder.mkdir(parents=True)
     environment = {**os.environ, "MPLBACKEND": "agg", "PYTHONPATH": str(ROOT)}
-    lines = ["# Gallery\n"]
     for script in sorted((DOCS / "gallery").glob("*.py")):
         subprocess.run(
             [sys.executable, "-W", "ignore", script], cwd=folder, env=environment, check=True, stdout=subprocess.DEVNULL
         )
-        text = script.read_text()
-        caption = text.removeprefix('"""').partition('"""\n')[0]
-        lines.append(
-            f"## {script.stem}\n\n![{caption}](gallery/{script.stem}.png)\n\n{caption}\n\n"
-            f"{{download}}`script <../gallery/{script.name}>`\n"
-        )
-    return "\n".join(lines)
 
 
 LISTING = re.compile(r"(?:^<!-- ([^\n]*?) -->\n)?^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -109,11 +98,15 @@ def moved(source):
     return relinked((ROOT / source).read_text(), source, ELSEWHERE[source])
 
 
-def changes(text):
-    """The newest section of the changelog, without the list of corrected faults."""
-    newest = "\n## ".join(text.split("\n## ")[:2])
-    kept = re.sub(r"^### Fixed\n.*?(?=^### |\Z)", "", newest, flags=re.MULTILINE | re.DOTALL)
-    return f"{kept.rstrip()}\n\nCorrected faults and former versions: `CHANGELOG.md` of the repository.\n"
+def law_list(groups):
+    """The page with one line per law, in groups; the pages of the laws are below it in the navigation."""
+    from making.words import WORDS
+
+    lines = ["# Laws\n", "One page per law: equation, example, limits, unloading, source. [Which law?](../laws.md)\n"]
+    for group, names in groups.items():
+        lines += [f"## {group}\n", *(f"- [{name}](theory/{name}.md): {WORDS[name].use}" for name in names), ""]
+    toctree = ["```{toctree}", ":hidden:", "", *(f"theory/{name}" for names in groups.values() for name in names), "```"]
+    return "\n".join([*lines, *toctree, ""])
 
 
 def write():
@@ -123,7 +116,7 @@ def write():
 
     shutil.rmtree(MADE, ignore_errors=True)
     MADE.mkdir()
-    (MADE / "gallery.md").write_text(NOT_SEARCHED + draw_gallery(MADE / "gallery"))
+    draw_gallery(MADE / "gallery")
     (MADE / "notebooks").mkdir()
     for tutorial in TUTORIALS:
         text = (DOCS / "tutorials" / f"{tutorial}.md").read_text()
@@ -132,15 +125,10 @@ def write():
     (MADE / "yade.md").write_text(moved("yade_scripts/README.md"))
     cases = [beneath(moved(f"{engine}_inputs/README.md")) for engine in ("liggghts", "lammps")]
     (MADE / "cases.md").write_text("\n".join([CASES, *cases]))
-    (MADE / "changelog.md").write_text(NOT_SEARCHED + changes(moved("CHANGELOG.md")))
     (MADE / "commands.md").write_text(reference.command_page())
-    groups = theory.write(MADE / "theory")
-    laws = []
-    for group, names in groups.items():
-        laws += ["```{toctree}", f":caption: {group}", ":hidden:", "", *(f"/made/theory/{name}" for name in names), "```", ""]
+    (MADE / "laws.md").write_text(law_list(theory.write(MADE / "theory")))
     return {
         "SYMBOLS": theory.symbol_table(),
-        "LAWS": "\n".join(laws),
         "RULES": theory.rule_sections(),
         "CITATION": citation(),
         "REPOSITORY": errors.REPOSITORY or "REPOSITORY",

@@ -6,6 +6,7 @@ compares them, and finds pictures and tables that nothing here names.
 
 import argparse
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -96,9 +97,12 @@ def command(name, out, scratch):
 def make(name, out):
     """Make a stored picture or table again, as the file `out`."""
     with tempfile.TemporaryDirectory() as scratch:
-        done = subprocess.run(command(name, out, scratch), cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True)
-    if name.endswith(".csv"):
-        Path(out).write_text(done.stdout)
+        drawn = Path(scratch) / f"new{Path(name).suffix}"  # commands do not replace pictures that they did not draw
+        done = subprocess.run(command(name, drawn, scratch), cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True)
+        if name.endswith(".csv"):
+            Path(out).write_text(done.stdout)
+        else:
+            shutil.copyfile(drawn, out)
 
 
 def main():

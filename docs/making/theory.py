@@ -169,10 +169,10 @@ def law_page(name, definition, folder):
         shown = quietly(example_law, name, GRANITE, "hertz" if usual == "elastic" else usual)
     top = 50.0 if name == "hertz" or differs(shown, 50.0) else 1000.0
     picture = draw_law(shown, top, folder)
-    physics, use = WORDS.get(name, (f"{definition.description}.", "see the source"))
+    words = WORDS[name]
     text = [
         f"# {name}\n",
-        f"{physics}\n\n**Use it for** {use}.\n",
+        f"{words.physics}\n\n**Use it for** {words.use}.\n",
         f"![Force and stiffness of {name}]({picture})\n",
         f"*Left: loading to {top:g} N and unloading. Right: tangent stiffness of first loading. Contact: {SHOWN}.*\n",
         "## Equation\n",

@@ -113,11 +113,11 @@ def repeated_figure(contact, history, name, others):
 
     others: memory → history of the same contact with another assumption of what a pixel remembers.
     """
-    fig, axes = figure(columns=3, rows=2, width=5.0, height=4.1)
-    _draw_maps(fig, axes[0], contact, history[0], name)
-    _draw_patches(fig, axes[1, 0], contact, history[0].step)
-    _draw_profiles(axes[1, 1], contact.heights, history)
-    _draw_run_in(axes[1, 2], contact, history, others)
+    fig, axes = figure(columns=2, rows=3, width=4.8, height=4.0)
+    _draw_maps(fig, [*axes[0], axes[1, 0]], contact, history[0], name)
+    _draw_patches(fig, axes[1, 1], contact, history[0].step)
+    _draw_profiles(axes[2, 0], contact.heights, history)
+    _draw_run_in(axes[2, 1], contact, history, others)
     return fig
 
 
@@ -150,7 +150,7 @@ def _draw_patches(fig, ax, contact, step):
     ax.add_patch(Circle(middle, radius * MICRO, fill=False, ls="--", label="Hertz radius"))
     ax.legend(fontsize=8, loc="upper right")
     counts = step.counts
-    ax.set_title(f"contact, cycle 1: {counts[0]} elastic, {counts[1]} el.-plastic, {counts[2]} plastic", fontsize=10)
+    ax.set_title(f"cycle 1: {counts[0]} elastic, {counts[1]} elastic-plastic, {counts[2]} plastic", fontsize=10)
 
 
 def _ellipses(ax, step):
@@ -193,7 +193,7 @@ def _draw_profiles(ax, heights, history):
     near = np.abs(x - centre) < 25
     ax.set_ylim(np.nanmin(heights.heights[row][near]) * MICRO, np.nanmax(heights.heights[row][near]) * MICRO + 0.1)
     ax.set_title(f"profile at y = {row * heights.pixel_y * MICRO:.0f} µm", fontsize=10)
-    ax.legend(fontsize=7, ncol=2)
+    ax.legend(fontsize=8, ncol=2)
 
 
 def _draw_run_in(ax, contact, history, others):
@@ -202,14 +202,14 @@ def _draw_run_in(ax, contact, history, others):
         number,
         [max(c.relative_change, 1e-6) for c in history],
         "o-",
-        label="change of the map / first, memory: pressure",
+        label="change of map, memory: pressure",
     )
     for memory, few in others.items():
-        ax.semilogy([c.number for c in few], [max(c.relative_change, 1e-6) for c in few], "x:", label=f"memory: {memory}")
+        ax.semilogy(
+            [c.number for c in few], [max(c.relative_change, 1e-6) for c in few], "x:", label=f"change of map, memory: {memory}"
+        )
     ax.axhline(RUN_IN, color="black", lw=0.8, ls="--", label=f"run-in, ε$_r$ = {RUN_IN:g}")
-    ax.semilogy(
-        number, [c.step.contact_area / history[0].step.contact_area for c in history], "s-", ms=4, label="contact area / first"
-    )
+    ax.semilogy(number, [c.step.contact_area / history[0].step.contact_area for c in history], "s-", ms=4, label="contact area")
     ax.set(xlabel="cycle", ylim=(5e-7, 3))
-    ax.set_title("run-in (0 is drawn at 1e-6)", fontsize=10)
+    ax.set_title("relative to cycle 1 (0 is drawn at 1e-6)", fontsize=10)
     ax.legend(fontsize=8)

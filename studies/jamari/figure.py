@@ -11,7 +11,7 @@ SEEN = {"asperities": ("o", "white"), "both": ("s", "#ffbf00"), "bulk": ("D", "b
 
 def regime_map():
     """p(0)/H_m over load and roughness for the published tests, with what was seen there."""
-    fig, axes = figure(columns=3, width=4.6, height=4.4)
+    fig, axes = figure(rows=3, width=6.6, height=3.7)
     ratios = {row.test.label: row for row in published.published_ratios()}
     tests = [row.test for row in ratios.values()]
     groups = (
@@ -33,12 +33,12 @@ def regime_map():
                 (x, y),
                 side,
                 textcoords="offset points",
-                fontsize=8,
+                fontsize=9,
                 bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.7},
             )
-        ax.set_title(name, fontsize=10)
+        ax.set_title(name, fontsize=11)
     regime_bar(fig, image, axes)
     for seen, (marker, face) in SEEN.items():
-        axes[0].plot([], [], marker, mfc=face, mec="black", ls="none", label=f"seen: {seen}")
-    axes[0].legend(loc="upper left", fontsize=8)
+        axes[0].plot([], [], marker, mfc=face, mec="black", ls="none", label=f"observed: {seen}")
+    axes[0].legend(loc="upper left", fontsize=9)
     return fig

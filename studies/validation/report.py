@@ -122,5 +122,7 @@ def write(groups, folder):
     save(deviations(groups), folder / "deviations.png")
     save(boundary_element_figure(read_csv("asperity_bem.csv")), folder / "asperity.png")
     text = page(groups)
-    text += "\n![Load and contact area of the asperity model over boundary elements](asperity.png)\n"
+    text += "\n![Load and contact area of the asperity model over boundary elements](asperity.png)\n\n"
+    text += "*Load (left) and contact area (right) of the law `asperity` over those of elastic boundary elements on the\n"
+    text += "same map, at equal overlap.*\n"
     return write_atomically(folder / "validation.md", text)

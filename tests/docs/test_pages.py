@@ -20,13 +20,14 @@ NEEDS = {
     DOCS / "tutorials" / "yade-oedometer.md": ("yade",),
     DOCS / "tutorials" / "liggghts-ballast.md": ("liggghts",),
     DOCS / "lammps.md": ("lammps",),
+    DOCS / "how-to" / "two-materials.md": ("liggghts",),
     DOCS / "laws.md": (),  # slow: measures costs
     DOCS / "own-laws.md": (),  # slow: compiles the laws of the page
 }
 PLAIN = [
     DOCS / "tutorials" / "first.md",
     DOCS / "materials.md",
-    *sorted((DOCS / "how-to").glob("*.md")),
+    *sorted({*(DOCS / "how-to").glob("*.md")} - {*NEEDS}),
 ]
 
 
