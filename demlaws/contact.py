@@ -20,6 +20,16 @@ HIGHEST_HARDNESS = 10.0
 where a = R; the hardest solids have some 0.3 E* (glass), and softening the modulus by s raises the ratio by s^(1/3)."""
 
 
+def hardness_doubt(hardness: float | None, modulus: Any) -> str | None:
+    """Text on a hardness [Pa] that no contact of this E* [Pa] reaches; None: nothing to say."""
+    if hardness is None or not np.any(hardness > HIGHEST_HARDNESS * np.asarray(modulus)):
+        return None
+    return (
+        f"hardness = {hardness:g} Pa is {hardness / float(np.min(modulus)):.3g} times the effective modulus: no sphere reaches "
+        "this pressure (0.42 E* where a = R), so that nothing deforms plastically; give the hardness of the softer body in Pa"
+    )
+
+
 def _check(owner: Any, *names: str, scalar: bool = True) -> None:
     """Turn fields into floats (or, where allowed, float arrays) and refuse what is not admissible; None stays."""
     for name in names:
@@ -237,12 +247,9 @@ class Contact:
         _refuse_lengths({name: getattr(self, name) for name in PER_CONTACT})
         if self.hardness is not None:
             pressure_of(self, self.hardness, "hardness")
-        if self.hardness is not None and np.any(self.hardness > HIGHEST_HARDNESS * np.asarray(self.modulus)):
-            share = self.hardness / float(np.min(self.modulus))
-            warn(
-                f"hardness = {self.hardness:g} Pa is {share:.3g} times the effective modulus: no sphere reaches this pressure "
-                "(0.42 E* where a = R), so that nothing deforms plastically; give the hardness of the softer body in Pa"
-            )
+        text = hardness_doubt(self.hardness, self.modulus)
+        if text is not None:
+            warn(text)
         # the relatively roughest contact and the largest one
         radius, sigma = (np.atleast_1d(v) for v in np.broadcast_arrays(self.radius, self.sigma_or_zero))
         for place in {int(np.argmax(sigma / radius)), int(np.argmax(radius))} if radius.size else ():

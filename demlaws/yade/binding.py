@@ -8,9 +8,10 @@ import yade
 import yade.utils
 
 from demlaws.errors import DemlawsError, EngineStopped, LargeOverlap, ShapeWarning, TimeStepWarning, ValidityWarning, warn
+from demlaws.timestep import STEP_SAFETY, packing_estimate
 from demlaws.units import LARGE_RADIUS, LARGE_ROUGHNESS, SMALL_OVERLAP, judge
 from demlaws.yade import layout, native, reports
-from demlaws.yade.omega import FULL_CHECK_STEPS, invalid_radius, is_our_contact, real_contacts
+from demlaws.yade.omega import FULL_CHECK_STEPS, get_engines, invalid_radius, is_our_contact, mobilities, real_contacts
 
 O = yade.O  # noqa: E741  YADE's name
 LARGEST_STEP_RATIO = 4.0
@@ -62,6 +63,8 @@ class Binding:
         self.scene, self.guards = scene, 0
         self._messages = set()
         self.context.clear_faults()
+        for name in ("judged_radii", "judged_moduli"):
+            self.pairs.records[name] = 0.0
 
     def rows(self, contacts):
         """The contacts as an array of `layout.contact_dtype`; tag 0 where the law has not seen the contact."""
@@ -216,6 +219,8 @@ class Binding:
 
     def raise_fault(self):
         """Raise a fault of native code: a contact that the law does not serve. All faults are cleared."""
+        if self.context.take(layout.UNJUDGED):
+            self._judge_laws()
         seen = np.flatnonzero(self.context["seen"][: layout.FAULTS])
         if len(seen):
             kind = int(seen[0])
@@ -263,6 +268,33 @@ class Binding:
         return f"{findings[0].text} (combined of Sq = {each}; R is that of the contact)" if findings else None
 
     # --- validity
+
+    def _judge_laws(self):
+        """Raise where a law does not fit the R and E* of contacts of its pair, which were not known when it was made."""
+        contacts = real_contacts()
+        rows = self.attachment.rows_of(contacts)
+        served = (rows["tag"] > 0.0) & (rows["modulus"] > 0.0) & (rows["ratio"] > 0.0)
+        for tag in np.unique(rows["tag"][served]):
+            places = np.flatnonzero(served & (rows["tag"] == tag))
+            radii, moduli = rows["radius"][places], rows["modulus"][places]
+            for place in {int(places[find(values)]) for values in (radii, moduli) for find in (np.argmin, np.argmax)}:
+                self._judge_law(int(tag) - 1, contacts[place], float(rows["radius"][place]), float(rows["modulus"][place]))
+            record = self.pairs.records[int(tag) - 1]
+            for name, values, margin in (("judged_radii", radii, 0.1), ("judged_moduli", moduli, 1e-6)):
+                known = record[name][record[name] > 0.0]
+                ends = np.append(known, [values.min() * (1.0 - margin), values.max() * (1.0 + margin)])
+                record[name] = ends.min(), ends.max()
+        self._judge_constant_step(contacts, rows, served)
+
+    def _judge_law(self, number, contact, radius, modulus):
+        labels = " on ".join(repr(O.bodies[body].material.label) for body in (contact.id1, contact.id2))
+        of = f"contact {contact.id1}+{contact.id2} ({labels}), R = {radius:.4g} m, E* = {modulus:.4g} Pa"
+        try:
+            text = self.pairs.doubt(number, radius, modulus)
+        except DemlawsError as error:
+            self.context["seen"][: layout.FAULTS] = layout.UNSEEN
+            raise EngineStopped(f"{of}: {error}") from None
+        self._warn_once((number, "hardness"), text and f"{of}: {text}")
 
     def judge_validity(self):
         """Warn once per scene and pair of surfaces of each limit of the law that contacts are beyond, and of roughness."""
@@ -353,3 +385,20 @@ class Binding:
             chosen = ours and known and self.share is not None
             if unbounded and not chosen and (known or O.interactions.countReal()):
                 self._warn_once("stepper", reports.stepper_text(stepper, bound, LARGEST_STEP_RATIO), TimeStepWarning)
+
+    def _judge_constant_step(self, contacts, rows, served):
+        """Warn once of a constant O.dt beyond the longest stable step of two bodies that touch."""
+        engines = [engine for engine in get_engines() if not engine.dead]
+        moves = any(isinstance(engine, yade.NewtonIntegrator) for engine in engines)
+        if not moves or any(isinstance(engine, yade.TimeStepper) and engine.active for engine in engines):
+            return
+        stiffness = self.pairs.evaluate(rows)[0]["tangent"]
+        worst, limit = None, O.dt
+        for place in np.flatnonzero(served & (stiffness > 0.0)).tolist():
+            mobility = sum(mobilities(contacts[place]))
+            if stiffness[place] * mobility * limit**2 > 4.0:
+                worst, limit = place, 2.0 / math.sqrt(stiffness[place] * mobility)
+        if worst is not None:
+            advised = STEP_SAFETY * packing_estimate(float(stiffness[worst]), 1.0 / max(mobilities(contacts[worst])))
+            text = reports.step_text(contacts[worst], limit, float(rows["overlap"][worst]), advised)
+            self._warn_once("long step", text, TimeStepWarning)

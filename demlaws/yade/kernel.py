@@ -170,6 +170,13 @@ def serves(pair, radius, modulus):
 
 
 @not_inlined
+def judged(pair, radius, modulus):
+    """Whether the guard has judged the pair's law for this R and E*."""
+    radii, moduli = pair.judged_radii, pair.judged_moduli
+    return radii[0] <= radius <= radii[1] and moduli[0] <= modulus <= moduli[1]
+
+
+@not_inlined
 def curvature_radius(context, geom, interaction, body1, body2, radius):
     """R from the curvature of two bodies, or `radius`, which is YADE's, where this is not known yet; faults are noted."""
     shapes = array(context.shapes, context.shape_count, SHAPE)
@@ -244,6 +251,8 @@ def take_radius(kind, context, interaction, row, pair, radius):
         record_fault(context, layout.WRONG_CONTACT, interaction, radius)
     elif pair.roughness > LARGEST_ROUGHNESS * radius:
         record_fault(context, layout.TOO_ROUGH, interaction, radius)
+    elif not judged(pair, radius, row.modulus):
+        record_fault(context, layout.UNJUDGED, interaction, radius)
     row.radius = radius
     fill_params(kind, row, pair)
 
@@ -292,6 +301,8 @@ def initialise_contact(context, pairs, row, geom, phys, interaction):
     elif pair.roughness > LARGEST_ROUGHNESS * radius:
         record_fault(context, layout.TOO_ROUGH, interaction, radius)
     else:
+        if not judged(pair, radius, modulus):
+            record_fault(context, layout.UNJUDGED, interaction, radius)
         row.ratio = context.shear_ratio if context.shear_ratio > 0.0 else phys.kso / (1.5 * phys.kno)
     return number
 

@@ -11,9 +11,9 @@ import numpy as np
 FAULTS = 14
 WRONG_CLASS, NOT_FINITE, WRONG_CONTACT, TOO_ROUGH, TOO_DEEP, WRONG_MODULUS = range(6)
 NO_ROW, LOST_ROW, FLAT_GAP, NO_CURVATURE, CHANGED, SET_SHEAR, UNGUARDED, FRICTION = range(6, FAULTS)
-UNLISTED, UNKNOWN_SHAPE, SHARED, DEEP = range(FAULTS, FAULTS + 4)
+UNLISTED, UNKNOWN_SHAPE, SHARED, DEEP, UNJUDGED = range(FAULTS, FAULTS + 5)
 """Kinds of notes of native code for the guard: faults, which stop the run, and others."""
-NOTES = FAULTS + 4
+NOTES = FAULTS + 5
 
 BODY_RADIUS, BODY_RADIUS_MEANT, CURVATURE_RADIUS = 0, 1, 2
 """Values of `radius_mode`."""
@@ -108,9 +108,9 @@ SHAPE = np.dtype(
 def pair_dtype(shape_fields):
     """dtype of a pair of surfaces; shape_fields: of `tuples.fields`, of the law's Shape."""
     # fields that all pairs have come last: numba takes a record for another one that it begins with
-    return np.dtype(
-        [*shape_fields, ("smooth", "i8"), *[(name, "f8") for name in ("roughness", "radius", "modulus", "mu0", "c1", "c2")]]
-    )
+    judged = [(name, "f8", (2,)) for name in ("judged_radii", "judged_moduli")]  # ranges for which the guard has judged the law
+    numbers = [(name, "f8") for name in ("roughness", "radius", "modulus", "mu0", "c1", "c2")]
+    return np.dtype([*shape_fields, ("smooth", "i8"), *numbers, *judged])
 
 
 def contact_dtype(floats):

@@ -86,3 +86,14 @@ def invalid_radius(body):
     if 0.0 < radius < math.inf:
         return None
     return f"body {body.id} is a sphere with radius = {radius:g} m: {RANGES['radius'].remedy}"
+
+
+def mobilities(contact):
+    """1/m [1/kg] of both bodies of a contact: of the clump for its member, 0 of a body that contacts do not move."""
+    found = []
+    for number in (contact.id1, contact.id2):
+        body = O.bodies[number]
+        body = O.bodies[body.clumpId] if body.isClumpMember else body
+        held = not body.dynamic or set("xyz") <= set(body.state.blockedDOFs)
+        found.append(0.0 if held or not body.state.mass > 0.0 else 1.0 / body.state.mass)
+    return found

@@ -7,7 +7,7 @@ import numba
 import numpy as np
 from numpy.lib.recfunctions import repack_fields
 
-from demlaws.contact import Contact, Material, Surface, surface_of
+from demlaws.contact import Contact, Material, Surface, hardness_doubt, surface_of
 from demlaws.core.dispatch import leaves, refuse_other_values
 from demlaws.core.loops import clamped_roughness, loading_part, scale_contact
 from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, LARGEST_SHEAR_RATIO, MOST_LEVELS, SLIP, SPRINGS
@@ -243,6 +243,9 @@ class Pairs:
         self._choose_shear(shear, levels, shear_ratio)
         self.surfaces = {label: _surface(label, value) for label, value in (surfaces or {}).items()}
         self.everywhere = self.surfaces.pop(ALL_LABELS, None)
+        if isinstance(law, dict) and (self.smooth or self.everywhere is not None):
+            named = [label for pair in law if isinstance(pair, tuple) for label in pair if isinstance(label, str) and label]
+            self.surfaces = {label: self.everywhere or Surface(0.0) for label in named} | self.surfaces
         self.labels = ["", *self.surfaces]
         entries = [self.everywhere or Surface(0.0), *self.surfaces.values()]
         self.friction = Choice(friction, self.labels, ALL_LABELS)
@@ -312,9 +315,11 @@ class Pairs:
             raise DemlawsError(f"law: {pair!r} is not a pair of labels out of {self.labels}")
         for label in pair:
             if label not in self.labels:
-                labels = ", ".join(map(repr, self.labels))
+                labels = ", ".join(map(repr, self.surfaces)) or "none"
                 raise DemlawsError(
-                    f"law: unknown label {label!r} in {pair!r}{did_you_mean(label, self.labels)} Labels: {labels}"
+                    f"law: label {label!r} of the pair {pair!r} has no surface.{did_you_mean(label, self.surfaces)} Labels "
+                    f"with one: {labels}. Give surfaces={{{label!r}: demlaws.Surface(…), …}}, or smooth=True if the others "
+                    "are smooth"
                 )
         return tuple(sorted(pair))
 
@@ -440,13 +445,27 @@ class Pairs:
 
     def limits(self, number, radius, modulus):
         """`Limit`s of the law of a record for a contact of this R [m] and E* [Pa]."""
-        surface, source = self.combined[number]
-        if self.shapes[number] is None:
-            source = LawSource(HERTZ, {})
-        dimension = 2.0 if surface.fractal_dimension is None and surface.roughness == 0.0 else surface.fractal_dimension
+        source = LawSource(HERTZ, {}) if self.shapes[number] is None else self.combined[number][1]
         with quiet():  # of roughness and radius
-            contact = Contact(radius, modulus, surface.roughness, dimension, surface.hardness)
-            return source.definition.limits(contact, **source.options)
+            return source.definition.limits(self._contact(number, radius, modulus), **source.options)
+
+    def _contact(self, number, radius, modulus):
+        """The contact of a record's surfaces of this R [m] and E* [Pa]."""
+        surface, _ = self.combined[number]
+        dimension = 2.0 if surface.fractal_dimension is None and surface.roughness == 0.0 else surface.fractal_dimension
+        return Contact(radius, modulus, surface.roughness, dimension, surface.hardness)
+
+    def doubt(self, number, radius, modulus):
+        """Raise where the law of a record does not fit a contact of this R [m] and E* [Pa], as Python does; text of a warning
+        that was not issued when the law was made, or None. (A table is checked when it is read.)"""
+        surface, source = self.combined[number]
+        if self.shapes[number] is None or source.table is not None:
+            return None
+        with quiet():
+            _ = source._bound(self._contact(number, radius, modulus), self.unloading).params
+        if self.modulus and hardness_doubt(surface.hardness, self.modulus):
+            return None
+        return hardness_doubt(surface.hardness, modulus)
 
     def all_surfaces(self):
         """Label → surface, with `ALL_LABELS` for the materials that are not listed, if they have one."""

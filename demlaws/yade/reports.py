@@ -221,3 +221,12 @@ def stepper_text(stepper, bound, reach):
         f"GlobalStiffnessTimeStepper has {name} = {getattr(stepper, name):.3g} s, above the bound that is valid for the law: "
         f"{why}; it is not changed. Give a smaller {name}"
     )
+
+
+def step_text(contact, limit, overlap, advised):
+    """Warning about O.dt beyond the longest stable step [s] of a contact at its overlap [m]; advised: that of a packing [s]."""
+    return (
+        f"O.dt = {O.dt:g} s is {O.dt / limit:.3g} times the longest stable step of contact {contact.id1}+{contact.id2} alone "
+        f"at its overlap of {overlap:.3g} m, {limit:.3g} s: the bodies gain energy and fly apart. In a packing at this overlap "
+        f"O.dt = {advised:.2g} s is advised, less at larger loads (demlaws.timestep)"
+    )

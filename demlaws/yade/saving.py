@@ -31,7 +31,21 @@ def law_text(functor):
     history = zlib.compress(bodies.tobytes() + rows.tobytes())
     content = {"account": binding.account, "seen": binding.seen, "bound": binding.bound, "attributes": functor.attributes()}
     content |= {"contacts": len(rows), "history": base64.b64encode(history).decode()}
-    return json.dumps(content | {"pairs": pairs_text(binding.pairs)})
+    text = json.dumps(content | {"pairs": pairs_text(binding.pairs)})
+    return f"{zlib.crc32(text.encode()):08x} {text}"
+
+
+def content_of(text, label):
+    """Content of the `law_text` that a loaded scene has of the law of this label."""
+    digest, _, content = text.partition(" ")
+    if text.startswith("{"):
+        raise DemlawsError(FORMER_VERSION)
+    if digest != f"{zlib.crc32(content.encode()):08x}":
+        raise DemlawsError(
+            f"the saved scene is damaged: its record of law {label!r}, which has the history of the contacts, is not as "
+            "demlaws wrote it. Load another copy, or save the scene again; O.load takes no part of a damaged one"
+        )
+    return json.loads(content)
 
 
 def restore(binding, content):

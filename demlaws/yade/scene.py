@@ -7,7 +7,6 @@ step after loading and puts the law there. Without a guard YADE ends with an err
 """
 
 import contextlib
-import json
 import sys
 import uuid
 from numbers import Real
@@ -317,7 +316,7 @@ def attach():
 
     token = O.tags[TOKEN] = uuid.uuid4().hex  # the one in the file may be that of another scene of this process
     for dispatcher, label, text in placeholders:
-        content = json.loads(text)
+        content = saving.content_of(text, label)
         former = _at_work.get(O.thisScene, {}).get(label)
         if former is not None and saving.pairs_text(former.binding.pairs) == content["pairs"]:
             law = former

@@ -202,6 +202,22 @@ print("totals", *demlaws.yade.attached("demlaws").totals())
 # --- refusals: never silently the native law
 
 
+def test_a_damaged_record_of_a_scene_is_one_error(omega):
+    """A changed letter anywhere, and the record of a version that wrote no digest."""
+    from demlaws.yade import saving
+
+    law = functor()
+    acting(law)
+    text = saving.law_text(law)
+    assert saving.content_of(text, "demlaws")["contacts"] == 1
+    for place in (0, 4, 12, len(text) // 2, len(text) - 3):
+        changed = text[:place] + chr(ord(text[place]) ^ 1) + text[place + 1 :]
+        with pytest.raises(dl.DemlawsError, match="damaged: its record of law 'demlaws'"):
+            saving.content_of(changed, "demlaws")
+    with pytest.raises(dl.DemlawsError, match="former version"):
+        saving.content_of(text.partition(" ")[2], "demlaws")
+
+
 def test_adhesion_is_refused(omega):
     with pytest.raises(dl.DemlawsError):
         functor(includeAdhesion=True)
@@ -301,6 +317,15 @@ def test_laws_by_pair(omega):
 
     again = pairs_from(pairs_text(pairs))
     assert pairs_text(again) == pairs_text(pairs) and again.kind == pairs.kind
+
+
+def test_laws_by_pair_of_smooth_materials(omega):
+    """Labels without a surface are smooth where the user says so; else the error says how."""
+    laws = {("cloth", "sand"): "hertz"}
+    pairs = functor(laws, None, None, smooth=True).binding.pairs
+    assert pairs.number("sand", "cloth") not in (pairs.number("sand", "sand"), pairs.number("", ""))
+    with pytest.raises(dl.DemlawsError, match=r"'cloth' .* has no surface.*surfaces=\{'cloth': .*smooth=True"):
+        functor(laws, None, None)
 
 
 def test_a_measured_map_beside_a_wall(omega):

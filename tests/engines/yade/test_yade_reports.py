@@ -28,6 +28,8 @@ from yade_scenes import (
 
 import demlaws as dl
 from demlaws import yade as dy
+from demlaws.errors import TimeStepWarning
+from demlaws.timestep import STEP_SAFETY, packing_estimate
 from studies.extremes import extremes, report
 
 pytestmark = pytest.mark.releases
@@ -241,6 +243,49 @@ def test_a_density_in_other_units(omega):
     with pytest.warns(dl.errors.ValidityWarning, match="g/cm³") as seen:
         advance(5)
     assert len([one for one in seen if "g/cm³" in str(one.message)]) == 1
+
+
+@pytest.mark.parametrize("warned", [True, False])
+def test_a_step_far_too_long_is_warned_of_once(omega, warned):
+    """Of Hertz at an overlap of 1 µm: 2 √(m/K), and 0.8 of the estimate for a packing."""
+    law, stone = functor("hertz", "elastic", None), material()
+    yade.O.bodies.append([sphere((0, 0, 0), 0.01, fixed=True, material=stone)])
+    yade.O.bodies.append(sphere((0, 0, 0.02 - 1e-6), 0.01, material=stone))
+    mass, stiffness = yade.O.bodies[1].state.mass, 2.0 * MODULUS * (0.005 * 1e-6) ** 0.5
+    limit = 2.0 * (mass / stiffness) ** 0.5
+    set_engines(law, (1e3 if warned else 0.95) * limit)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        advance(3)
+    texts = [str(one.message) for one in caught if issubclass(one.category, TimeStepWarning)]
+    assert len(texts) == warned
+    advised = STEP_SAFETY * packing_estimate(stiffness, mass)
+    assert all("1e+03 times" in text and f"{limit:.3g} s: " in text and f"{advised:.2g} s is adv" in text for text in texts)
+
+
+def before_its_material(law, young, radius=0.006, **options):
+    """Two spheres whose material the law did not know when it was made."""
+    made = functor(law, None, smooth=True, **options)
+    stone = material("late", young=young)
+    yade.O.bodies.append([sphere((0, 0, z), radius, fixed=True, material=stone) for z in (0, 2 * radius - 1e-6)])
+    set_engines(made, 1e-9)
+
+
+def test_energy_that_a_law_would_create_is_refused_at_the_first_contact(omega):
+    """Loading is stiffer than Hertz beside E* of the contact, not beside the 30 GPa with which the law was made."""
+    before_its_material("conical-damage", 2.9e10, surfaces=None, strength=1.9e9, angle=1.405)
+    stops(r"0\+1 \('late' on 'late'\).*E\* = 1\.5\d*e\+10 Pa: .*return more work than loading took", 3)
+
+
+def test_hardness_is_judged_at_the_first_contact(omega):
+    before_its_material("bahrami", 1e8, surfaces=dl.materials.granite)
+    (text,) = (text for text in issued(lambda: advance(300)) if "hardness" in text)
+    assert "times the effective modulus" in text and "E* = 5.3" in text
+
+
+def test_a_bulk_radius_below_that_of_the_contact_is_named(omega):
+    before_its_material("rough-plastic", 6e10, surfaces=dl.materials.granite, yield_pressure=1.66e9, bulk_radius=1e-3)
+    stops(r"bulk_radius = 0\.001 m is below the contact's effective radius R = 0\.003 m", 3)
 
 
 def test_a_position_that_is_not_finite_is_named(omega):
