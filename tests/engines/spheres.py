@@ -45,7 +45,12 @@ def sheared_along(law, log, shear, every=2):
     kept = np.append(np.diff(log["Step"]) > 0, True)  # each run begins with the last line of the one before
     across = np.concatenate([[0.0], *[np.full(steps // every, speed * every * STEP) for _, speed, steps in SHEARED]]).cumsum()
     overlap = log["overlap"][kept]
-    return sheared(law, overlap, across, RATIO, shear.split()[0], friction=0.5, springs=springs), law.follow(overlap), across, kept
+    return (
+        sheared(law, overlap, across, RATIO, shear.split()[0], friction=0.5, springs=springs),
+        law.follow(overlap),
+        across,
+        kept,
+    )
 
 
 def spheres(
