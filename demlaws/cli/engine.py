@@ -230,9 +230,8 @@ def _grain_arguments(export):
         "--shear-ratio", type=plain, help="K_t/K of all contacts, above 0, at most 4/3 (default: that of Poisson's ratio)"
     )
     export.add_argument("--levels", type=whole(), help="levels of the shear model, 1 to 8 (default 3)")
-    meta = ("C1", "C2")
-    text = "friction above that of the case by C1/(1 + C2 p) at a mean pressure p of the contact, C2 in 1/Pa"
-    export.add_argument("--friction-pressure", type=plain, nargs=2, metavar=meta, help=text)
+    text = "C1 and C2 [1/Pa]: friction above that of the case by C1/(1 + C2 p) at a mean pressure p of the contact"
+    export.add_argument("--friction-pressure", type=plain, nargs=2, help=text)
     export.add_argument("--count", type=whole(), default=1000, help="number of grains (default %(default)s)")
 
 

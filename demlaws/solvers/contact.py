@@ -192,7 +192,7 @@ class RoughContact:
         if self.pair.hardness is not None and None in (self.plastic_factor, self.plastic_ratio):
             warn(
                 f"c_h = {ALUMINIUM_FACTOR} and c_A = {ALUMINIUM_RATIO:g} are aluminium's: give plastic_factor and "
-                "plastic_ratio of this material"
+                "plastic_ratio (--plastic-factor, --plastic-ratio) of this material"
             )
         self.plastic_factor = ALUMINIUM_FACTOR if self.plastic_factor is None else self.plastic_factor
         self.plastic_ratio = ALUMINIUM_RATIO if self.plastic_ratio is None else self.plastic_ratio

@@ -72,7 +72,7 @@ def test_from_a_map_to_a_table(capsys, tmp_path, map_file):
     arguments = ["surface", "contact", map_file, *ALUMINIUM, "--load", "0.05", "--table", str(table)]
     assert cli.main([*arguments, "--out", str(worn), "--figure", str(figure)]) == 0
     text, warned = capsys.readouterr()
-    assert "give --plastic-factor and --plastic-ratio" in warned  # warnings name options, as errors do
+    assert "give plastic_factor and plastic_ratio (--plastic-factor, --plastic-ratio)" in warned
     assert "micro-contacts" in text and "hertz unloading" in text
     assert dl.Table.load(table).force(1e-7) > 0
     assert np.load(worn).shape == (128, 128) and figure.stat().st_size > 10000
