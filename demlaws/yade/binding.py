@@ -219,7 +219,7 @@ class Binding:
 
     def raise_fault(self):
         """Raise a fault of native code: a contact that the law does not serve. All faults are cleared."""
-        if self.context.take(layout.UNJUDGED):
+        if self.context.pop_fault(layout.UNJUDGED):
             self._judge_laws()
         seen = np.flatnonzero(self.context["seen"][: layout.FAULTS])
         if len(seen):

@@ -68,6 +68,20 @@ def test_rule_jackson_is_the_fit_to_finite_elements(name):
                 assert found == pytest.approx(wanted, rel=tolerance, abs=tolerance * float(exact.force(maximum)))
 
 
+@pytest.mark.parametrize(("w", "residual"), [(3.0, 0.10), (10.0, 0.29), (30.0, 0.50), (80.0, 0.63)])
+def test_rule_etsion_is_hertz_through_force_and_contact_radius(w, residual):
+    """With Kogut & Etsion's force 1.03 w^1.425, 1.40 w^1.263 and area 0.93 w^1.136, 0.94 w^1.146 over those at ω_c."""
+    force = 1.03 * w**1.425 if w < 6.0 else 1.40 * w**1.263
+    area = 0.93 * w**1.136 if w < 6.0 else 0.94 * w**1.146
+    options = PLASTIC["kogut-etsion"] | {"poisson": 0.3}
+    law = dl.law("kogut-etsion", GRANITE, "etsion", **options)
+    exact = REFERENCES["kogut-etsion"](GRANITE.radius, GRANITE.modulus, **options)
+    path = law.follow([w * float(exact.critical)])
+    found = path.plastic_overlap[0] / path.overlap[0]
+    assert found == pytest.approx(residual, abs=0.006)  # as documented
+    assert found == pytest.approx(1.0 - force / (w * math.sqrt(area)), abs=0.01)
+
+
 @pytest.mark.parametrize(("modulus", "returns"), [(4.2e9, True), (4.45e9, False)])
 def test_a_cone_that_is_too_blunt_returns_work_and_says_so(modulus, returns):
     """Stored over work of crushing: 1.2 h/(h + A), above 1 from h = 5 A on, at overlaps from 0.36 R on."""
