@@ -11,7 +11,7 @@ import demlaws as dl
 from demlaws.errors import DemlawsError
 from studies.engines import under_yade
 
-NAMES = ("roughness", "modulus")
+NAMES = ("sigma", "modulus")
 UNITS = (1e-6, 1e9)  # samples are in µm and GPa
 TRUTH = np.array([4.0, 32.32])
 LOW, HIGH = (1.0, 15.0), (8.0, 60.0)
@@ -23,7 +23,7 @@ REFERENCE = 1e5  # stress [Pa] from which strains count
 
 
 class Posterior(NamedTuple):
-    """Mean and standard deviation of roughness [µm] and modulus [GPa], and how many samples each iteration had."""
+    """Mean and standard deviation of σ [µm] and modulus [GPa], and how many samples each iteration had."""
 
     mean: np.ndarray
     deviation: np.ndarray
@@ -32,9 +32,9 @@ class Posterior(NamedTuple):
 
 
 def contact_of(sample):
-    """Contact of two grains at a sample (roughness [µm], modulus [GPa])."""
-    roughness, modulus = np.multiply(sample, UNITS)
-    return dl.Contact(0.5 * RADIUS, modulus, sigma=roughness, fractal_dimension=DIMENSION)
+    """Contact of two grains at a sample (σ [µm], modulus [GPa])."""
+    sigma, modulus = np.multiply(sample, UNITS)
+    return dl.Contact(0.5 * RADIUS, modulus, sigma=sigma, fractal_dimension=DIMENSION)
 
 
 def displacements(samples):

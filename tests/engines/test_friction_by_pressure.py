@@ -40,18 +40,18 @@ def along(log, every=2):
 @pytest.mark.parametrize(("name", "shear"), PATHS)
 @both
 def test_force_along_a_path_is_pythons(engine, tmp_path, name, shear):
-    """Where the contact has slid for 30 rows the force is the limit at its pressure; everywhere it is Python's."""
+    """Where the contact has slid for 60 steps the force is the limit at its pressure; everywhere it is Python's."""
     law = save_law(tmp_path, name)
-    log = simulate(engine, tmp_path, spheres(engine, f"shear {shear} {WORDS}", SLID, every=2, **ENERGY))
-    overlap, across, kept = along(log)
+    log = simulate(engine, tmp_path, spheres(engine, f"shear {shear} {WORDS}", SLID, every=1, **ENERGY))
+    overlap, across, kept = along(log, every=1)
     normal, pressure = law.follow(overlap), _pressure_along(law, overlap)
     path = dl.driver.sheared(law, overlap, across, RATIO, shear, friction=FRICTION, springs=SPRINGS)
     found = path.force * across / DIAMETER - log["side"][kept]  # the normal turns
     limit = FRICTION.coefficient(pressure) * path.force
-    slides = np.convolve(np.abs(path.shear_force) > 0.9999 * limit, np.ones(30))[: len(limit)] > 29.5
+    slides = np.convolve(np.abs(path.shear_force) > 0.9999 * limit, np.ones(60))[: len(limit)] > 59.5
     assert slides.sum() > 100 and np.ptp(limit[slides] / path.force[slides]) > 0.03
     np.testing.assert_allclose(np.abs(found[slides]), limit[slides], rtol=1e-3)
-    np.testing.assert_allclose(found, path.shear_force, atol=(5e-2 if shear == "slip" else 3e-3) * limit.max())
+    np.testing.assert_allclose(found, path.shear_force, atol=3e-3 * limit.max())
     assert log["e[2]"][-1] == pytest.approx(normal.dissipated[-1] + path.dissipated[-1], rel=2e-2)
     assert log["e[1]"][-1] + log["e[2]"][-1] == pytest.approx(normal.work[-1] + path.work[-1], rel=3e-3)
 

@@ -194,13 +194,14 @@ def test_a_law_of_a_user_with_the_former_name_of_sigma(registered_here):
     new = dl.define("scaled", lambda p, x: 1e12 * x * p.sigma, lambda p, x: 1e12 * p.sigma, free=("modulus",))
     with pytest.warns(FutureWarning, match="of the pair, not Sq of one surface"):
         old = dl.define("scaled", lambda p, x: 1e12 * x * p.roughness, lambda p, x: 1e12 * p.roughness)
-    assert old.needs == new.needs == ("sigma",)
+    assert old.loading.needs == new.loading.needs == ("sigma",)
     for one in (new, old):
         dl.register(one)
         assert dl.law("scaled", contact).force(1e-6) == pytest.approx(2.0)
     former = new._replace(
-        needs=("roughness",), fitting=new.fitting._replace(parameters={"roughness": SIGMA}, free=("roughness",))
+        loading=new.loading._replace(needs=("roughness",)),
+        fitting=new.fitting._replace(parameters={"roughness": SIGMA}, free=("roughness",)),
     )
     with pytest.warns(FutureWarning, match="of the pair"):
         kept = dl.register(former)
-    assert kept.needs == kept.fitting.free == tuple(kept.fitting.parameters) == ("sigma",)
+    assert kept.loading.needs == kept.fitting.free == tuple(kept.fitting.parameters) == ("sigma",)

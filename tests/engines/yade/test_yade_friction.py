@@ -243,7 +243,7 @@ def test_another_roughness_acts_in_contacts_that_begin_later(omega):
         omega.bodies[1].state.pos = (0, 0, 0.02 - overlap)
         advance(3)
         contacts = law.contacts()
-        return contacts.roughness, contacts.plastic_overlap, contacts.force
+        return contacts.sigma, contacts.plastic_overlap, contacts.force
 
     def law_of(roughness, overlaps):
         pair = dl.Contact(0.005, MODULUS, roughness * 2**0.5, 2.2)
