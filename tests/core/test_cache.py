@@ -373,3 +373,14 @@ def test_kernels_that_other_folders_compile_are_in_every_digest():
     homes = [(kernels[module, name], folder) for module, name, folder in imports if (module, name) in kernels]
     assert len(homes) > 50
     assert all(home in cache._SHARED or home == folder for home, folder in homes)
+
+
+def test_code_of_one_text_in_two_files_is_kept_twice():
+    """numba imports the module of the code that it loads, and the module of a file of laws is named by the file's place."""
+
+    def force(p, x):
+        return 2.0 * x
+
+    first = cache.content_key(force)
+    force.__module__ = "demlaws_own_law_elsewhere"
+    assert cache.content_key(force) != first
