@@ -8,7 +8,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.core.levels import levels_loop
-from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, LARGEST_SHEAR_RATIO, MOST_LEVELS, SLIP, pressure_loop
+from demlaws.core.shear import (
+    CHOICES,
+    DEFAULT,
+    DEFAULT_LEVELS,
+    LARGEST_SHEAR_RATIO,
+    MOST_LEVELS,
+    SLIP,
+    friction_at,
+    pressure_loop,
+)
 from demlaws.core.slip import SAMPLES, ladder_of, slip_loop
 from demlaws.errors import DemlawsError, warn
 from demlaws.law import Law, as_law
@@ -59,7 +68,7 @@ class PressureFriction:
 
     def coefficient(self, pressure: ArrayLike) -> np.ndarray:
         """μ at a mean pressure [Pa]."""
-        return self.mu0 + self.c1 / (1.0 + self.c2 * np.asarray(pressure, float))
+        return friction_at(self.mu0, self.c1, self.c2, np.asarray(pressure, float))
 
     def combined(self, other: "PressureFriction") -> "PressureFriction":
         """Friction of two materials: the smaller of each parameter, as YADE's Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM."""
@@ -186,7 +195,7 @@ def sheared(
     return Sheared(depth, along, force, ratio * stiffness, shear_force, work, stored)
 
 
-def _pressure_along(law: Law, overlap: np.ndarray) -> np.ndarray:
+def pressure_along(law: Law, overlap: np.ndarray) -> np.ndarray:
     """Mean pressure P/(π a²) [Pa] of one contact at each point of a path of overlaps [m]; `PressureFriction` has the area."""
     pressure = np.empty(overlap.size)
     known = law.rule_tag, law.shape, law.params, law.contact.radius, law.contact.modulus
@@ -198,14 +207,14 @@ def _friction_along(law, overlap, friction):
     """Coefficient of friction at each point of a path of overlaps [m]."""
     if not isinstance(friction, PressureFriction):
         return np.full(overlap.size, math.inf if friction is None else number(friction, "friction", allow_low=True))
-    pressure = _pressure_along(law, overlap)
-    doubt = _beyond_hardness(float(pressure.max()), law.contact.hardness)
+    pressure = pressure_along(law, overlap)
+    doubt = beyond_hardness(float(pressure.max()), law.contact.hardness)
     if doubt is not None:
         warn(doubt)
     return friction.coefficient(pressure)
 
 
-def _beyond_hardness(highest: float, hardness: float | None) -> str | None:
+def beyond_hardness(highest: float, hardness: float | None) -> str | None:
     """Text about a mean pressure above the hardness [Pa], or None."""
     if hardness is None or not highest > hardness:
         return None

@@ -87,11 +87,16 @@ def _digests(name):
 
 
 @contextlib.contextmanager
-def placed(function, name):
+def placed(function, name, whole=False):
     """The same function as if it were of this name in a file of the folder, whose machine code numba loads or keeps within this
     block; other processes that want the same code wait. What is damaged or half-written is removed before.
+
+    whole: `is_whole` has just said so.
     """
     folder = _common_folder()
+    if whole:
+        yield _as_in_file(function, name)
+        return
     with open(folder / "lock", "ab") as lock:
         with contextlib.suppress(OSError):  # a file system without locks: they compile at the same time
             fcntl.lockf(lock, fcntl.LOCK_EX, 1, int(digest(name)[:15], 16))  # one byte for each name

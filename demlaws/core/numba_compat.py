@@ -110,7 +110,7 @@ def _kept(function, name, compiled):
     with _compiling, contextlib.nullcontext() if known else announced():
         if name is not None:
             try:
-                with cache.placed(function, name) as ours:
+                with cache.placed(function, name, known) as ours:
                     return compiled(ours, True)
             except OSError as error:  # a full disk
                 warn(f"machine code cannot be kept, each process compiles it again: {error}", UserWarning)

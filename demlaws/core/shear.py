@@ -204,6 +204,12 @@ def mean_pressure(rule, shape, p, radius, modulus, overlap, force, stiffness, st
 
 
 @kernel
+def friction_at(mu0, c1, c2, pressure):
+    """μ0 + c1/(1 + c2 p) of a contact at the mean pressure p [Pa]."""
+    return mu0 + c1 / (1.0 + c2 * pressure)
+
+
+@kernel
 def over_area(force, square):
     """P/(π a²) [Pa]; 0 without an area."""
     return force / (math.pi * square) if square > 0.0 else 0.0

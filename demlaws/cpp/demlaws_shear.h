@@ -141,7 +141,7 @@ struct ShearStep {
 // demlaws/shear.py. mu0 is the engine's own coefficient; c1 0: constant friction.
 struct PressureFriction {
   double c1 = 0., c2 = 0.; // -, 1/Pa
-  bool valid() const { return c1 >= 0. && c2 >= 0. && c1 - c1 == 0. && c2 - c2 == 0.; }
+  bool valid() const { return c1 >= 0. && c2 >= 0.; }
   DEMLAWS_INLINE double above_constant(double pressure) const { return c1 / (1. + c2 * pressure); }
 };
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from demlaws.core.dispatch import bind, generic
 from demlaws.core.numba_compat import kernel
-from demlaws.core.shear import mean_pressure
+from demlaws.core.shear import friction_at, mean_pressure
 from demlaws.errors import DemlawsError, did_you_mean
 from demlaws.yade import objects
 from demlaws.yade.records import view
@@ -41,7 +41,7 @@ def _by_pressure(friction, context, phys, phys_address, pair, row, rule, shape, 
         conical = view(phys_address, objects.MindlinPhysCDM)
         mu0, c1, c2 = conical.mu0, conical.c1, conical.c2
     pressure = mean_pressure(rule, shape, p, row.radius, row.modulus, overlap, force, stiffness, state)
-    phys.tangensOfFrictionAngle = mu0 + c1 / (1.0 + c2 * pressure)
+    phys.tangensOfFrictionAngle = friction_at(mu0, c1, c2, pressure)
 
 
 bind(ByPressure, apply=_by_pressure)

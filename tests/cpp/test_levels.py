@@ -1,11 +1,11 @@
 """The contact of example.cpp, normal force, shear with levels and energies, against Python."""
 
 import subprocess
-from pathlib import Path
 
 import numpy as np
 import pytest
 from examples import GRANITE, shared
+from programs import HEADERS, compiled
 
 import demlaws as dl
 from demlaws.make import example_law
@@ -18,11 +18,7 @@ LAWS = [("hertz", "elastic"), ("pohrt-popov", "elastic"), ("pohrt-popov", "hertz
 
 @pytest.fixture(scope="module")
 def program(tmp_path_factory):
-    program = tmp_path_factory.mktemp("contact") / "example"
-    headers = Path(dl.__file__).parent / "cpp"
-    source = headers / "example.cpp"
-    subprocess.run(["g++", "-std=c++11", "-O2", "-I", str(headers), str(source), "-o", str(program)], check=True)
-    return program
+    return compiled(tmp_path_factory.mktemp("contact"), HEADERS / "example.cpp")
 
 
 def columns(program, table, overlap, across, levels=3, damping=0.0):

@@ -1,23 +1,18 @@
 """Displacement of a step and turn of springs (demlaws_shear.h): second order in the step, lengths kept, no energy made."""
 
 import subprocess
-from pathlib import Path
 
 import moving_contact as reference
 import numpy as np
 import pytest
-
-import demlaws as dl
+from programs import compiled
 
 RADII, TIME = np.array([1.2, 0.7]), 2.0
 
 
 @pytest.fixture(scope="module")
 def program(tmp_path_factory):
-    program = tmp_path_factory.mktemp("motion") / "motion"
-    headers, source = Path(dl.__file__).parent / "cpp", Path(__file__).parent / "motion.cpp"
-    subprocess.run(["g++", "-std=c++11", "-O2", "-I", str(headers), str(source), "-o", str(program)], check=True)
-    return program
+    return compiled(tmp_path_factory.mktemp("motion"), "motion.cpp")
 
 
 def steps_of(program, levels, *columns):

@@ -1,11 +1,11 @@
 """Partial slip of the plugins (demlaws_slip.h) against its twin in Python."""
 
 import subprocess
-from pathlib import Path
 
 import numpy as np
 import pytest
 from examples import GRANITE
+from programs import compiled
 
 import demlaws as dl
 from demlaws.shear import sheared
@@ -15,10 +15,7 @@ RATIO, FRICTION = 0.857, 0.4
 
 @pytest.fixture(scope="module")
 def program(tmp_path_factory):
-    program = tmp_path_factory.mktemp("springs") / "springs"
-    headers, source = Path(dl.__file__).parent / "cpp", Path(__file__).parent / "springs.cpp"
-    subprocess.run(["g++", "-std=c++11", "-O2", "-I", str(headers), str(source), "-o", str(program), "-lz"], check=True)
-    return program
+    return compiled(tmp_path_factory.mktemp("springs"), "springs.cpp", "-lz")
 
 
 CASES = [
@@ -55,9 +52,7 @@ def test_row_of_springs(program, tmp_path, name, rule, springs, reach):
 
 def test_a_dashpot_stays_within_the_limit(tmp_path):
     """Of the share that sticks; with the springs at most Coulomb's limit, which it reaches where it is cut."""
-    program = tmp_path / "dashpot"
-    headers, source = Path(dl.__file__).parent / "cpp", Path(__file__).parent / "dashpot.cpp"
-    subprocess.run(["g++", "-std=c++11", "-O2", "-I", str(headers), str(source), "-o", str(program)], check=True)
+    program = compiled(tmp_path, "dashpot.cpp")
     random, limit = np.random.default_rng(3), 2.0
     angle, size = random.uniform(0.0, 2.0 * np.pi, 500), limit * random.choice([0.0, 0.3, 0.9, 1.0], 500)
     force, stuck = np.stack([size * np.cos(angle), size * np.sin(angle)]), random.uniform(0.0, 1.0, 500)

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from examples import GRANITE
+from programs import compiled
 
 import demlaws as dl
 from demlaws.make import example_law
@@ -33,9 +34,7 @@ def example(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def follow(tmp_path_factory):
-    program = tmp_path_factory.mktemp("follow") / "follow"
-    source = Path(__file__).parent / "follow.cpp"
-    subprocess.run(["g++", "-std=c++11", "-O2", "-I", str(HEADER), str(source), "-o", str(program)], check=True)
+    program = compiled(tmp_path_factory.mktemp("follow"), "follow.cpp")
 
     def run(*words):
         out = subprocess.run([str(program), *map(str, words)], capture_output=True, text=True, check=True).stdout

@@ -37,7 +37,7 @@ public:
         friction.c2 = number(word, arguments[first + 1]);
         if (!friction.valid())
           refuse("'" + word + " " + arguments[first] + " " + arguments[first + 1] +
-                 "': C1 and C2 [1/Pa] must be finite and not negative");
+                 "': C1 and C2 [1/Pa] must not be negative");
         if (!line.friction.insert(std::make_pair(types, friction)).second)
           refuse("'" + word + "' is given twice" + (pair ? " for these types" : ""));
         line.given.insert("friction_pressure");
@@ -85,9 +85,8 @@ private:
     return (int)value;
   }
   double number(const std::string &word, const char *text) const {
-    char *end;
-    const double value = strtod(text, &end);
-    if (end == text || *end) refuse("'" + word + "' has '" + text + "' where a number is needed");
+    double value;
+    if (!plain_number(text, value)) refuse("'" + word + "' has '" + text + "' where a finite number is needed");
     return value;
   }
   LAMMPS *const lmp_;

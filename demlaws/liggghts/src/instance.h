@@ -15,6 +15,16 @@ typedef std::map<Types, std::string> Files;
 
 inline Types types_of(int i, int j) { return i < j ? Types(i, j) : Types(j, i); }
 
+// A page of the history must hold what all contacts of one particle keep; LIGGGHTS would write beyond it.
+inline void refuse_small_pages(LAMMPS *lmp, int values, const std::string &who) {
+  const int room = lmp->neighbor->pgsize / lmp->neighbor->oneatom;
+  if (values <= room) return;
+  std::ostringstream what;
+  what << who << " keeps " << values << " values, LIGGGHTS has room for " << room << ": say 'neigh_modify page "
+       << values * lmp->neighbor->oneatom << "', or give fewer 'springs' or 'levels'";
+  lmp->error->all(FLERR, what.str().c_str());
+}
+
 // The words of one pair_style or wall/gran line that are ours, and the settings that were given in so many words.
 struct Line {
   Files files;

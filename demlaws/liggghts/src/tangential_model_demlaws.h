@@ -69,14 +69,7 @@ public:
       error->all(FLERR, "tangential model demlaws: this wall was defined before the pair style's 'levels' was known: "
                         "define it below the pair_style line");
     PairGran *const pair = static_cast<PairGran *>(force->pair_match("gran", 0));
-    if (pair && !wall_ &&
-        pair->dnum() > neighbor->pgsize / neighbor->oneatom) { // a page must hold one particle's history
-      std::ostringstream what;
-      what << "tangential model demlaws: a contact keeps " << pair->dnum() << " values, LIGGGHTS has room for "
-           << neighbor->pgsize / neighbor->oneatom << ": say 'neigh_modify page " << pair->dnum() * neighbor->oneatom
-           << "', or give fewer 'springs' or 'levels'";
-      error->all(FLERR, what.str().c_str());
-    }
+    if (pair && !wall_) demlaws::refuse_small_pages(lmp, pair->dnum(), "tangential model demlaws: a contact");
   }
 
   inline void surfacesIntersect(const SurfacesIntersectData &data, ForceData &on_i, ForceData &on_j) {

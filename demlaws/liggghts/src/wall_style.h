@@ -27,15 +27,8 @@ public:
   void init_granular() {
     ensure_fix(lmp_->modify);
     Walls::Granular<MODEL>::init_granular();
-    const Neighbor *const neighbor = lmp_->neighbor;
-    const int values = parent_->dnum(), room = neighbor->pgsize / neighbor->oneatom;
-    if (parent_->is_mesh_wall() && values > room) { // a page must hold one particle's history
-      std::ostringstream what;
-      what << "wall/gran " << parent_->id << ": a contact with the mesh keeps " << values
-           << " values, LIGGGHTS has room for " << room << ": say 'neigh_modify page " << values * neighbor->oneatom
-           << "', or give fewer 'springs' or 'levels'";
-      lmp_->error->all(FLERR, what.str().c_str());
-    }
+    if (parent_->is_mesh_wall())
+      refuse_small_pages(lmp_, parent_->dnum(), std::string("wall/gran ") + parent_->id + ": a contact with the mesh");
     forget_opened();
   }
   // While the foot of a sphere lies within the mesh's precision (1e-8) of an edge, both coplanar triangles claim it if
