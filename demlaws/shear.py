@@ -195,7 +195,7 @@ def sheared(
     return Sheared(depth, along, force, ratio * stiffness, shear_force, work, stored)
 
 
-def pressure_along(law: Law, overlap: np.ndarray) -> np.ndarray:
+def _pressure_along(law: Law, overlap: np.ndarray) -> np.ndarray:
     """Mean pressure P/(π a²) [Pa] of one contact at each point of a path of overlaps [m]; `PressureFriction` has the area."""
     pressure = np.empty(overlap.size)
     known = law.rule_tag, law.shape, law.params, law.contact.radius, law.contact.modulus
@@ -207,14 +207,14 @@ def _friction_along(law, overlap, friction):
     """Coefficient of friction at each point of a path of overlaps [m]."""
     if not isinstance(friction, PressureFriction):
         return np.full(overlap.size, math.inf if friction is None else number(friction, "friction", allow_low=True))
-    pressure = pressure_along(law, overlap)
-    doubt = beyond_hardness(float(pressure.max()), law.contact.hardness)
+    pressure = _pressure_along(law, overlap)
+    doubt = _beyond_hardness(float(pressure.max()), law.contact.hardness)
     if doubt is not None:
         warn(doubt)
     return friction.coefficient(pressure)
 
 
-def beyond_hardness(highest: float, hardness: float | None) -> str | None:
+def _beyond_hardness(highest: float, hardness: float | None) -> str | None:
     """Text about a mean pressure above the hardness [Pa], or None."""
     if hardness is None or not highest > hardness:
         return None

@@ -322,10 +322,10 @@ class Binding:
             self._warn_once((number, "roughness"), self.roughness_text(*labels, float(rows["radius"][smallest])))
         hardness = self.pairs.combined[number][0].hardness
         if self.context["by_pressure"] and hardness is not None:
-            from demlaws.shear import beyond_hardness
+            from demlaws.shear import _beyond_hardness
             from demlaws.yade.contacts import pressures
 
-            text = beyond_hardness(float(pressures(self.pairs, rows).max()), hardness)
+            text = _beyond_hardness(float(pressures(self.pairs, rows).max()), hardness)
             self._warn_once((number, "pressure"), text)
         if largest > LARGE_RADIUS:
             self._warn_once("radius", judge(radius=largest)[0].text)

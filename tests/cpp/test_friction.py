@@ -10,7 +10,7 @@ from programs import compiled
 import demlaws as dl
 from demlaws.core.shear import SPRINGS
 from demlaws.make import example_law
-from demlaws.shear import pressure_along
+from demlaws.shear import _pressure_along
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
@@ -62,7 +62,7 @@ def test_pressure_limit_force_and_loss_are_pythons(program, tmp_path, name, rule
     path = dl.driver.sheared(table, overlap, across, RATIO, shear, friction=FRICTION, springs=SPRINGS)
     np.testing.assert_allclose(unkept, pressure, rtol=1e-12)
     np.testing.assert_allclose(limit, FRICTION.coefficient(pressure) * path.force, rtol=1e-12, atol=1e-12 * limit.max())
-    expected = pressure_along(table, overlap)
+    expected = _pressure_along(table, overlap)
     np.testing.assert_allclose(pressure, expected, rtol=1e-12, atol=1e-12 * pressure.max())
     largest = limit.max()
     assert np.ptp(limit[path.force > 0.1] / path.force[path.force > 0.1]) > 0.01

@@ -11,7 +11,7 @@ from spheres import LAWS as ALL_LAWS
 
 import demlaws as dl
 from demlaws.core.shear import SPRINGS
-from demlaws.shear import pressure_along
+from demlaws.shear import _pressure_along
 from studies.shear.gas import HEADS
 
 MU0, C1, C2 = 0.5, 0.4, 3e-9
@@ -44,7 +44,7 @@ def test_force_along_a_path_is_pythons(engine, tmp_path, name, shear):
     law = save_law(tmp_path, name)
     log = simulate(engine, tmp_path, spheres(engine, f"shear {shear} {WORDS}", SLID, every=1, **ENERGY))
     overlap, across, kept = along(log, every=1)
-    normal, pressure = law.follow(overlap), pressure_along(law, overlap)
+    normal, pressure = law.follow(overlap), _pressure_along(law, overlap)
     path = dl.driver.sheared(law, overlap, across, RATIO, shear, friction=FRICTION, springs=SPRINGS)
     found = path.force * across / DIAMETER - log["side"][kept]  # the normal turns
     limit = FRICTION.coefficient(pressure) * path.force

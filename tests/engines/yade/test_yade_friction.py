@@ -23,7 +23,7 @@ from yade_scenes import (
 
 import demlaws as dl
 from demlaws import yade as dy
-from demlaws.shear import pressure_along
+from demlaws.shear import _pressure_along
 
 FRICTION = dl.PressureFriction(mu0=0.2, c1=0.5, c2=2e-9)
 SAND = {"sigmaMax": 0.4e9, "alpha": 1.2, "c1": 0.4, "c2": 3e-9, "frictionAngle": 0.25}
@@ -121,7 +121,7 @@ def test_the_limit_is_that_of_python(omega, name, rule, shear):
     )
     pair = dl.Contact(0.005, MODULUS, GRANITE.roughness * 2**0.5, GRANITE.fractal_dimension, GRANITE.hardness)
     law = dl.law(name, pair, rule, **options)
-    expected = FRICTION.coefficient(pressure_along(law, overlap))
+    expected = FRICTION.coefficient(_pressure_along(law, overlap))
     assert np.ptp(expected) > 0.05
     np.testing.assert_allclose(friction, expected, rtol=1e-12)
     slid = np.arange(len(PATH)) > 10
@@ -140,7 +140,7 @@ def test_a_damped_contact_has_the_same_coefficient(omega):
     phys, overlap = omega.interactions[0, 1].phys, omega.interactions[0, 1].geom.penetrationDepth
     hertz = dl.law("hertz", dl.Contact(0.005, MODULUS))
     assert phys.normalForce.norm() > 1.2 * hertz.force(overlap)
-    friction = FRICTION.coefficient(pressure_along(hertz, np.array([overlap])))[0]
+    friction = FRICTION.coefficient(_pressure_along(hertz, np.array([overlap])))[0]
     assert phys.tangensOfFrictionAngle == pytest.approx(friction, rel=1e-12)
     assert phys.shearForce.norm() == pytest.approx(friction * phys.normalForce.norm(), rel=1e-9)
 
@@ -222,7 +222,7 @@ def test_contacts_above_a_strength(omega):
     (pressure,) = law.contacts().mean_pressure
     pair = dl.Contact(0.005, MODULUS, GRANITE.roughness * 2**0.5, GRANITE.fractal_dimension)
     along = np.array([0.02 - (0.02 - overlap) for overlap in PATH])
-    assert pressure == pytest.approx(pressure_along(dl.law("pohrt-popov", pair, "hertz"), along)[-1], rel=1e-9)
+    assert pressure == pytest.approx(_pressure_along(dl.law("pohrt-popov", pair, "hertz"), along)[-1], rel=1e-9)
     assert law.contacts().above is None
     for share, above in ((0.99, True), (1.01, False)):
         contacts = law.contacts(strength=share * pressure)
