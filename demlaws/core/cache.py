@@ -200,9 +200,11 @@ def _key(thing, seen):
 
 
 def _parts_of_function(function, code, seen):
+    module = function.__module__  # numba imports it where it loads the code; a law file's is named by its place
+    if module is not None and module not in sys.modules:
+        return [None]
     # the whole file as well: the code of a numba stub does not identify its implementation
-    # and its module, which numba imports where it loads the code: that of a file of laws is named by the file's place
-    parts = [_code_digest(code), _file_digest(code.co_filename), str(function.__module__), _key(function.__defaults__, seen)]
+    parts = [_code_digest(code), _file_digest(code.co_filename), str(module), _key(function.__defaults__, seen)]
     parts += [_key(cell.cell_contents, seen) for cell in function.__closure__ or ()]
     names = sorted(_names(code))
     for value in (function.__globals__[name] for name in names if name in function.__globals__):
