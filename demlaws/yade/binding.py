@@ -8,7 +8,6 @@ import yade
 import yade.utils
 
 from demlaws.errors import DemlawsError, EngineStopped, LargeOverlap, ShapeWarning, TimeStepWarning, ValidityWarning, warn
-from demlaws.timestep import STEP_SAFETY, packing_estimate
 from demlaws.units import LARGE_RADIUS, LARGE_ROUGHNESS, SMALL_OVERLAP, judge
 from demlaws.yade import layout, native, reports
 from demlaws.yade.omega import FULL_CHECK_STEPS, get_engines, invalid_radius, is_our_contact, mobilities, real_contacts
@@ -399,6 +398,8 @@ class Binding:
             if stiffness[place] * mobility * limit**2 > 4.0:
                 worst, limit = place, 2.0 / math.sqrt(stiffness[place] * mobility)
         if worst is not None:
+            from demlaws.timestep import STEP_SAFETY, packing_estimate
+
             advised = STEP_SAFETY * packing_estimate(float(stiffness[worst]), 1.0 / max(mobilities(contacts[worst])))
             text = reports.step_text(contacts[worst], limit, float(rows["overlap"][worst]), advised)
             self._warn_once("long step", text, TimeStepWarning)
