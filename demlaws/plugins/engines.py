@@ -20,6 +20,7 @@ from pathlib import Path
 
 import demlaws
 from demlaws.errors import DemlawsError, EngineStopped, handling_signals
+from demlaws.files import write_atomically
 
 SHARED = Path(__file__).parents[1] / "cpp"
 """Headers that all plugins include."""
@@ -185,15 +186,13 @@ def _digest_file(library):
 
 
 def _compile(command, library, packages, force):
-    """Compile into a folder beside `library`, then rename: no other process sees half of it."""
+    """Compile elsewhere, then write to the cache by renaming: no other process sees half of the plugin."""
     try:
         library.parent.mkdir(parents=True, exist_ok=True)
         with _locked(library.parent), handling_signals(_stop, signal.SIGTERM, signal.SIGHUP):
             if not force and _is_whole(library):  # another process has compiled it meanwhile
                 return
-            for left in library.parent.glob("building-*"):  # of one that was killed
-                shutil.rmtree(left, ignore_errors=True)
-            with tempfile.TemporaryDirectory(prefix="building-", dir=library.parent) as folder:
+            with tempfile.TemporaryDirectory(prefix="demlaws-") as folder:
                 print(f"demlaws: compiling {library.name}, some 20 s; this is done once and kept", file=sys.stderr)
                 made = Path(folder) / library.name
                 environment = {**os.environ, "LC_ALL": "C"}
@@ -201,9 +200,9 @@ def _compile(command, library, packages, force):
                 if result.returncode:
                     message = "\n".join((result.stderr or result.stdout).strip().splitlines()[:12])
                     raise DemlawsError(f"the plugin did not compile ({packages}):\n{message}")
-                _digest_file(made).write_text(_digest([made.read_bytes()]))
-                os.replace(_digest_file(made), _digest_file(library))
-                os.replace(made, library)
+                content = made.read_bytes()
+            write_atomically(_digest_file(library), _digest([content]))
+            write_atomically(library, content)
     except OSError as error:
         raise DemlawsError(
             f"cannot write to the cache {library.parent}: {error.strerror}; set DEMLAWS_CACHE to a folder you may write to"

@@ -90,13 +90,15 @@ PLUGIN.build()
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGKILL])
 @pytest.mark.parametrize("engine", ["lammps"])
 def test_a_signal_while_compiling_leaves_no_folder(plugin, tmp_path, monkeypatch, number):
-    """Of a killed process the next one that compiles removes it."""
-    environment = {**os.environ, "DEMLAWS_CACHE": str(tmp_path / "cache"), "PYTHONPATH": HOME}
+    """The cache has only whole plugins; of a killed process the system's folder of temporary files keeps one."""
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    environment = {**os.environ, "DEMLAWS_CACHE": str(tmp_path / "cache"), "PYTHONPATH": HOME, "TMPDIR": str(temporary)}
     monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path / "cache"))
     line = [sys.executable, "-c", COMPILING, "1000"]
     with subprocess.Popen(line, env=environment, stderr=subprocess.PIPE, text=True, preexec_fn=usual_signals) as process:
         folder = plugin.library_path().parent
-        while not list(folder.glob("building-*/*")):
+        while not list(temporary.glob("*/*")):
             assert process.poll() is None
             time.sleep(0.05)
         children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
@@ -105,7 +107,7 @@ def test_a_signal_while_compiling_leaves_no_folder(plugin, tmp_path, monkeypatch
         if number == signal.SIGKILL:
             for child in children:
                 os.kill(int(child), signal.SIGKILL)
-    assert bool(list(folder.iterdir())) == (number == signal.SIGKILL)
+    assert not list(folder.iterdir()) and bool(list(temporary.iterdir())) == (number == signal.SIGKILL)
     monkeypatch.setattr(plugin, "compile_command", lambda portable=False: ["touch"])
     monkeypatch.setattr(subprocess, "run", lambda command, **_: Path(command[-1]).touch() or subprocess.CompletedProcess([], 0))
     library = plugin.build()
