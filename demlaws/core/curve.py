@@ -12,10 +12,11 @@ from typing import NamedTuple
 import numpy as np
 from numba.extending import overload
 
-from demlaws.core.dispatch import bind, energy, first_loading, with_pointers
+from demlaws.core.dispatch import bind, scale, with_pointers
 from demlaws.core.fastmath import bits, from_bits, hertz_coefficient, hertz_overlap, read_only, row_of_four, sqrt
 from demlaws.core.numba_compat import INLINED, kernel, loop
 from demlaws.core.table_types import Grid, TableParams, TableShape
+from demlaws.core.unloading import energy_within, first_loading_within, inverse_within
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
 
@@ -214,7 +215,7 @@ bind(TableParams, first_loading=_first_loading, inverse=_inverse, energy=_energy
 class CurveShape(NamedTuple):
     """A table to unload along: the curve s(u) and its reverse, u as a curve of s less the seat, on a grid of the same kind."""
 
-    curve: TableShape
+    loading: TableShape
     reverse: TableShape
 
 
@@ -222,51 +223,36 @@ class CurveParams(NamedTuple):
     """One contact."""
 
     hertz_coefficient: float
-    curve: TableParams
+    loading: TableParams
 
 
 @kernel
 def _curve_scale(shape, radius, modulus, roughness):
-    curve = scale_table(shape.curve, radius, modulus, roughness, 0.0)
-    return CurveParams(curve.hertz_coefficient, curve)
-
-
-@kernel
-def _curve_first_loading(shape, p, overlap):
-    return first_loading(shape.curve, p.curve, overlap)
-
-
-@kernel
-def _curve_inverse(shape, p, force):
-    return _inverse(shape.curve, p.curve, force)
-
-
-@kernel
-def _curve_energy(shape, p, overlap):
-    return energy(shape.curve, p.curve, overlap)
+    loading = scale(shape.loading, radius, modulus, roughness)
+    return CurveParams(loading.hertz_coefficient, loading)
 
 
 @kernel
 def _curve_inverse_near(shape, p, force, equivalent):
     """One look-up where `inverse` searches; NaN above the last node of the reverse."""
-    above = equivalent * p.curve.inverse_length - shape.curve.grid.seat
+    above = equivalent * p.loading.inverse_length - shape.loading.grid.seat
     u, _ = read_curve(shape.reverse.grid, 0.0 if above <= 0.0 else above, 0)
-    highest = shape.curve.grid.highest
-    return (highest if u > highest else u) * p.curve.length
+    highest = shape.loading.grid.highest
+    return (highest if u > highest else u) * p.loading.length
 
 
 @kernel
 def _curve_with_pointers(shape):
-    return CurveShape(with_pointers(shape.curve), with_pointers(shape.reverse))
+    return CurveShape(with_pointers(shape.loading), with_pointers(shape.reverse))
 
 
 bind(CurveShape, scale=_curve_scale, with_pointers=_curve_with_pointers, with_pointers_to_invert=_curve_with_pointers)
 bind(
     CurveParams,
-    first_loading=_curve_first_loading,
-    inverse=_curve_inverse,
+    first_loading=first_loading_within,
+    inverse=inverse_within,
     inverse_near=_curve_inverse_near,
-    energy=_curve_energy,
+    energy=energy_within,
 )
 
 

@@ -170,17 +170,20 @@ def _joined_scale(shape, radius, modulus, roughness):
 
 
 @kernel
-def _joined_first_loading(shape, p, overlap):
+def first_loading_within(shape, p, overlap):
+    """`first_loading` of a law that is the field `loading` of Shape and Params."""
     return first_loading(shape.loading, p.loading, overlap)
 
 
 @kernel
-def _joined_inverse(shape, p, force):
+def inverse_within(shape, p, force):
+    """`inverse` likewise."""
     return inverse(shape.loading, p.loading, force)
 
 
 @kernel
-def _joined_energy(shape, p, overlap):
+def energy_within(shape, p, overlap):
+    """`energy` likewise."""
     return energy(shape.loading, p.loading, overlap)
 
 
@@ -198,9 +201,9 @@ def _joined_with_pointers(shape):
 bind(JoinedShape, scale=_joined_scale, with_pointers=_joined_with_pointers)
 bind(
     JoinedParams,
-    first_loading=_joined_first_loading,
-    inverse=_joined_inverse,
-    energy=_joined_energy,
+    first_loading=first_loading_within,
+    inverse=inverse_within,
+    energy=energy_within,
     unloading_curve=_joined_unloading_curve,
 )
 

@@ -116,7 +116,7 @@ def _refuse_unless_passive(sections, law):
         return
     if rule.curve == "given":
         reverse, grid = law.shape.unloading.reverse.grid, law.curve.shape.grid
-        ratio, seat = law.params.equivalent_ratio, law.shape.unloading.curve.grid.seat
+        ratio, seat = law.params.equivalent_ratio, law.shape.unloading.loading.grid.seat
         if float(grid.cells[-1, 0]) * ratio - seat > reverse.highest:
             sections[1].fail(sections[1].first_row, "the unloading curve ends below the last force of the loading")
     width = np.diff(u)
