@@ -93,7 +93,7 @@ class Binding:
         self.judge_validity()
         rows = self.rows(real_contacts())
         rows = rows[rows["tag"] > 0]
-        energies, ended = self.pairs.energies(rows), self.account
+        energies, ended = self.pairs.evaluate(rows)[0], self.account
         return Totals(
             stored=float(energies["stored"].sum()),
             dissipated=float(energies["dissipated"].sum()) + ended["banked"],

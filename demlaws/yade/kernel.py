@@ -1,6 +1,6 @@
 """The contact step: compiled code that runs inside YADE at each contact, no Python, no YADE.
 
-`evaluate` is the law: a contact, its pair of surfaces, overlap and history in; force, tangent and new history out.
+`law_of_contact` is the law: a contact, its pair of surfaces, overlap and history in; force, tangent and new history out.
 `go` is that law at work inside a native functor (see `native`): Mindlin's law with our force and stiffness (`mindlin`).
 """
 
@@ -18,6 +18,7 @@ from demlaws.core.unloading import rule_of_smooth_contact
 from demlaws.laws.hertz import HertzParams, HertzShape
 from demlaws.units import LARGEST_OVERLAP, LARGEST_ROUGHNESS, RANGES, SMALL_OVERLAP
 from demlaws.yade import layout, objects
+from demlaws.yade.friction import Constant
 from demlaws.yade.friction import apply as apply_friction
 from demlaws.yade.layout import CONTEXT, SHAPE
 from demlaws.yade.mindlin import Pointers, body_of, native_go, with_states
@@ -37,7 +38,7 @@ from demlaws.yade.records import (
     view,
     write_floats,
 )
-from demlaws.yade.shear import Slip, apply_mindlin, compress, synchronise
+from demlaws.yade.shear import Native, Slip, apply_mindlin, compress, synchronise
 from demlaws.yade.tuples import keep_state, shape_of, state_of
 
 LOWEST_MODULUS = RANGES["modulus"].low
@@ -72,16 +73,6 @@ def response(shear, rule, shape, p, overlap, state):
     """Force [N], tangent stiffness, the stiffness used to compute K_t [N/m], and new state."""
     force, stiffness, new = step(rule, shape, p, overlap, state)
     return force, stiffness, shear_stiffness(shear, rule, shape, p, overlap, force, stiffness, new), new
-
-
-@kernel
-def evaluate(kind, params_kind, shear, rule, pair, contact, overlap, state):
-    """`response` of a contact whose surfaces are `pair`."""
-    if contact.modulus == 0.0:  # a marker: YADE's own law gives it no force
-        return 0.0, 0.0, 0.0, state
-    if pair.smooth != 0:
-        return response(shear, rule_of_smooth_contact(rule), HertzShape(), HertzParams(contact.hertz), overlap, state)
-    return response(shear, rule, shape_of(kind, pair), params_of(params_kind, contact), overlap, state)
 
 
 @kernel
@@ -430,11 +421,12 @@ def unknown_class(context, contact, interaction):
 
 
 @kernel
-def law_of_contact(
-    kind, params_kind, shear, mode, rule, friction, context, phys, phys_address, row_address, pair, row, overlap, old
-):
-    """`response` of a contact by what its row has, with springs and friction set; row_address < 0: a smooth pair."""
-    if row_address > 0:
+def law_of_contact(kind, params_kind, shear, mode, rule, friction, context, phys, phys_address, rough, pair, row, overlap, old):
+    """`response` of a contact by what its row has, with springs and friction set; rough: whether it has Params of the law.
+
+    A marker, whose E* is 0, has no force: YADE's own law gives it none.
+    """
+    if rough:
         shape, p = shape_of(kind, pair), params_of(params_kind, row)
         force, stiffness, sideways, new = response(shear, rule, shape, p, overlap, old)
         compress(mode, rule, shape, p, row, overlap, force, sideways, new)
@@ -494,7 +486,7 @@ def go(kind, params_kind, shear, mode, rule, friction, pair_dtype, row_dtype, co
     if geom.refR1 + geom.refR2 != row.reach:
         follow_radii(kind, context, geom, interaction, row, pair)
     old = state_of(rule, row)
-    of_contact = context, phys, phys_address, row_address, pair, row, overlap, old
+    of_contact = context, phys, phys_address, row_address > 0, pair, row, overlap, old
     force, stiffness, sideways, new = law_of_contact(kind, params_kind, shear, mode, rule, friction, *of_contact)
     if is_faulty(context, interaction, row, overlap, force):
         # without a guard, which would stop the run, propagate NaN
@@ -565,7 +557,7 @@ def entry(pairs, context_offset):
 
 @loop
 def evaluate_loop(kind, params_kind, shear, rule, pairs, contacts, out):
-    """`evaluate` for an array of contacts, whose state is updated in place; out: an array of `EVALUATED`.
+    """The law for an array of contacts, whose state is updated in place; out: an array of `EVALUATED`.
 
     Returns the first contact whose force is not finite, or -1.
     """
@@ -574,7 +566,8 @@ def evaluate_loop(kind, params_kind, shear, rule, pairs, contacts, out):
         c = contacts[i]
         old = state_of(rule, c)
         pair = pairs[np.int64(c.tag) - 1]
-        force, stiffness, sideways, new = evaluate(kind, params_kind, shear, rule, pair, c, c.overlap, old)
+        kinds, rough = (kind, params_kind, shear, Native(), rule, Constant()), pair.smooth == 0 and c.modulus != 0.0
+        force, stiffness, sideways, new = law_of_contact(*kinds, 0, 0, 0, rough, pair, c, c.overlap, old)
         if force - force != 0.0 or c.overlap - c.overlap != 0.0:
             bad = i if bad < 0 else bad
             force, stiffness, sideways, new = 0.0, 0.0, 0.0, old
@@ -584,18 +577,8 @@ def evaluate_loop(kind, params_kind, shear, rule, pairs, contacts, out):
         out[i].kso = kso
         out[i].tangent = stiffness
         out[i].force = force
+        out[i].stored, out[i].dissipated = energies(kind, params_kind, rule, pair, c, c.overlap, old)
     return bad
-
-
-@loop
-def energies_loop(kind, params_kind, rule, pairs, contacts, out):
-    """`energies` for an array of contacts; out: an array of `ENERGY`."""
-    for i in range(contacts.size):
-        c = contacts[i]
-        pair = pairs[np.int64(c.tag) - 1]
-        stored, dissipated = energies(kind, params_kind, rule, pair, c, c.overlap, state_of(rule, c))
-        out[i].stored = stored
-        out[i].dissipated = dissipated
 
 
 @loop

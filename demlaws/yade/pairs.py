@@ -420,17 +420,11 @@ class Pairs:
         return contacts
 
     def evaluate(self, contacts):
-        """Response to the overlaps of an array of `layout.contact_dtype`, whose state is updated in place: an array of
-        `layout.EVALUATED`, and the first contact whose force is not finite, or -1."""
+        """Response to the overlaps of an array of `layout.contact_dtype`, whose state is updated in place, and the energies of
+        the state before: an array of `layout.EVALUATED`, and the first contact whose force is not finite, or -1."""
         out = np.zeros(len(contacts), layout.EVALUATED)
         kinds = self.kind, self.params_kind, self.shear, self.rule
         return out, kernel.evaluate_loop(*kinds, self.records, contacts, out)
-
-    def energies(self, contacts):
-        """Stored and dissipated energy of an array of `layout.contact_dtype`: an array of `layout.ENERGY`."""
-        out = np.zeros(len(contacts), layout.ENERGY)
-        kernel.energies_loop(self.kind, self.params_kind, self.rule, self.records, contacts, out)
-        return out
 
     def bulk_yielded(self, contacts, highest):
         """Whether the bulk of contacts has passed the law's yield point: an array of bool; None: no law has one.
