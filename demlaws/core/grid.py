@@ -96,12 +96,6 @@ def _below(u0, s0, exponent, first, bits_per_octave, straight, floor):
     return np.concatenate([[[0.0, s[0], 0.0, 0.0]], cells]), float(u[0])
 
 
-def _padded(kinks):
-    """Kinks and infinities, 2, 4, 8, ... in all: each number is a type of its own, for which look-ups are compiled."""
-    size = max(2, 2 ** math.ceil(math.log2(max(len(kinks), 1))))
-    return (*kinks, *([math.inf] * (size - len(kinks))))
-
-
 def shape_from_nodes(
     nodes, bits_per_octave, length_over_roughness, length_over_radius, *, bulk=NO_YIELD, straight=False, floor=None
 ):
@@ -129,6 +123,8 @@ def shape_from_nodes(
     energy = below + np.concatenate([[0.0], np.cumsum(pieces)[:-1]])
     # a kink that lies on the grid splits no cell: the cells on either side have their own slopes there
     splits = [float(k) for k in kinks if k.view(np.int64) & ((1 << shift) - 1)]
+    # 2, 4, 8, … kinks and infinities in all: each number is a type of its own, for which look-ups are compiled
+    padding = max(2, 2 ** math.ceil(math.log2(max(len(splits), 1)))) - len(splits)
     below, floor = _below(u[0], s[0], exponent, int(numbers[0]), bits_per_octave, straight, floor)
     end = slope[-1] * float(node(numbers[-1] + 2, bits_per_octave) - u[-1])
     cells = np.concatenate([below, cells, [[s[-1], end, 0.0, 0.0]]])  # the last row is read at the last node only
@@ -137,7 +133,7 @@ def shape_from_nodes(
         starts=np.ascontiguousarray(np.column_stack([t0, s[left], energy, base, width])),
         shift=shift,
         first=int(numbers[0]) - below.shape[0],
-        kinks=_padded(splits),
+        kinks=(*splits, *([math.inf] * padding)),
         lowest=float(u[0]),
         highest=float(u[-1]),
         floor=floor,

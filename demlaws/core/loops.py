@@ -157,12 +157,8 @@ def bind_params(shape, contact):
         return first
     params = map_leaves(lambda _: np.empty(size), first)
     scale_loop(shape, *columns, params)
-    return map_leaves(_constant_or_array, params)
-
-
-def _constant_or_array(values):
-    """One float where all contacts have the same: loops then read one array less."""
-    return float(values[0]) if np.all(values == values[0]) else values
+    # one float where all contacts have the same: loops then read one array less
+    return map_leaves(lambda values: float(values[0]) if np.all(values == values[0]) else values, params)
 
 
 def params_at(params, index):

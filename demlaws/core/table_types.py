@@ -13,7 +13,7 @@ class Grid(NamedTuple):
     starts: np.ndarray  # (cells between nodes, 5): t, s, ∫f du where a cell or its part after a kink begins; grid u, width
     shift: int  # 52 - bits
     first: int  # grid number of row 0 of `cells`
-    kinks: tuple  # u of the kinks that split a cell, then infinity; 2 of them or more, a power of two: see `reached`
+    kinks: tuple  # u of the kinks that split a cell, then infinity; 2 of them or more, a power of two: see `count_kinks_below`
     lowest: float  # u of the first node
     highest: float  # u of the last node
     floor: float  # u where the cells below the first node begin; linear from there to 0, or to the seat

@@ -129,8 +129,10 @@ class Binding:
     def watch(self, functor):
         """Work of the guard: raise the faults of native code, make room, check everything now and then."""
         self.guards += 1
-        if not O.dt > 0.0:
-            self._judge_step()
+        if O.dt == 0.0:
+            self._warn_once("step", "O.dt = 0 s: bodies do not move, and viscous damping has no velocity; set O.dt")
+        elif not O.dt > 0.0:
+            raise EngineStopped(f"O.dt = {O.dt:g} s: give a positive time step")
         self.check_functor(functor)
         self.report_notes()
         self.pairs.radii.refresh(self.context)
@@ -141,12 +143,6 @@ class Binding:
         if thoroughly or self.guards % 10 == 0:
             self.judge_validity()
         self.check_bodies(thoroughly)
-
-    def _judge_step(self):
-        """Warn once of a step of 0, raise for one that is not a number or negative."""
-        if O.dt != 0.0:
-            raise EngineStopped(f"O.dt = {O.dt:g} s: give a positive time step")
-        self._warn_once("step", "O.dt = 0 s: bodies do not move, and viscous damping has no velocity; set O.dt")
 
     def verify(self):
         """Raise unless every contact of the law's class has this law's mark, and materials are admissible.

@@ -1,6 +1,6 @@
 """The contacts of the current scene as a table, and their energies."""
 
-from typing import NamedTuple
+from collections import namedtuple
 
 import numpy as np
 import yade
@@ -18,12 +18,7 @@ from demlaws.yade.tuples import state_of as history_of
 O = yade.O  # noqa: E741  YADE's name
 
 
-class _Energies(NamedTuple):
-    stored: float
-    dissipated: float
-
-
-class Totals(_Energies):
+class Totals(namedtuple("Energies", ("stored", "dissipated"))):
     """Energies [J] in the normal direction: `stored` in the contacts, and `dissipated` by plasticity since the law began.
 
     shear_stored, shear_dissipated: of shear, the latter by friction and opening; viscous: taken by damping. unaccounted: number

@@ -118,13 +118,6 @@ def _curvatures(shape, position, orientation, point, t, s):
     return first, mixed, _quadratic(diagonal, rest, v, v) / size
 
 
-@kernel
-def equivalent_radius(sharp, blunt):
-    """R of the sphere on a flat with the force of Hertz's elliptical contact; sharp ≥ blunt: curvatures of the gap [1/m]."""
-    _, gamma = quick_factors(sharp / blunt)
-    return 2.0 / ((sharp + blunt) * gamma * gamma * gamma)
-
-
 @loop
 def gap_radius(first, position1, orientation1, second, position2, orientation2, point, normal, radius, largest):
     """Equivalent R [m] of the gap between two bodies; all but the last two are addresses.
@@ -151,7 +144,9 @@ def gap_radius(first, position1, orientation1, second, position2, orientation2, 
     for shape in (shape1, shape2):
         if shape.kind == FIELD:
             spacing = max(spacing, shape.size)
-    return max(equivalent_radius(max(sharp, least), max(blunt, least)), spacing)
+    sharp, blunt = max(sharp, least), max(blunt, least)
+    gamma = quick_factors(sharp / blunt)[1]
+    return max(2.0 / ((sharp + blunt) * gamma * gamma * gamma), spacing)
 
 
 # --- a scene

@@ -127,14 +127,6 @@ def has_no_radius(context, body):
     )
 
 
-@kernel
-def lever_of(context, body1, body2):
-    """Kind of the surfaces of two bodies: which lever arms their spins have at a contact."""
-    if is_flat(context, body1):
-        return layout.FLAT
-    return layout.NO_LEVER if has_no_radius(context, body1) or has_no_radius(context, body2) else layout.ROUND
-
-
 @not_inlined
 def surface_of(context, body):
     """Number of the surface whose label the body's material bears; 0 where no surface has that label."""
@@ -279,7 +271,9 @@ def initialise_contact(context, pairs, row, geom, phys, interaction):
     number = array(context.pair_numbers, (context.surfaces, context.surfaces), np.int64)[first, second]
     pair = pairs[number]
     row.radius, row.modulus, row.ratio, row.tag = radius, modulus, 0.0, number + 1.0
-    row.written, row.lever = phys.kno + phys.kso, lever_of(context, body1, body2)
+    round_bodies = not (has_no_radius(context, body1) or has_no_radius(context, body2))
+    row.lever = layout.FLAT if is_flat(context, body1) else layout.ROUND if round_bodies else layout.NO_LEVER
+    row.written = phys.kno + phys.kso
     row.reach = geom.refR1 + geom.refR2
     add_integer(context.open.ctypes.data, 1)
     if phys.kno == 0.0:
@@ -398,13 +392,6 @@ def end_contact(kind, params_kind, rule, context, pair, row, state):
 # --- the step
 
 
-@kernel
-def supports_class(context, geom, phys):
-    """Whether objects are of classes that the law acts on."""
-    known = phys.vtable == context.physics or phys.vtable == context.capillary or phys.vtable == context.conical
-    return known and is_among(geom.vtable, context.geometry_classes, context.geometry_count)
-
-
 @not_inlined
 def without_row(context, contact, phys):
     """The step of a contact that has no row: no force, or NaN without a guard, which would stop the run."""
@@ -470,7 +457,8 @@ def go(kind, params_kind, shear, mode, rule, friction, pair_dtype, row_dtype, co
     phys_address = pointee(contact.phys_pointer)
     geom, phys = view(contact.geom, objects.ScGeom), view(phys_address, objects.MindlinPhys)
     interaction = view(contact.interaction, objects.Interaction)
-    if not supports_class(context, geom, phys):
+    known = phys.vtable == context.physics or phys.vtable == context.capillary or phys.vtable == context.conical
+    if not (known and is_among(geom.vtable, context.geometry_classes, context.geometry_count)):
         return unknown_class(context, contact, interaction)
     overlap = -1.0 if geom.penetrationDepth == -math.inf else geom.penetrationDepth  # newer YADE: level sets apart
     row_address = np.int64(phys.prevU[1])

@@ -151,17 +151,6 @@ def shear_damping(context, contact, phys, increment):
 
 
 @kernel
-def damped_force(context, contact, geom, phys, row, size):
-    """Normal force [N] less its viscous part; writes both. size: without damping [N]."""
-    viscous, moved = damping_of_normal(context, contact, geom, phys, size)
-    normal = vector(geom.normal)
-    row.viscous += viscous * moved
-    assign(phys.normalViscous, scaled(viscous, normal))
-    assign(phys.normalForce, scaled(size - viscous, normal))
-    return size - viscous
-
-
-@kernel
 def apply_forces(context, contact, law, geom, interaction, first, second, force):
     """Add the force on the first body and its reaction, with their torques, to the bodies."""
     scene = view(law.scene, objects.Scene)
@@ -188,7 +177,11 @@ def own_step(mode, context, contact, geom, phys, row):
     assign(phys.normalForce, scaled(normal_force, vector(geom.normal)))
     damped = phys.betan != 0.0 or phys.betas != 0.0
     if damped:
-        normal_force = damped_force(context, contact, geom, phys, row, normal_force)
+        drag, moved = damping_of_normal(context, contact, geom, phys, normal_force)
+        row.viscous += drag * moved
+        assign(phys.normalViscous, scaled(drag, vector(geom.normal)))
+        normal_force -= drag
+        assign(phys.normalForce, scaled(normal_force, vector(geom.normal)))
     increment = vector(geom.shearInc)
     stretch = minus_scaled(turned(geom, vector(phys.usElastic)), 1.0, increment)
     assign(phys.usTotal, minus_scaled(turned(geom, vector(phys.usTotal)), 1.0, increment))
@@ -230,7 +223,11 @@ def supports_options(context, contact, geom, phys, row):
     return row.interaction == contact.interaction and law.options == 0 and exponent_of_damping(phys) == 0.0
 
 
-@generic(lambda *_: _force_of_one_spring)
+@generic(
+    lambda *_: (
+        lambda mode, geom, phys, row, increment: minus_scaled(turned(geom, vector(phys.shearElastic)), phys.ks, increment)
+    )
+)
 def trial_force(mode, geom, phys, row, increment):
     """Elastic shear force after the step's displacement `increment` [m], before Coulomb's limit: turned with the contact."""
 
@@ -263,10 +260,6 @@ def together_within_limit(mode, force, viscous, limit):
     if square + 2.0 * along + beyond <= 0.0 or not square > 0.0:
         return viscous
     return scaled((sqrt(along * along - square * min(beyond, 0.0)) - along) / square, viscous)
-
-
-def _force_of_one_spring(mode, geom, phys, row, increment):
-    return minus_scaled(turned(geom, vector(phys.shearElastic)), phys.ks, increment)
 
 
 @generic(lambda *_: lambda mode, row, share: None)

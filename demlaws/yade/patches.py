@@ -6,12 +6,12 @@ stopped the run before; `O.reset` returns the memory of contacts. Importing `dem
 replacements.
 """
 
+import contextlib
 import functools
 import types
 
 import yade
 
-from demlaws.errors import EngineStopped
 from demlaws.yade import scene
 
 
@@ -24,10 +24,9 @@ def install():
     energy, tracking = omega.energy, omega.trackEnergy
     omega.energy = property(lambda o: scene.with_energies(energy.__get__(o)), energy.fset)
     omega.trackEnergy = property(tracking.fget, functools.partial(_track, tracking.fset))
-    methods = {"run": _running, "wait": _waiting, "reset": _resetting, "save": _saving, "saveTmp": _saving}
-    for name, replaced in methods.items():
-        native = getattr(omega, name)
-        setattr(omega, name, functools.wraps(native)(replaced(native)))
+    calls = {"run": {"before": scene.begin}, "wait": {"after": scene.report_stop}, "reset": {"after": scene.end_laws}}
+    for name, actions in {**calls, "save": {"during": scene.as_saved}, "saveTmp": {"during": scene.as_saved}}.items():
+        setattr(omega, name, _around(getattr(omega, name), **actions))
     scene.attach()
 
 
@@ -36,34 +35,17 @@ def _track(native, omega, value):
     native(omega, value)
 
 
-def _running(native):
-    def run(omega, nSteps=-1, wait=False):
-        scene.begin()
-        native(omega, nSteps, wait)
+def _around(native, before=None, after=None, during=contextlib.nullcontext):
+    """A method of YADE with calls of ours before and after it, within a context."""
 
-    return run
+    @functools.wraps(native)
+    def method(omega, *arguments, **keywords):
+        if before is not None:
+            before()
+        with during():
+            result = native(omega, *arguments, **keywords)
+        if after is not None:
+            after()
+        return result
 
-
-def _waiting(native):
-    def wait(omega):
-        native(omega)
-        if scene.stops:
-            raise EngineStopped(scene.stops[-1])
-
-    return wait
-
-
-def _resetting(native):
-    def reset(omega):
-        native(omega)
-        scene.end_laws()
-
-    return reset
-
-
-def _saving(native):
-    def save(omega, *arguments, **keywords):
-        with scene.as_saved():
-            return native(omega, *arguments, **keywords)
-
-    return save
+    return method

@@ -349,6 +349,12 @@ def guard(label):
         raise error.with_traceback(None) from None
 
 
+def report_stop():
+    """After a run: raise the message of the guard that has stopped it."""
+    if stops:
+        raise EngineStopped(stops[-1])
+
+
 def begin():
     """Before a run: attach the laws of a loaded scene, and raise where a law has no guard."""
     stops.clear()

@@ -16,15 +16,13 @@ STEP_TOLERANCE = 1e-12
 """Of the largest value of each attribute: between a contact step without the native `go` and one with it."""
 
 
+_LEGS = (0.0, 0.5), (0.5, 0.2), (0.2, 1.0), (1.0, -0.1), (-0.1, 0.3)
+PATH = np.concatenate([np.linspace(a, b, 12, endpoint=False) for a, b in _LEGS])[1:]
+"""Overlaps over the deepest one: load, unload, reload further, part, touch again."""
+
+
 class SelfTestFailed(native.BridgeUnavailable):
     """YADE did not apply the law's force to two test spheres."""
-
-
-def _overlaps(deepest):
-    """Load, unload, reload further, part, touch again [m]."""
-    legs = [(0.0, 0.5), (0.5, 0.2), (0.2, 1.0), (1.0, -0.1), (-0.1, 0.3)]
-    path = np.concatenate([np.linspace(a, b, 12, endpoint=False) for a, b in legs])
-    return deepest * path[1:]
 
 
 def _deepest(pairs, row, overlap):
@@ -138,7 +136,7 @@ def _compare(binding):
     row = pairs.contacts_of([number], effective_radius, modulus)
     wrong, largest, forces, steps = 0.0, 0.0, [], 0
     deepest = _deepest(pairs, row, 4e-3 * effective_radius)
-    for overlap in _overlaps(deepest):
+    for overlap in deepest * PATH:
         O.bodies[1].state.pos = yade.Vector3(0, 0, 2 * radius - overlap)
         O.step()
         contact = O.interactions[0, 1] if O.interactions.has(0, 1) else None

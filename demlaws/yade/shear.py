@@ -209,14 +209,6 @@ def cut_levels(row, stiffness):
 
 
 @kernel
-def relax_levels(row, stiffness):
-    """K_t is now `stiffness` [N/m]; energy [J] that is lost by this."""
-    if stiffness > row.bound[len(row.bound) - 1]:
-        return push_level(row, stiffness)
-    return cut_levels(row, stiffness)
-
-
-@kernel
 def _force_of_displaced_levels(mode, geom, phys, row, increment):
     move_levels(geom, row, increment)
     return force_of_levels(row)
@@ -278,7 +270,7 @@ def relax_shear(mode, phys, row, stiffness):
 
 @kernel
 def _relax_levels(mode, phys, row, stiffness):
-    loss = relax_levels(row, stiffness)
+    loss = push_level(row, stiffness) if stiffness > row.bound[len(row.bound) - 1] else cut_levels(row, stiffness)
     assign(phys.shearElastic, force_of_levels(row))
     return loss
 

@@ -45,15 +45,6 @@ def turned_tangent(geom, tangent, normal):
 
 
 @kernel
-def open_springs(phys, row):
-    """A contact without stiffness has no shear force; the energy of its springs is lost."""
-    assign(phys.shearElastic, (0.0, 0.0, 0.0))
-    row.bound[:] = 0.0
-    row.spring[:] = 0.0
-    account(row, 0.0, 0.0, row.held)
-
-
-@kernel
 def step_of_springs(geom, row, stiffness, limit):
     """Shear force [N] of the springs under Coulomb's limit [N], the share that sticks, whether all slip."""
     displacement = scaled(-1.0, vector(geom.shearInc))  # positive along the force that it makes
@@ -75,7 +66,10 @@ def apply_to_springs(mode, context, contact, row, stiffness):
     """Set the shear force to that of the springs, apply Mindlin's law and account for the energy; stiffness: K_t [N/m]."""
     geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
     if not stiffness > 0.0 or row.bound[len(row.bound) - 1] == 0.0:
-        open_springs(phys, row)
+        assign(phys.shearElastic, (0.0, 0.0, 0.0))  # without stiffness; the energy of the springs is lost
+        row.bound[:] = 0.0
+        row.spring[:] = 0.0
+        account(row, 0.0, 0.0, row.held)
         keep = advance(mode, context, contact, row)
         assign(row.tangent[0], (0.0, 0.0, 0.0))
         return keep
