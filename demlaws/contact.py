@@ -264,7 +264,8 @@ class Contact:
         return all(np.array_equal(getattr(self, field.name), getattr(other, field.name)) for field in fields(self))
 
     def __hash__(self) -> int:
-        return hash(tuple(as_tuple(getattr(self, field.name)) for field in fields(self)))
+        values = [getattr(self, field.name) for field in fields(self)]
+        return hash(tuple(tuple(v.tolist()) if isinstance(v, np.ndarray) else v for v in values))
 
     @classmethod
     def between(
@@ -491,11 +492,6 @@ def refuse_rough(name: str, roughness: Any, radius: Any) -> None:
     for finding in judge(roughness=float(pairs[0][worst]), radius=float(pairs[1][worst])):
         if not finding.admissible:
             raise DemlawsError(finding.text.replace(finding.quantity, name, 1))
-
-
-def as_tuple(value: Any) -> Any:
-    """An array as a tuple, which has a hash; anything else as it is."""
-    return tuple(value.tolist()) if isinstance(value, np.ndarray) else value
 
 
 def as_contact(value: Any) -> Contact:

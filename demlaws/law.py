@@ -172,9 +172,7 @@ class Law(Response):
             raise DemlawsError(
                 f"law {self.name!r} has no single dimensionless curve for contacts that differ: tabulate each kind of contact"
             )
-        largest = None
-        if max_force is not None:
-            largest = self.overlap_of(max_force)
+        largest = None if max_force is None else self.overlap_of(max_force)
         curve = tabulate(self.contact, self.curve, rtol, largest)
         return Table(self.contact, curve, _adapted(self.unloading_parts, self.contact, curve))
 
@@ -215,7 +213,9 @@ def _adapted(unloading, contact, curve):
         from demlaws.curves.tabulate import rescaled
 
         return unloading._replace(curve=rescaled(curve, contact, unloading), contact=contact)
-    return curve.with_unloading(contact, unloading)
+    if unloading.rule.curve == "law" and unloading.rule_parameters is None:
+        return unloading._replace(rule_parameters=curve.rule_parameters(contact, unloading.rule))
+    return unloading
 
 
 def read_unloading(unloading: Any) -> Any:

@@ -400,7 +400,12 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
         found, why = judge.consider(plan)
         errors.update(found)
         ruled_out.update(why)
-    errors = {plan: error for plan, error in errors.items() if _runs_in(plan, scene.engine)}
+    anywhere = scene.engine in ("python", "yade")  # the others compute tables, and what they have a model of their own for
+    errors = {
+        plan: error
+        for plan, error in errors.items()
+        if anywhere or plan.evaluation == "table" or scene.engine in find(plan.name).advice.native
+    }
     none_meets = all(error > scene.tolerance for error in errors.values())
     if not errors or (none_meets and any(_NO_TABLE in why for why in ruled_out.values())):
         names = {why: dict.fromkeys(label.split(",")[0] for label in labels) for why, labels in by_reason(ruled_out).items()}
@@ -433,11 +438,6 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
 
 def _label(plan):
     return f"{plan.name}, {plan.unloading}, {plan.evaluation}"
-
-
-def _runs_in(plan, engine):
-    """LIGGGHTS and LAMMPS compute tables, and what they have a model of their own for; Python and YADE any law."""
-    return engine in ("python", "yade") or plan.evaluation == "table" or engine in find(plan.name).advice.native
 
 
 def _as_table(plan, scene):

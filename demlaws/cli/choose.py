@@ -37,7 +37,7 @@ def register(add):
 
 def run(arguments, result):
     """Do what the command's arguments ask."""
-    from demlaws.advice.choose import choose
+    from demlaws.advice.choose import choose, table_name
     from demlaws.advice.scene import TEMPLATE, Scene
 
     if arguments.template:
@@ -46,8 +46,9 @@ def run(arguments, result):
     if arguments.scene is None:
         raise DemlawsError("give a scene file, or --template for one to fill in")
     scene = Scene.load(arguments.scene)
-    if arguments.out is not None and not arguments.overwrite:
-        _check_tables(scene, arguments.out)
+    if arguments.out is not None and not arguments.overwrite and scene.engine in ("python", "yade"):
+        for kinds in scene.kinds():
+            table_file.check(table_name(arguments.out, scene, kinds))
     advice = _advice(scene, arguments.soften)
     if arguments.soften:
         scene = advice.scene
@@ -117,14 +118,6 @@ def _print_best(result, best, scene):
     result.print(f"time step {best.step:.3g} s, at most {STEP_SAFETY:g} of the estimated stability limit")
     for physics, error in best.left_out:
         result.print(f"  neglected: {physics}: error of the {scene.quantity} {error:.2g}")
-
-
-def _check_tables(scene, out):
-    """Raise DemlawsError if a table of the chosen law would replace a file that is not a table."""
-    from demlaws.advice.choose import table_name
-
-    for kinds in [] if scene.engine in ("liggghts", "lammps") else scene.kinds():
-        table_file.check(table_name(out, scene, kinds))
 
 
 def _write(result, best, scene, out):

@@ -1,6 +1,7 @@
 """Arguments that describe a contact, a law and its unloading, shared by the commands."""
 
 import math
+from pathlib import Path
 
 from demlaws.cli import option
 from demlaws.cli.arguments import length, plain, pressure, radius
@@ -66,6 +67,21 @@ def add_contact_arguments(parser, test=True, modulus=True):
     contact.add_argument("--hardness", type=pressure, help="hardness of the softer body in Pa")
 
 
+def add_dump_arguments(parser):
+    """Arguments that name the two dumps, their columns, and the law."""
+    parser.add_argument("snapshot", type=Path, metavar="GRAINS", help="dump with id x y z radius")
+    parser.add_argument("contacts", type=Path, metavar="CONTACTS", help="local dump with ids and normal force")
+    parser.add_argument(
+        "--columns",
+        type=int,
+        nargs="+",
+        metavar="N",
+        help="column numbers (from 1) of id1 id2 fx fy fz [largest overlap [plastic overlap]] in CONTACTS; not needed for "
+        "dumps of exported cases",
+    )
+    add_law_arguments(parser, law_required=False)
+
+
 def _pair(arguments, name, replaced_by=None):
     """Values of an option for the first and the second body, or None."""
     values = getattr(arguments, name)
@@ -108,7 +124,10 @@ def contact_from(arguments, base=None, **measured):
     from demlaws.contact import Contact, combined_roughness, effective_radius, refuse_rough
     from demlaws.units import refuse_plain_radius
 
-    fields = _of_bodies(bodies_from(arguments))
+    bodies = bodies_from(arguments)
+    pair = bodies and Contact.between(*bodies, radius1=1.0, radius2=1.0)
+    names = ("modulus", "sigma", "fractal_dimension", "hardness")
+    fields = {name: value for name in names if (value := getattr(pair, name, None)) is not None}
     given = {
         "radius": arguments.effective_radius,
         "modulus": arguments.modulus,
@@ -148,17 +167,6 @@ def contact_from(arguments, base=None, **measured):
         tests = ", or --test for that of a granite test" if hasattr(arguments, "test") else ""
         raise DemlawsError(f"{' and '.join(missing)} missing: give the contact{tests}")
     return Contact(**fields)
-
-
-def _of_bodies(bodies):
-    """Fields of a contact that the materials of its bodies have."""
-    from demlaws.contact import Contact
-
-    if bodies is None:
-        return {}
-    pair = Contact.between(*bodies, radius1=1.0, radius2=1.0)
-    names = ("modulus", "sigma", "fractal_dimension", "hardness")
-    return {name: value for name in names if (value := getattr(pair, name)) is not None}
 
 
 def law_from(arguments):

@@ -1,8 +1,7 @@
 """`demlaws contacts`: the contacts of dumps of LIGGGHTS and LAMMPS, and lines between the grains for ParaView."""
 
 from demlaws.cli import example
-from demlaws.cli.contact import law_from
-from demlaws.cli.dumps import add_dump_arguments, read_dumps, stiffness_of
+from demlaws.cli.contact import add_dump_arguments, law_from
 from demlaws.cli.output import csv_file, lines_file
 
 TITLES = ("body1", "body2", "overlap (m)", "force (N)")
@@ -51,6 +50,7 @@ def read(arguments, result):
     """`Contacts` of the two dumps that the arguments name."""
     import numpy as np
 
+    from demlaws.cli.dumps import read_dumps, stiffness_of
     from demlaws.responses.contacts import Contacts
 
     dumped = read_dumps(arguments)

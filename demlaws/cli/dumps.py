@@ -1,11 +1,14 @@
 """Contacts of the last frame of dumps of LIGGGHTS and LAMMPS, for `demlaws timestep` and `demlaws contacts`."""
 
 import math
-from pathlib import Path
 from typing import Any, NamedTuple
 
-from demlaws.cli.contact import add_law_arguments
+import numpy as np
+
+from demlaws.core.loops import unloaded_loop
 from demlaws.errors import DemlawsError
+from demlaws.files import read_text
+from demlaws.timestep import stiffest_now
 
 LAMMPS_CASE = ["index", "c_ids[1]", "c_ids[2]", *(f"c_contacts[{i}]" for i in range(1, 8))]
 """Columns of the contacts of an exported LAMMPS case, of a stock one the first six: index, id1 id2, fx fy fz, p13 to p16."""
@@ -18,21 +21,6 @@ MOST_APART = 2.0
 """Median ratio of the overlaps of a dump to those of the law at its forces from which on they are refused. Damping in a packing
 that moves changes it by some tenths."""
 _PLACES = ("x", "y", "z", "radius")
-
-
-def add_dump_arguments(parser):
-    """Arguments that name the two dumps, their columns, and the law."""
-    parser.add_argument("snapshot", type=Path, metavar="GRAINS", help="dump with id x y z radius")
-    parser.add_argument("contacts", type=Path, metavar="CONTACTS", help="local dump with ids and normal force")
-    parser.add_argument(
-        "--columns",
-        type=int,
-        nargs="+",
-        metavar="N",
-        help="column numbers (from 1) of id1 id2 fx fy fz [largest overlap [plastic overlap]] in CONTACTS; not needed for "
-        "dumps of exported cases",
-    )
-    add_law_arguments(parser, law_required=False)
 
 
 class Dumped(NamedTuple):
@@ -65,8 +53,6 @@ class _Frame(NamedTuple):
 
 def read_dumps(arguments):
     """`Dumped` of the two dumps that the arguments name."""
-    import numpy as np
-
     path, grains = arguments.contacts, _frame(arguments.snapshot, "ATOMS")
     entries, atoms = _frame(path, "ENTRIES"), grains.columns
     if grains.step != entries.step:
@@ -99,10 +85,6 @@ def read_dumps(arguments):
 
 def _frame(path, what):
     """`_Frame` of a dump of ATOMS or ENTRIES."""
-    import numpy as np
-
-    from demlaws.files import read_text
-
     content = read_text(path)
     last = content[max(content.rfind("ITEM: TIMESTEP"), 0) :]  # of a frame that was cut, rows of the one before are not used
     items = [item.splitlines() for item in last.split("ITEM: ")[1:]]
@@ -159,8 +141,6 @@ def _quantities_of(path, columns, places):
 
 def _check_finite(path, columns):
     """Raise where a value is no number, NaN or infinite: its contacts would be left out."""
-    import numpy as np
-
     for name, values in columns.items():
         if values.dtype.kind != "f":
             raise DemlawsError(f"{path}: {name} has text ({values[0]}), not numbers; check --columns")
@@ -170,8 +150,6 @@ def _check_finite(path, columns):
 
 def _pairs_of(arguments, atoms, known):
     """Places of both grains of each contact among the grains."""
-    import numpy as np
-
     number = {int(name): place for place, name in enumerate(atoms["id"])}
     try:
         pairs = [(number[int(a)], number[int(b)]) for a, b in zip(known["id1"], known["id2"], strict=True)]
@@ -182,8 +160,6 @@ def _pairs_of(arguments, atoms, known):
 
 def _normal_force(path, atoms, pairs, between, vector):
     """Normal forces [N]; DemlawsError where pairs and forces are not those of contacts, each listed once."""
-    import numpy as np
-
     distance = np.linalg.norm(between, axis=1)
     if np.any(np.abs(distance / atoms["radius"][pairs].sum(axis=1) - 1.0) > 0.5):
         raise DemlawsError(f"{path}: grains in contact are far apart or one and the same; check --columns")
@@ -204,10 +180,6 @@ def stiffness_of(path, dumped, law):
 
     DemlawsError where overlaps are not those of the law, or the law's stiffness depends on an unknown history.
     """
-    import numpy as np
-
-    from demlaws.timestep import stiffest_now
-
     _compare(path, dumped, law)
     force, largest = dumped.force, dumped.known.get("maximum_overlap")
     stiffness = stiffest_now(law, force, largest)
@@ -227,10 +199,6 @@ def _compare(path, dumped, law):
     It finds a wrong column, a dump that is not in SI units, and another law or modulus than the run's. Without a history only
     overlaps below those of first loading contradict the law.
     """
-    import numpy as np
-
-    from demlaws.core.loops import unloaded_loop
-
     force, largest = dumped.force, dumped.known.get("maximum_overlap")
     expected = law.overlap(force)
     if law.state_size and largest is not None:

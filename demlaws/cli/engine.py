@@ -87,11 +87,10 @@ def _add_export(parts, name):
     def export(arguments, result):
         from demlaws.plugins.grains import Case
 
-        grains, unloading, options = _grains_of(arguments)
         values = {"rtol": arguments.rtol, "max_force": arguments.max_force, "count": arguments.count}
         values |= {name: getattr(arguments, name) for name in ("shear_ratio", "levels", "friction_pressure")}
-        stock = getattr(arguments, "stock", None)
-        case = Case(arguments.law, tuple(grains), unloading, options, stock=stock, **values)
+        stock, options = getattr(arguments, "stock", None), dict(arguments.option)
+        case = Case(arguments.law, _grains_of(arguments), arguments.unloading, options, stock=stock, **values)
         result.print(case.title)
         path = _function(name, "export")(arguments.folder, case)
         if stock:
@@ -159,13 +158,19 @@ def _tables_of(given):
     return tables.pop(None), tables
 
 
+_RANKS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MPI_LOCALNRANKS")
+
+
 def _add_run(parts, name):
     engine = name.upper()
 
     def run(arguments, _):
         if arguments.json:
             raise DemlawsError(f"--json is not available for {name} run: {engine} prints to the standard output itself")
-        _refuse_mpirun(name)
+        if ranks := next((os.environ[word] for word in _RANKS if os.environ.get(word, "1") != "1"), None):
+            raise DemlawsError(  # each rank would start the whole run
+                f"demlaws starts the ranks itself: write  demlaws {name} run INPUT -np {ranks}  without mpirun in front of it"
+            )
         screen = [] if arguments.screen in (None, "none") else ["-screen", arguments.screen]
         _function(name, "run")(
             arguments.script,
@@ -187,18 +192,6 @@ def _add_run(parts, name):
     runs.add_argument("-log", "-l", metavar="FILE", help="log file (default log.ENGINE)")
     runs.add_argument("-screen", "-sc", metavar="none|FILE", help="file for the printed output; none: no output")
     runs.set_defaults(func=run, rest=[])
-
-
-_RANKS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MPI_LOCALNRANKS")
-
-
-def _refuse_mpirun(name):
-    """Under mpirun each rank would start the whole run; demlaws starts the ranks itself."""
-    ranks = next((os.environ[word] for word in _RANKS if os.environ.get(word, "1") != "1"), None)
-    if ranks:
-        raise DemlawsError(
-            f"demlaws starts the ranks itself: write  demlaws {name} run INPUT -np {ranks}  without mpirun in front of it"
-        )
 
 
 def _grain_arguments(export):
@@ -236,7 +229,7 @@ def _grain_arguments(export):
 
 
 def _grains_of(arguments):
-    """The case's `Grain`s, the rule or law that they unload by, and the options of the law."""
+    """The case's `Grain`s."""
     from demlaws.contact import Material, Surface
     from demlaws.materials import typical
     from demlaws.plugins.grains import Grain
@@ -249,8 +242,7 @@ def _grains_of(arguments):
         if len(values) not in (1, count):
             raise DemlawsError(f"--{name} has {len(values)} values for {count} radii: give one, or one per radius")
         columns.append(values if len(values) == count else values * count)
-    grains = [
+    return tuple(
         Grain(radius, Material(young, poisson, hardness, density), Surface(sq, dimension, hardness))
         for radius, sq, dimension, young, poisson, hardness, density in zip(arguments.radius, *columns[1:], strict=True)
-    ]
-    return grains, arguments.unloading, dict(arguments.option)
+    )

@@ -51,19 +51,16 @@ def csv_file(titles, last=True):
     return Output(lambda head: head.startswith((line + b"\n", line + b"\r") if last else line), is_csv=True)
 
 
-def _is_picture(head):
-    """Whether a PNG, SVG or PDF file names demlaws as the program that drew it."""
-    return (
+table_file = Output(lambda head: head.startswith(b"# demlaws-table "))
+"""A table."""
+picture_file = Output(
+    lambda head: (
         (head.startswith(b"\x89PNG") and b"tEXtSoftware\0demlaws" in head[:4096])
         or (head.startswith(b"<?xml") and b"<dc:title>demlaws</dc:title>" in head[:4096])
         or (head.startswith(b"%PDF-") and b"/Creator (demlaws)" in head)
     )
-
-
-table_file = Output(lambda head: head.startswith(b"# demlaws-table "))
-"""A table."""
-picture_file = Output(_is_picture)
-"""A picture."""
+)
+"""A picture: a PNG, SVG or PDF file that names demlaws as the program that drew it."""
 lines_file = Output(lambda head: PARAVIEW_MARK in head[:400])
 """Contacts as lines for ParaView."""
 other_file = Output()

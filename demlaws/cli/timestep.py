@@ -2,8 +2,7 @@
 
 from demlaws.cli import example
 from demlaws.cli.arguments import density, plain
-from demlaws.cli.contact import bodies_from, law_from
-from demlaws.cli.dumps import add_dump_arguments, read_dumps, stiffness_of
+from demlaws.cli.contact import add_dump_arguments, bodies_from, law_from
 from demlaws.errors import DemlawsError
 
 
@@ -38,6 +37,7 @@ def run(arguments, result):
     """Do what the command's arguments ask."""
     import numpy as np
 
+    from demlaws.cli.dumps import read_dumps, stiffness_of
     from demlaws.contact import DENSITY
     from demlaws.timestep import STEP_SAFETY, UNDAMPED_SAFETY, from_contacts
 

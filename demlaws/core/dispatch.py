@@ -58,7 +58,7 @@ def generic(otherwise=None, by=0):
         _GENERIC[name] = _Generic(tuple(inspect.signature(function).parameters), by)
 
         def choose(*kinds):
-            bound = kernel_of(kinds[by], name)
+            bound = _KERNELS.get(getattr(kinds[by], "instance_class", None), {}).get(name)
             return otherwise(*kinds) if bound is None and otherwise else getattr(bound, "py_func", bound)
 
         @functools.wraps(function)
@@ -86,7 +86,11 @@ def bind(cls, **functions):
     if any(_GENERIC[name].by == PARAMS for name in functions):
         _refuse_other_fields(cls)
     for name, function in functions.items():
-        _refuse_other_arguments(cls, name, function)
+        given, wanted = inspect.signature(getattr(function, "py_func", function)).parameters, _GENERIC[name].arguments
+        if len(given) != len(wanted):
+            raise TypeError(
+                f"{cls.__module__}.{cls.__name__}: {name} takes ({', '.join(wanted)}), the kernel takes ({', '.join(given)})"
+            )
     others = {other.__name__ for other in _KERNELS if other is not cls}
     if not is_known(cls.__module__) or cls.__module__ == "demlaws.user_laws.define":
         # symbols of two such types, of two users or of one file before and after it was edited, must not clash either
@@ -116,16 +120,6 @@ def _refuse_other_fields(cls):
             raise TypeError(f"{cls.__module__}.{cls.__name__}: its field {name!r} is annotated as {described}: {_BELONGS}")
 
 
-def _refuse_other_arguments(cls, name, function):
-    """TypeError unless a kernel takes as many arguments as the function that it is bound to."""
-    given = tuple(inspect.signature(getattr(function, "py_func", function)).parameters)
-    wanted = _GENERIC[name].arguments
-    if len(given) != len(wanted):
-        raise TypeError(
-            f"{cls.__module__}.{cls.__name__}: {name} takes ({', '.join(wanted)}), the kernel takes ({', '.join(given)})"
-        )
-
-
 def refuse_other_values(params, place=""):
     """DemlawsError unless all values of a contact's Params, as `scale` has made them, are floats."""
     for name, value in zip(getattr(params, "_fields", ("",) * len(params)), params, strict=True):
@@ -136,12 +130,6 @@ def refuse_other_values(params, place=""):
                 f"an array of shape {value.shape}" if isinstance(value, np.ndarray) else f"{type(value).__name__} {value!r:.40}"
             )
             raise DemlawsError(f"{type(params).__name__}: the field {place + name!r} of its Params is {what}: {_BELONGS}")
-
-
-def kernel_of(argument, name):
-    """The kernel that answers for a generic function where an argument has this numba type, or None."""
-    cls = getattr(argument, "instance_class", None)
-    return _KERNELS.get(cls, {}).get(name)
 
 
 @generic()

@@ -16,7 +16,6 @@ from demlaws.core.loops import clamped_roughness
 from demlaws.core.table_types import BulkYield, TableShape
 from demlaws.core.unloading import Rule
 from demlaws.curves.closed import Certificate
-from demlaws.curves.unloading import Unloading
 from demlaws.errors import DemlawsError, MissingQuantity
 from demlaws.laws.definition import Definition
 
@@ -112,18 +111,13 @@ class TableCurve:
 
     # --- unloading
 
-    def with_unloading(self, contact: Contact, unloading: Unloading) -> Unloading:
-        """An unloading rule in the form that this table is joined with: with the numbers that a rule of the law reads."""
-        if unloading.rule.curve == "law" and unloading.rule_parameters is None:
-            return unloading._replace(rule_parameters=self._rule_parameters(contact, unloading.rule))
-        return unloading
-
     def numbers_beside(self, rule: Rule, numbers: Any) -> Any:
         """The Shape that a rule of the law's own reads beside the table."""
         values = (float(numbers[key]) for key in rule.keys)
         return rule.shape(*values, self.shape.length_over_roughness, self.shape.length_over_radius)  # type: ignore[misc]
 
-    def _rule_parameters(self, contact, rule):
+    def rule_parameters(self, contact: Contact, rule: Rule) -> Any:
+        """The numbers that a rule of the law's own reads beside this table."""
         shape = self.definition.shape(contact, **self.options)
         if rule.shape is None:
             return shape  # the law itself

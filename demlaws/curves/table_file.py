@@ -93,7 +93,11 @@ def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
         certificate = Certificate(own["force_error"], own["stiffness_error"])
         definition, options = _definition(section, rule, collapses, values["length"])
         alike = collapses or (section is sections[0] and given and definition.collapses)
-        knots = _knots(own) if "points" in own else None
+        knots = None
+        if "points" in own:
+            overlap, force, uncertainty = np.reshape(own["knots"], (-1, 3)).T
+            uncertainty = np.where(uncertainty > 0.0, uncertainty, math.nan)
+            knots = Knots(overlap, force, uncertainty, round(own["points"]), own["departure"], own["smoothing"])
         return TableCurve(definition, options, shape, rows.nodes, certificate, values["rtol"], section.contact, alike, knots)
 
     bulk, contact = NO_YIELD, sections[0].contact
@@ -196,10 +200,3 @@ def definition_of_table(name: str, source: str, description: str, length: str, c
 
 def _not_here(contact, **options):
     raise DemlawsError("this law comes from a table without its definition: it cannot be made for another contact")
-
-
-def _knots(values):
-    """The `Knots` of a table that was made of points."""
-    overlap, force, uncertainty = np.reshape(values["knots"], (-1, 3)).T
-    uncertainty = np.where(uncertainty > 0.0, uncertainty, math.nan)
-    return Knots(overlap, force, uncertainty, round(values["points"]), values["departure"], values["smoothing"])

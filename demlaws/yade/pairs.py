@@ -96,14 +96,6 @@ class LawSource:
         if self.unloading == GIVEN:
             self.curve, self.ratios = LawSource(bound.unloading_law, {}), tuple(bound.shape[2:])
 
-    def unload_along(self, curve):
-        """Unload along a law or a `Table`, on the contact's own surfaces."""
-        if self.table is not None:
-            self.table = self.table.joined(curve)
-        else:
-            self.curve, self.ratios = LawSource(curve, {}), (1.0, 1.0, 1.0)
-        self.unloading = GIVEN
-
     @property
     def needs_one_contact(self):
         """Whether the law's curve of first loading is solved for one R and E* alone: a height map's."""
@@ -296,7 +288,11 @@ class Pairs:
         if isinstance(named, str):
             return named
         for source in self.sources:
-            source.unload_along(named)
+            if source.table is not None:
+                source.table = source.table.joined(named)
+            else:
+                source.curve, source.ratios = LawSource(named, {}), (1.0, 1.0, 1.0)
+            source.unloading = GIVEN
         return GIVEN
 
     @staticmethod
