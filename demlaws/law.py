@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from demlaws.contact import Contact, as_contact
 from demlaws.core.loops import equal_params, loading_part, params_at
 from demlaws.core.unloading import GIVEN
-from demlaws.curves.closed import ClosedForm
+from demlaws.curves.closed import FormulaCurve
 from demlaws.curves.unloading import ELASTIC, Unloading, beside_table, refuse_unless_passive
 from demlaws.errors import DemlawsError
 from demlaws.files import names_a_file, write_atomically
@@ -139,7 +139,7 @@ class Law(Response):
         -------
         Law
         """
-        return Law(as_contact(contact), ClosedForm(self.definition, contact, self.options))
+        return Law(as_contact(contact), FormulaCurve(self.definition, contact, self.options))
 
     def overlap_of(self, max_force: float | str) -> Any:
         """`overlap` at a force that the user typed as max_force [N], which an error names."""
@@ -187,12 +187,12 @@ def as_law(value: Any) -> Law:
 # --- composition
 
 
-def composed(contact: Contact, curve: "ClosedForm | TableCurve", unloading: Unloading = ELASTIC) -> Law:
+def composed(contact: Contact, curve: "FormulaCurve | TableCurve", unloading: Unloading = ELASTIC) -> Law:
     """The law of these parts; a `Table` where the curve is one."""
     return (Table if curve.tabulated else Law)(contact, curve, unloading)
 
 
-def join(contact: Contact, curve: "ClosedForm | TableCurve", unloading: "str | os.PathLike | Law") -> Any:
+def join(contact: Contact, curve: "FormulaCurve | TableCurve", unloading: "str | os.PathLike | Law") -> Any:
     """A curve of first loading joined with the unloading that a user named; NotPassive where the pair returns work."""
     named = read_unloading(unloading)
     if isinstance(named, Law):

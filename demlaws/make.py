@@ -7,7 +7,7 @@ import numpy as np
 
 from demlaws.contact import Contact, as_contact
 from demlaws.core.unloading import GIVEN, RULES
-from demlaws.curves.closed import ClosedForm
+from demlaws.curves.closed import FormulaCurve
 from demlaws.errors import DemlawsError, did_you_mean
 from demlaws.law import Law, join, read_unloading
 from demlaws.laws.registry import find, registry
@@ -53,7 +53,7 @@ def law(name: str, contact: Contact, unloading: str | os.PathLike | Law | None =
     """
     definition = find(name)
     as_contact(contact)
-    curve = ClosedForm(definition, contact, options)
+    curve = FormulaCurve(definition, contact, options)
     return join(contact, curve, definition.default_rule(**curve.options) if unloading is None else unloading)
 
 

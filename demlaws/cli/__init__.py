@@ -10,7 +10,7 @@ import sys
 import warnings
 from pathlib import Path
 
-from demlaws.cli.output import Output, Result
+from demlaws.cli.output import OutputFile, Result
 from demlaws.errors import DemlawsError, ValidityWarning, most_similar, page
 
 COMMANDS = {
@@ -47,7 +47,7 @@ class _LawFile(argparse.Action):
         namespace.law_files = [*getattr(namespace, "law_files", []), values]
 
 
-class _Once(argparse._StoreAction):
+class _SingleUse(argparse._StoreAction):
     """As argparse's store, for an option that is given once: a second one would replace the first silently."""
 
     def __call__(self, parser, namespace, values, option_string=None):
@@ -85,8 +85,8 @@ class Parser(argparse.ArgumentParser):
             metavar="FILE.py",
             help=f"a Python file that registers user-defined laws (may be repeated; {page('own-laws')})",
         )
-        self.register("action", None, _Once)
-        self.register("action", "store", _Once)
+        self.register("action", None, _SingleUse)
+        self.register("action", "store", _SingleUse)
         text = "print the result as JSON" if shows_json else argparse.SUPPRESS
         self.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help=text)
         self._negative_number_matcher = re.compile(
@@ -95,7 +95,7 @@ class Parser(argparse.ArgumentParser):
 
     def add_argument(self, *names, **options):
         """As argparse; a parser with a file to write also has --overwrite."""
-        if isinstance(options.get("type"), Output) and "--overwrite" not in self._option_string_actions:
+        if isinstance(options.get("type"), OutputFile) and "--overwrite" not in self._option_string_actions:
             super().add_argument("--overwrite", action="store_true", help="replace existing files, whatever wrote them")
         return super().add_argument(*names, **options)
 
@@ -110,7 +110,7 @@ class Parser(argparse.ArgumentParser):
             parser.error(f"unrecognized argument {unknown[0]!r:.200}{f': did you mean {match}?' if match else ''}")
         namespace.json = getattr(namespace, "json", False)
         outputs = [
-            (action.type, getattr(namespace, action.dest)) for action in parser._actions if isinstance(action.type, Output)
+            (action.type, getattr(namespace, action.dest)) for action in parser._actions if isinstance(action.type, OutputFile)
         ]
         namespace.outputs = [(kind, path) for kind, path in outputs if path is not None]
         return namespace

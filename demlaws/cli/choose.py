@@ -75,7 +75,7 @@ def run(arguments, result):
     _print_best(result, best, scene)
     if advice is not None:
         result.print(f"softer grains, {'applied here' if arguments.soften else 'with --soften'}:")
-        result.say("\n".join(advice.lines()))
+        result.print_wrapped("\n".join(advice.lines()))
     if scene.engine in ("python", "yade"):
         result.print(best.script(arguments.out or Path("law.tbl")))
     if arguments.out is not None:
@@ -87,7 +87,7 @@ def _print_choices(result, choices, scene, name, every):
     from demlaws.advice.choose import by_reason
     from demlaws.advice.errors import QUANTITIES
 
-    result.say(f"{name}: {scene.quantity} within {scene.tolerance:g} ({QUANTITIES[scene.quantity]})")
+    result.print_wrapped(f"{name}: {scene.quantity} within {scene.tolerance:g} ({QUANTITIES[scene.quantity]})")
     low, high = scene.force_range(scene.contacts(scene.effective_radii()[1])[0])
     result.print(
         f"loads {float(low):.3g} to {float(high):.3g} N on the largest contact, {'cyclic' if scene.unloads else 'monotonic'}"
@@ -96,19 +96,19 @@ def _print_choices(result, choices, scene, name, every):
     result.print(f"{'error':>9} {'ns':>6} {'step':>6} {'state':>6} {'rows':>6}  law, unloading, evaluation")
     for choice in choices:
         if choice.meets or every:
-            result.say(
+            result.print_wrapped(
                 f"{choice.error:9.2g} {choice.ns:6.2f} {choice.step_factor:6.3f} "
                 f"{choice.state_bytes:4d} B {choice.table_rows:6d}  {choice.describe()}"
                 f"{'' if choice.meets else ' (above the tolerance)'}",
                 " " * 39,
             )
-    result.say(
+    result.print_wrapped(
         "(ns: stored time per contact of the law alone; step: stable step over that of the reference; order: by ns/step)"
     )
     for reason, plans in by_reason(choices.ruled_out).items():
-        result.say(f"ruled out: {'; '.join(plans)}: {reason}")
+        result.print_wrapped(f"ruled out: {'; '.join(plans)}: {reason}")
     for note in choices.notes:
-        result.say(f"note: {note}")
+        result.print_wrapped(f"note: {note}")
 
 
 def _print_best(result, best, scene):

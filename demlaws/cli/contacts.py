@@ -40,7 +40,9 @@ def run(arguments, result):
     flattened = table.flattened
     result.values = {"contacts": len(table), "flattened": None if flattened is None else int(flattened.sum())}
     if flattened is None:
-        result.say("history: not in this dump (no law with history, or name its columns behind those of the force: --columns)")
+        result.print_wrapped(
+            "history: not in this dump (no law with history, or name its columns behind those of the force: --columns)"
+        )
     elif len(table):
         result.print(f"{int(flattened.sum())} of {len(table)} contacts have deformed plastically")
     return 0
@@ -57,7 +59,7 @@ def read(arguments, result):
     overlap, rounding, known = dumped.overlap, dumped.rounding, dict(dumped.known)
     if np.any(rounding > 0.01 * np.abs(overlap)):
         error = float(np.max(rounding))
-        result.say(
+        result.print_wrapped(
             f"overlaps are computed from the rounded positions of {arguments.snapshot} (error {error:.1g} m): dump more digits"
         )
     if arguments.law is not None and len(dumped.pairs):

@@ -120,7 +120,7 @@ def _add_convert(parts, name):
         out, conversion = convert_file(arguments.input, name, table, out=out, pairs=pairs)
         result.values = {"file": out, "notes": conversion.notes}
         last = "no line converted, no file written" if out is None else f"wrote {out}"
-        result.say("\n".join([*conversion.report(arguments.input), last]))
+        result.print_wrapped("\n".join([*conversion.report(arguments.input), last]))
         return 0 if conversion.complete else 1
 
     converts = parts.add_parser(

@@ -147,7 +147,7 @@ def run(arguments, result):
             one["roughness"] = sq
     result.values = {"laws": laws, "skipped": dict(ranking.skipped)}
     for name, reason in ranking.skipped.items():
-        result.say(f"not fitted: {name}: {reason}")
+        result.print_wrapped(f"not fitted: {name}: {reason}")
     if arguments.csv is not None:
         rows = [
             (f.name, f.unloading, f.misfit, f.aicc, f.delta, f.weight, name, e.value, e.error, e.low, e.high, e.note)

@@ -40,7 +40,9 @@ def run(arguments, result):
         rules = [rule for rule in RULES if rule != GIVEN]
         result.values = {"laws": {name: d.description for name, d in registry().items()}, "unloading": rules}
         result.print(*lines())
-        result.say(f"unloading: {', '.join(rules)}, or a table to unload along; options and rules of a law: demlaws laws NAME")
+        result.print_wrapped(
+            f"unloading: {', '.join(rules)}, or a table to unload along; options and rules of a law: demlaws laws NAME"
+        )
         return 0
     definition = find(arguments.name)
     rules = [rule for rule in definition.offered() if rule != GIVEN]
@@ -50,15 +52,17 @@ def run(arguments, result):
         "default_unloading": definition.default_rule(),
         "options": {name: option._replace(values=str(option.values)) for name, option in definition.options.items()},
     }
-    result.say(f"{definition.name}: {definition.description}\n  {definition.equation}\n  {definition.source}")
+    result.print_wrapped(f"{definition.name}: {definition.description}\n  {definition.equation}\n  {definition.source}")
     result.print(f"  needs of the contact: {', '.join(('radius', 'modulus', *definition.needed()))}")
     options = list(definition.option_lines())
     result.print("  options:" if options else "  no options")
     for line in options:
-        result.say(f"    {line}", "        ")
+        result.print_wrapped(f"    {line}", "        ")
     if definition.unloading:
-        result.say(f"  unloading: {', '.join(rules)}, or a table to unload along (except those that would create energy)")
+        result.print_wrapped(
+            f"  unloading: {', '.join(rules)}, or a table to unload along (except those that would create energy)"
+        )
         result.print(f"  default: {definition.default_rule()}")
     for rule in definition.rules.own:
-        result.say(f"  {rule.name}, a rule of this law only: {rule.description}")
+        result.print_wrapped(f"  {rule.name}, a rule of this law only: {rule.description}")
     return 0

@@ -14,7 +14,7 @@ from demlaws.errors import DemlawsError
 from demlaws.files import PARAVIEW_MARK, csv_text, wrapped, write_atomically
 
 
-class Output:
+class OutputFile:
     """Kind of argument: a file to write. Its parser has --overwrite; without it only a file of this kind is replaced.
 
     is_ours: whether the first bytes of a file are those of a file that the command wrote; None: no file of this kind says so.
@@ -48,12 +48,12 @@ class Output:
 def csv_file(titles, last=True):
     """A CSV file whose first line has these titles; last: and no others."""
     line = ",".join(titles).encode()
-    return Output(lambda head: head.startswith((line + b"\n", line + b"\r") if last else line), is_csv=True)
+    return OutputFile(lambda head: head.startswith((line + b"\n", line + b"\r") if last else line), is_csv=True)
 
 
-table_file = Output(lambda head: head.startswith(b"# demlaws-table "))
+table_file = OutputFile(lambda head: head.startswith(b"# demlaws-table "))
 """A table."""
-picture_file = Output(
+picture_file = OutputFile(
     lambda head: (
         (head.startswith(b"\x89PNG") and b"tEXtSoftware\0demlaws" in head[:4096])
         or (head.startswith(b"<?xml") and b"<dc:title>demlaws</dc:title>" in head[:4096])
@@ -61,9 +61,9 @@ picture_file = Output(
     )
 )
 """A picture: a PNG, SVG or PDF file that names demlaws as the program that drew it."""
-lines_file = Output(lambda head: PARAVIEW_MARK in head[:400])
+lines_file = OutputFile(lambda head: PARAVIEW_MARK in head[:400])
 """Contacts as lines for ParaView."""
-other_file = Output()
+other_file = OutputFile()
 """A file that nothing marks as ours, as a height map: it is replaced only with --overwrite."""
 
 
@@ -89,7 +89,7 @@ class Result:
             else:
                 print(text, file=self._file, flush=True)
 
-    def say(self, text, rest="    "):
+    def print_wrapped(self, text, rest="    "):
         """Print each line of a text, wrapped; `rest` begins the lines after the first."""
         self.print(*(wrapped(line, rest=rest) for line in text.splitlines()))
 

@@ -54,10 +54,10 @@ def run_regime(arguments, result):
         assessment = regime(pair, arguments.load, arguments.mu, yield_pressure=limit)
         laws = advise(pair, arguments.load, limit, mu=arguments.mu)
         result.values = {"contact": pair, "assessment": assessment, "laws": laws}
-        result.say(str(assessment))
+        result.print_wrapped(str(assessment))
         first = FIRST * arguments.load
         result.print(f"laws from {first:.3g} N (α = {float(pair.roughness_parameter(first)):.3g}) to {arguments.load:.4g} N:")
         for advice in laws:
-            result.say(f"  {advice.law:16} {'applies' if advice.fits else 'no':7} {advice.reason}", " " * 27)
+            result.print_wrapped(f"  {advice.law:16} {'applies' if advice.fits else 'no':7} {advice.reason}", " " * 27)
     draw(result, arguments.figure, lambda plots: plots.regime_figure(pair, arguments.load))
     return 0

@@ -62,7 +62,7 @@ def run(arguments, result):
     result.print(f"\n{'effect':66}{'×':>10}")
     for quantity, times, power in softening.effects():
         if len(power) > 20:
-            result.say(f"{quantity}: {power}")
+            result.print_wrapped(f"{quantity}: {power}")
         else:
             result.print(f"{quantity:66}{times:>10}  {power}")
-    result.say("at equal force; impacts at equal speed are not similar")
+    result.print_wrapped("at equal force; impacts at equal speed are not similar")

@@ -70,12 +70,12 @@ def measured_table(arguments, result):
     )
     rest = int(test.force.size - np.count_nonzero(first))
     knots = table.knots
-    result.say(
+    result.print_wrapped(
         f"{arguments.points}: {knots.points} points of first loading; smoothing: {knots.smoothing}; points deviate by up to "
         f"{knots.departure:.3g} N from the curve"
     )
     if rest:
-        result.say(f"{rest} points of unloading and reloading are not used: demlaws fit takes them, too")
+        result.print_wrapped(f"{rest} points of unloading and reloading are not used: demlaws fit takes them, too")
     k = int(np.argmax(knots.uncertainty / knots.force))
     share = 100.0 * knots.uncertainty[k] / knots.force[k]
     few = f"none from {knots.points} points: at least {FEWEST_FOR_UNCERTAINTY} overlaps are needed"
@@ -101,24 +101,26 @@ def run(arguments, result):
     table.save(arguments.out)
     result.values = {"file": str(arguments.out), "rows": table.nodes.u.size, "largest_force": table.largest_force}
     result.values |= {"rtol": table.rtol, "force_error": table.force_error, "stiffness_error": table.stiffness_error}
-    result.say(
+    result.print_wrapped(
         f"{arguments.out}: {table.nodes.u.size} rows, {2**table.curve.rows.bits} cells per octave, "
         f"to {table.largest_force:.4g} N; largest relative error: force {table.force_error:.1e}, "
         f"stiffness {table.stiffness_error:.1e}"
     )
     curve = table.unloading_law
     if curve is not None:
-        result.say(
+        result.print_wrapped(
             f"unloading along {curve.name!r}: {curve.nodes.u.size} rows, to {curve.largest_force:.4g} N; "
             f"largest relative error: force {curve.force_error:.1e}, stiffness {curve.stiffness_error:.1e}"
         )
     if table.collapses and arguments.max_force is not None:
         smaller = table.bound_to(table.contact.with_values(radius=0.1 * table.contact.radius))
-        result.say(
+        result.print_wrapped(
             f"for another contact the table ends at another force: with a tenth of this R at {smaller.largest_force:.3g} N"
         )
     if not table.collapses:
-        result.say(f"the curve of {table.name!r} depends on the radius or modulus: this table is valid for this contact only")
+        result.print_wrapped(
+            f"the curve of {table.name!r} depends on the radius or modulus: this table is valid for this contact only"
+        )
     if arguments.figure is not None:
         picture = plots.table_figure(table, law) if points is None else plots.points_figure(table, *points)
         result.print(plots.save(picture, arguments.figure))

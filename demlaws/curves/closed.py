@@ -16,7 +16,7 @@ class Certificate(NamedTuple):
     stiffness_error: float
 
 
-class ClosedForm:
+class FormulaCurve:
     """A definition with its options, and the Shape that it prepares for a contact, on which a user's law must be admissible."""
 
     tabulated = False

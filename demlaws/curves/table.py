@@ -123,7 +123,8 @@ class TableCurve:
             return shape  # the law itself
         one = contact_at(contact, 0)
         length, params = plain_params(self.shape, one).length, plain_params(shape, one)
-        return self.numbers_beside(rule, self.definition.rules.numbers(params, length, sum(self.certificate)))
+        numbers: Any = self.definition.rules.numbers
+        return self.numbers_beside(rule, numbers(params, length, sum(self.certificate)))
 
     @property
     def floor(self) -> float | None:

@@ -16,7 +16,7 @@ from demlaws.curves.closed import Certificate
 from demlaws.curves.points import Knots
 from demlaws.curves.table import TableCurve
 from demlaws.curves.table_grammar import OF_CONTACT, ROUNDING
-from demlaws.curves.unloading import Bound, Unloading
+from demlaws.curves.unloading import BoundLaw, Unloading
 from demlaws.errors import DemlawsError
 from demlaws.files import as_path, read_bytes
 from demlaws.laws.definition import Definition, Rules, no_limits
@@ -109,7 +109,7 @@ def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
         unloading = Unloading(rule, curve(sections[1], floor=loading.floor), contact)
     elif rule.curve == "law":
         unloading = Unloading(rule, rule_parameters=loading.numbers_beside(rule, values))
-    _refuse_unless_passive(sections, Bound(contact, loading, unloading))
+    _refuse_unless_passive(sections, BoundLaw(contact, loading, unloading))
     return contact, loading, unloading
 
 

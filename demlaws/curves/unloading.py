@@ -33,7 +33,7 @@ def joined_shape(shape: Any, contact: Contact, unloading: Unloading) -> Any:
     return shape if unloading.rule_parameters is None else JoinedShape(shape, unloading.rule_parameters, 1.0, 1.0, 1.0)
 
 
-class Bound:
+class BoundLaw:
     """A curve of first loading on a contact, joined with an unloading rule: `shape` is what compiled code reads."""
 
     def __init__(self, contact: Contact, curve: Any, unloading: Unloading = ELASTIC):
@@ -64,11 +64,11 @@ def beside_table(curve: Any, contact: Contact, unloading: Unloading) -> Unloadin
             f"a table of law {curve.definition.name!r} and its bulk_radius cannot take {unloading.rule.name!r} unloading: use "
             "unloading 'hertz', or the law without a table"
         )
-    from demlaws.curves.closed import ClosedForm
+    from demlaws.curves.closed import FormulaCurve
     from demlaws.laws.registry import registry
 
     blunt = contact.with_values(radius=radius)
-    return Unloading(RULES[GIVEN], ClosedForm(registry()[HERTZ], blunt, {}), blunt)
+    return Unloading(RULES[GIVEN], FormulaCurve(registry()[HERTZ], blunt, {}), blunt)
 
 
 def _ratios(contact, other):

@@ -22,12 +22,12 @@ from demlaws.core.loops import (
     unloaded_loop,
 )
 from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
-from demlaws.curves.unloading import ELASTIC, Bound, Unloading
+from demlaws.curves.unloading import ELASTIC, BoundLaw, Unloading
 from demlaws.errors import DemlawsError, LargeOverlap, warn
 from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, as_float, as_given, check_overlaps, number
 
 if TYPE_CHECKING:
-    from demlaws.curves.closed import ClosedForm
+    from demlaws.curves.closed import FormulaCurve
     from demlaws.curves.table import TableCurve
     from demlaws.responses.batch import State
     from demlaws.responses.path import Path
@@ -54,12 +54,12 @@ class Breach(NamedTuple):
         return f"{self.value:.4g} N, {self.range}: {self.reason}"
 
 
-class Response(Bound):
+class Response(BoundLaw):
     """Methods of `Law` that evaluate compiled loops: they check input, keep units and shapes, and raise errors."""
 
-    curve: "ClosedForm | TableCurve"
+    curve: "FormulaCurve | TableCurve"
 
-    def __init__(self, contact: Contact, curve: "ClosedForm | TableCurve", unloading: Unloading = ELASTIC):
+    def __init__(self, contact: Contact, curve: "FormulaCurve | TableCurve", unloading: Unloading = ELASTIC):
         super().__init__(contact, curve, unloading)
         self.rule_tag, self.state_names = unloading.rule.tag, unloading.rule.state
         self.state_size = len(self.state_names)

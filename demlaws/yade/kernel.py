@@ -395,7 +395,7 @@ def end_contact(kind, params_kind, rule, context, pair, row, state):
 @not_inlined
 def without_row(context, contact, phys):
     """The step of a contact that has no row: no force, or NaN without a guard, which would stop the run."""
-    phys.kno = 0.0 if context.alarm != 0 else math.nan
+    phys.kno = 0.0 if context.guard_counter != 0 else math.nan
     phys.kso = 0.0
     return native_go(context, contact)
 
@@ -442,7 +442,7 @@ def is_faulty(context, interaction, row, overlap, force):
     """Whether a contact has no force that can be applied, of which a note is made."""
     if overlap > SMALL_OVERLAP * row.radius and is_too_deep(context, interaction, row, overlap):
         record_fault(context, layout.TOO_DEEP, interaction, overlap)
-    elif context.alarm == 0:
+    elif context.guard_counter == 0:
         record_fault(context, layout.UNGUARDED, interaction, overlap)
     elif force - force != 0.0:
         record_fault(context, layout.NOT_FINITE, interaction, overlap)
@@ -478,7 +478,7 @@ def go(kind, params_kind, shear, mode, rule, friction, pair_dtype, row_dtype, co
     force, stiffness, sideways, new = law_of_contact(kind, params_kind, shear, mode, rule, friction, *of_contact)
     if is_faulty(context, interaction, row, overlap, force):
         # without a guard, which would stop the run, propagate NaN
-        force, stiffness, sideways, new = 0.0 if context.alarm != 0 else math.nan, 0.0, 0.0, old
+        force, stiffness, sideways, new = 0.0 if context.guard_counter != 0 else math.nan, 0.0, 0.0, old
     tangential = 0.0
     if abs(phys.kno + phys.kso - row.written) > 1e-9 * row.written:
         record_fault(context, layout.CHANGED, interaction, 0.0)

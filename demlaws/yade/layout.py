@@ -56,7 +56,7 @@ _TABLES = (
     "shapes",  # address of SHAPE of each body
     "shape_count",
     "functor_offset",  # bytes from the start of the functor to what the native `go` gets as `this`
-    "alarm",  # address of the guard's PyRunner.nDone, or 0: a zero written there has it run before the next step's contacts
+    "guard_counter",  # address of the guard's PyRunner.nDone, or 0: a zero written there has it run before the next contacts
 )
 _CHOICES = (
     "plane_flats",  # 1: R of a sphere on a facet, wall or box is the sphere's radius

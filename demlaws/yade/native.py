@@ -366,7 +366,7 @@ class Attachment:
         if self.runner is not None:
             self.runner.nDone = 0  # a guard that is still in a scene reports that its law has left
         self.runner = runner
-        self.context["alarm"] = 0 if runner is None else address(runner) + self.layout.number_done
+        self.context["guard_counter"] = 0 if runner is None else address(runner) + self.layout.number_done
 
     def rows_of(self, contacts):
         """The contacts as an array of `layout.contact_dtype`, with the Params by which YADE has their forces; tag 0 where the

@@ -12,8 +12,8 @@ from demlaws.core.dispatch import leaves, refuse_other_values
 from demlaws.core.loops import clamped_roughness, loading_part, scale_contact
 from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, LARGEST_SHEAR_RATIO, MOST_LEVELS, SLIP, SPRINGS
 from demlaws.core.unloading import GIVEN, RULES
-from demlaws.curves.closed import ClosedForm
-from demlaws.curves.unloading import Bound, Unloading, refuse_unless_passive
+from demlaws.curves.closed import FormulaCurve
+from demlaws.curves.unloading import BoundLaw, Unloading, refuse_unless_passive
 from demlaws.errors import DemlawsError, MissingQuantity, did_you_mean, quiet
 from demlaws.laws import HERTZ
 from demlaws.laws.definition import HERTZ_CURVE
@@ -111,7 +111,7 @@ class LawSource:
         return taking_part if self.table is None else []
 
     def _bound(self, contact, unloading):
-        """The law of a contact with a rule (a `Table`, or `Bound`)."""
+        """The law of a contact with a rule (a `Table`, or `BoundLaw`)."""
         if self.table is not None:
             from demlaws.make import unloading_for
 
@@ -124,7 +124,7 @@ class LawSource:
             curve_contact = contact.with_values(**{name: ratio * getattr(contact, name) for name, ratio in changes})
             along = self.curve._bound(curve_contact, "elastic")
             parts = parts._replace(curve=along.curve, contact=along.contact)
-        bound = Bound(contact, ClosedForm(self.definition, contact, self.options), parts)
+        bound = BoundLaw(contact, FormulaCurve(self.definition, contact, self.options), parts)
         refuse_unless_passive(bound)
         return bound
 
@@ -252,7 +252,7 @@ class Pairs:
         else:
             self.default, self.by_pair = self._source(law, options), {}
             rules = {self.default.unloading}
-            if isinstance(law, Bound) and not (self.surfaces or self.everywhere or self.smooth):
+            if isinstance(law, BoundLaw) and not (self.surfaces or self.everywhere or self.smooth):
                 raise DemlawsError("give surfaces={label: demlaws.Surface(...)} for the materials that the law is for")
         if unloading is None and len(rules) > 1:
             raise DemlawsError(f"the laws have different unloading rules ({', '.join(sorted(rules))}): give unloading=…")

@@ -222,8 +222,8 @@ not_inlined = numba.njit(error_model="numpy", nogil=True)
 @kernel
 def request_guard(context):
     """Have the guard run before the contacts of the next step."""
-    if context.alarm != 0:
-        array(context.alarm, 1, np.int64)[0] = 0
+    if context.guard_counter != 0:
+        array(context.guard_counter, 1, np.int64)[0] = 0
 
 
 @not_inlined

@@ -15,7 +15,7 @@ import demlaws as dl
 from demlaws import files
 from demlaws.core.dispatch import leaves
 from demlaws.curves import table_grammar as table_file
-from demlaws.curves.closed import ClosedForm
+from demlaws.curves.closed import FormulaCurve
 from demlaws.laws.registry import registry
 
 SMOOTHER_ALIKE = SMOOTHER.with_values(fractal_dimension=GRANITE.fractal_dimension)
@@ -359,7 +359,7 @@ def made_up_law(contact, exponent=1.5, kinks=()):
         return p.hertz_coefficient * p.sigma**0.5 * k
 
     facts = {"length": "roughness", "collapses": True, "kinks": lambda p, **_: [kink * contact.sigma for kink in kinks]}
-    return dl.Law(contact, ClosedForm(dl.define("made-up", force, stiffness, **facts), contact, {}))
+    return dl.Law(contact, FormulaCurve(dl.define("made-up", force, stiffness, **facts), contact, {}))
 
 
 def test_a_law_with_three_kinks_is_tabulated_to_its_certificate(tmp_path, rng):

@@ -10,7 +10,7 @@ import pytest
 from examples import GRANITE, make, quiet
 
 import demlaws as dl
-from demlaws.curves.closed import ClosedForm
+from demlaws.curves.closed import FormulaCurve
 from demlaws.curves.soundness import refuse_unless_collapses
 from demlaws.errors import NotPassive
 from demlaws.laws.definition import OF_CONTACT
@@ -112,7 +112,7 @@ def test_a_law_says_whether_it_collapses(name):
     law = make(name)
     measured = law.definition._replace(collapses=True)
     try:
-        refuse_unless_collapses(ClosedForm(measured, law.contact, law.options), law.contact)
+        refuse_unless_collapses(FormulaCurve(measured, law.contact, law.options), law.contact)
         found = True
     except dl.DemlawsError:
         found = False
