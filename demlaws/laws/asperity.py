@@ -98,7 +98,7 @@ def sample(rough, max_force):
             "max_force or a larger map"
         )
     if max_force is not None and edge:
-        rough.advise(rough.at(overlaps[-1]))
+        rough.warn_of_edge(rough.at(overlaps[-1]))
     return np.array(overlaps)[loaded], forces[loaded]
 
 

@@ -308,6 +308,13 @@ def test_bulk_yield_and_edge_are_warned_about():
         RoughContact(small, dl.Contact(radius=1e-2, modulus=1e9)).load(6e-5)
 
 
+def test_a_law_up_to_a_force_beyond_the_edge_of_its_map_warns():
+    """Without max_force the curve ends where the contact reaches the edge."""
+    heights, pair = self_affine(64, pixel=2e-6, hurst=0.8, roughness=2e-6, seed=1), dl.Contact(4e-3, 32e9, 2e-6, hardness=6e9)
+    with pytest.warns(dl.ValidityWarning, match="reaches the edge of the map"):
+        dl.law("asperity", pair, surface=heights, max_force=20.0, plastic_factor=0.71, plastic_ratio=160.0)
+
+
 @pytest.mark.parametrize(
     "call",
     [
