@@ -8,7 +8,7 @@ import yade
 import yade.utils
 
 from demlaws.errors import DemlawsError, EngineStopped, LargeOverlap, ShapeWarning, TimeStepWarning, ValidityWarning, warn
-from demlaws.units import LARGE_RADIUS, LARGE_ROUGHNESS, SMALL_OVERLAP, judge
+from demlaws.units import LARGE_RADIUS, LARGE_ROUGHNESS, SMALL_OVERLAP, judge, large_overlap
 from demlaws.yade import layout, native, reports
 from demlaws.yade.omega import FULL_CHECK_STEPS, get_engines, invalid_radius, is_our_contact, mobilities, real_contacts
 
@@ -201,16 +201,30 @@ class Binding:
             self.judge_unlisted(unlisted)
         strange = self.context.pop_fault(layout.UNKNOWN_SHAPE, once=True)
         if strange:
-            text = reports.body_radius_text(strange, float(self.context["values"][layout.UNKNOWN_SHAPE]))
-            warn(f"law {self.label!r}: {text}", ShapeWarning)
+            names = " on ".join(type(O.bodies[number].shape).__name__ for number in strange)
+            warn(
+                f"law {self.label!r}: contact {strange[0]}+{strange[1]} ({names}) has R = "
+                f"{float(self.context['values'][layout.UNKNOWN_SHAPE]):.4g} m from the distances between the bodies' centres "
+                "and the contact, which is not a radius of curvature; force, yield and the effect of roughness follow from it. "
+                'Choose radius="curvature" (level sets), the measured edge radius in m, or radius="body"',
+                ShapeWarning,
+            )
         joint = self.context.pop_fault(layout.SHARED, once=True)
         if joint:
-            warn(f"law {self.label!r}: {reports.joint_text(*joint)}", ShapeWarning)
+            warn(
+                f"law {self.label!r}: contact {joint[0]}+{joint[1]} has the physics of another one: a sphere passes a joint of "
+                "GridConnections or ChainedCylinders. YADE applies Mindlin's force, native or ours, in both contacts: the "
+                "sphere gets it twice until it leaves the chain, with CylScGeom6D even longer",
+                ShapeWarning,
+            )
         if self.context.pop_fault(layout.DEEP, once=True):
             rows = self.rows(real_contacts())
             rows = rows[(rows["tag"] > 0) & (rows["overlap"] > SMALL_OVERLAP * rows["radius"]) & (rows["modulus"] > 0.0)]
             if len(rows):
-                warn(f"law {self.label!r}: {reports.deep_text(rows)}", LargeOverlap)
+                deepest = rows[np.argmax(rows["overlap"] / rows["radius"])]
+                overlap, radius = float(deepest["overlap"]), float(deepest["radius"])
+                text = large_overlap(overlap, radius, len(rows), O.interactions.countReal())
+                warn(f"law {self.label!r}: {text}", LargeOverlap)
 
     def raise_fault(self):
         """Raise a fault of native code: a contact that the law does not serve. All faults are cleared."""
@@ -397,5 +411,11 @@ class Binding:
             from demlaws.timestep import STEP_SAFETY, packing_estimate
 
             advised = STEP_SAFETY * packing_estimate(float(stiffness[worst]), 1.0 / max(mobilities(contacts[worst])))
-            text = reports.step_text(contacts[worst], limit, float(rows["overlap"][worst]), advised)
-            self._warn_once("long step", text, TimeStepWarning)
+            self._warn_once(
+                "long step",
+                f"O.dt = {O.dt:g} s is {O.dt / limit:.3g} times the longest stable step of contact {contacts[worst].id1}+"
+                f"{contacts[worst].id2} alone at its overlap of {rows['overlap'][worst]:.3g} m, {limit:.3g} s: the bodies gain "
+                f"energy and fly apart. In a packing at this overlap O.dt = {advised:.2g} s is advised, less at larger loads "
+                "(demlaws.timestep)",
+                TimeStepWarning,
+            )

@@ -1,4 +1,4 @@
-"""Messages about contacts, laws and time steppers: loaded when there is something to say."""
+"""Messages about faults of contacts, laws and time steppers, and the text of a functor."""
 
 import math
 import platform
@@ -8,7 +8,7 @@ import yade
 import yade.config
 
 from demlaws.errors import did_you_mean
-from demlaws.units import RANGES, large_overlap, too_large_overlap
+from demlaws.units import RANGES, too_large_overlap
 from demlaws.yade import layout, native
 from demlaws.yade.omega import invalid_radius, real_contacts
 from demlaws.yade.pairs import NOT_SERVED
@@ -175,32 +175,6 @@ def describe(binding):
     return f"{binding.pairs.name}; {shear}; surfaces: {surfaces or 'none' + smooth}; {where}"
 
 
-def joint_text(first, second):
-    """Message about the contact of two bodies that has the physics of another one."""
-    return (
-        f"contact {first}+{second} has the physics of another one: a sphere passes a joint of "
-        "GridConnections or ChainedCylinders. YADE applies Mindlin's force, native or ours, in both contacts: the "
-        "sphere gets it twice until it leaves the chain, with CylScGeom6D even longer"
-    )
-
-
-def body_radius_text(bodies, radius):
-    """Warning about a contact of two bodies with the body's R."""
-    first, second = bodies
-    names = " on ".join(type(O.bodies[number].shape).__name__ for number in bodies)
-    return (
-        f"contact {first}+{second} ({names}) has R = {radius:.4g} m from the distances between "
-        "the bodies' centres and the contact, which is not a radius of curvature; force, yield and the effect of roughness "
-        'follow from it. Choose radius="curvature" (level sets), the measured edge radius in m, or radius="body"'
-    )
-
-
-def deep_text(rows):
-    """Message about the contacts beyond SMALL_OVERLAP of their R, given as rows of `layout.contact_dtype`."""
-    deepest = rows[np.argmax(rows["overlap"] / rows["radius"])]
-    return large_overlap(float(deepest["overlap"]), float(deepest["radius"]), len(rows), O.interactions.countReal())
-
-
 def stepper_text(stepper, bound, reach):
     """Message about a time stepper without a valid bound; bound: the valid one [s], which is its maxDt if the user gave none;
     None without spheres; reach: `binding.LARGEST_STEP_RATIO`."""
@@ -220,13 +194,4 @@ def stepper_text(stepper, bound, reach):
     return (
         f"GlobalStiffnessTimeStepper has {name} = {getattr(stepper, name):.3g} s, above the bound that is valid for the law: "
         f"{why}; it is not changed. Give a smaller {name}"
-    )
-
-
-def step_text(contact, limit, overlap, advised):
-    """Warning about O.dt beyond the longest stable step [s] of a contact at its overlap [m]; advised: that of a packing [s]."""
-    return (
-        f"O.dt = {O.dt:g} s is {O.dt / limit:.3g} times the longest stable step of contact {contact.id1}+{contact.id2} alone "
-        f"at its overlap of {overlap:.3g} m, {limit:.3g} s: the bodies gain energy and fly apart. In a packing at this overlap "
-        f"O.dt = {advised:.2g} s is advised, less at larger loads (demlaws.timestep)"
     )
