@@ -10,7 +10,6 @@ into the symbols of the machine code, so each is unique in the package; a type f
 import functools
 import inspect
 import itertools
-from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -33,14 +32,7 @@ def function_of_text(arguments, lines, names):
     return names["function"]
 
 
-class _Generic(NamedTuple):
-    """A function that kernels may be bound to."""
-
-    arguments: tuple  # their names
-    by: int  # number of the argument whose type decides
-
-
-_GENERIC = {}  # its name → `_Generic`
+_GENERIC = {}  # name of a function that kernels may be bound to → names of its arguments, number of the one that decides
 _KERNELS = {}  # type of a law's Shape or Params, or of a rule's tag → {name of a generic function: kernel}
 PARAMS = 1
 """Number of the argument that is a contact's Params."""
@@ -55,7 +47,7 @@ def generic(otherwise=None, by=0):
 
     def decorate(function):
         name = function.__name__
-        _GENERIC[name] = _Generic(tuple(inspect.signature(function).parameters), by)
+        _GENERIC[name] = tuple(inspect.signature(function).parameters), by
 
         def choose(*kinds):
             bound = _KERNELS.get(getattr(kinds[by], "instance_class", None), {}).get(name)
@@ -83,10 +75,10 @@ def bind(cls, **functions):
         raise TypeError(
             f"{cls.__module__}.{cls.__name__}: no generic function is called {', '.join(unknown)}; there are {names}"
         )
-    if any(_GENERIC[name].by == PARAMS for name in functions):
+    if any(_GENERIC[name][1] == PARAMS for name in functions):
         _refuse_other_fields(cls)
     for name, function in functions.items():
-        given, wanted = inspect.signature(getattr(function, "py_func", function)).parameters, _GENERIC[name].arguments
+        given, wanted = inspect.signature(getattr(function, "py_func", function)).parameters, _GENERIC[name][0]
         if len(given) != len(wanted):
             raise TypeError(
                 f"{cls.__module__}.{cls.__name__}: {name} takes ({', '.join(wanted)}), the kernel takes ({', '.join(given)})"

@@ -65,7 +65,7 @@ for _tag, _area in ((Etsion, _contact_area), (Jackson, _fitted_area)):
 
 
 class EtsionNumbers(NamedTuple):
-    """Contact radius in a table, without units: a²/(R δ) = max(1, u/overlap)^power."""
+    """Contact radius in a table, without units: a²/(R δ) = max(1, u/overlap)^power. Rule `jackson` reads the overlap alone."""
 
     overlap: float
     power: float
@@ -77,20 +77,20 @@ class EtsionTableParams(NamedTuple):
     """One contact."""
 
     hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
-    inverse_overlap: float  # [1/m]
+    critical_overlap: float  # where the contact radius leaves Hertz's, of rule `jackson` ω_c [m]
     power: float
 
 
 @kernel
 def _table_scale(shape, radius, modulus, roughness):
     length = shape.length_over_roughness * roughness + shape.length_over_radius * radius
-    return EtsionTableParams(hertz_coefficient(radius, modulus), 1.0 / (shape.overlap * length), shape.power)
+    return EtsionTableParams(hertz_coefficient(radius, modulus), shape.overlap * length, shape.power)
 
 
 @kernel
 def _table_area(shape, p, overlap):
     """As `first_loading`, of which nothing but the contact radius is known here."""
-    ratio = overlap * p.inverse_overlap
+    ratio = overlap / p.critical_overlap
     area = overlap * exp2(p.power * log2(ratio if ratio > 1.0 else 1.0))
     return math.nan, math.nan, math.nan, area
 
@@ -99,28 +99,9 @@ bind(EtsionNumbers, scale=_table_scale)
 bind(EtsionTableParams, first_loading=_table_area)
 
 
-class JacksonNumbers(NamedTuple):
-    """Critical overlap in a table, without units."""
-
-    overlap: float
-    length_over_roughness: float
-    length_over_radius: float
-
-
-class JacksonTableParams(NamedTuple):
-    """One contact."""
-
-    hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
-    critical_overlap: float  # ω_c [m]
-
-
-@kernel
-def _jackson_scale(shape, radius, modulus, roughness):
-    length = shape.length_over_roughness * roughness + shape.length_over_radius * radius
-    return JacksonTableParams(hertz_coefficient(radius, modulus), shape.overlap * length)
-
-
-bind(JacksonNumbers, scale=_jackson_scale)
+def _jackson_numbers(overlap, *lengths):
+    """The Shape of rule `jackson` in a table: ω_c without units."""
+    return EtsionNumbers(overlap, 0.0, *lengths)
 
 
 def rule_numbers(p, length, joint, power):
@@ -152,7 +133,7 @@ JACKSON = own_rule(
         7,
         "back along Hertz's curve from the residual overlap of finite elements",
         ("jackson_overlap",),
-        JacksonNumbers,
+        _jackson_numbers,
         springs="thornton",
     )
 )
