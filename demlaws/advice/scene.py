@@ -119,7 +119,6 @@ class Scene:
 
     def __post_init__(self):
         classes = tuple(np.unique(positive(self.classes, "classes", "m")).tolist())
-        object.__setattr__(self, "classes", classes)
         radii = classes or np.atleast_1d(positive(self.radii, "radii", "m")).tolist()
         if not radii:
             raise DemlawsError("radii is empty: give one radius in m, or the smallest and the largest")
@@ -132,7 +131,6 @@ class Scene:
         for label in ("cyclic", "walls"):
             if not isinstance(getattr(self, label), bool | np.bool_):
                 raise DemlawsError(f"{label} = {getattr(self, label)!r}: give true or false, without quotes")
-        object.__setattr__(self, "radii", (min(radii), max(radii)))
         materials = _all_of(self.materials, Material, "materials")
         given = self.surfaces if self.surfaces is not None else [surface_of(material) for material in materials]
         surfaces = _all_of(given, Surface, "surfaces")
@@ -141,13 +139,17 @@ class Scene:
         kinds = max(len(materials), len(surfaces))
         if {len(materials), len(surfaces)} - {1, kinds} or not kinds:
             raise DemlawsError(f"{len(materials)} materials and {len(surfaces)} surfaces: give one, or one per kind of grain")
-        object.__setattr__(self, "materials", materials * (kinds // len(materials)))
-        object.__setattr__(self, "surfaces", surfaces * (kinds // len(surfaces)))
+        checked = {
+            "classes": classes,
+            "radii": (min(radii), max(radii)),
+            "materials": materials * (kinds // len(materials)),
+            "surfaces": surfaces * (kinds // len(surfaces)),
+            "speed": number(self.speed, "speed", "m/s", allow_low=True),
+        }
         for label, unit in (("force", "N"), ("pressure", "Pa")):
             if getattr(self, label) is not None:
-                object.__setattr__(self, label, _range(getattr(self, label), label, unit))
-        object.__setattr__(self, "speed", number(self.speed, "speed", "m/s", allow_low=True))
-        if self.force is None and self.pressure is None and not self.speed:
+                checked[label] = _range(getattr(self, label), label, unit)
+        if self.force is None and self.pressure is None and not checked["speed"]:
             raise DemlawsError("the scene has no load: give force=(low, high) in N, pressure in Pa, or speed in m/s")
         for label, unit, high in (
             ("tolerance", "", 1.0),
@@ -157,23 +159,20 @@ class Scene:
             ("yield_pressure", "Pa", math.inf),
         ):
             if getattr(self, label) is not None or high < math.inf:
-                object.__setattr__(self, label, number(getattr(self, label), label, unit, 0.0, high))
+                checked[label] = number(getattr(self, label), label, unit, 0.0, high)
         for label, words in (("quantity", QUANTITIES), ("engine", ENGINES), ("process", ("", *PROCESSES))):
             if not isinstance(getattr(self, label), str) or getattr(self, label) not in words:
                 raise DemlawsError(f"{label} = {getattr(self, label)!r}: choose one of {', '.join(filter(None, words))}")
         if self.reference is not None:
-            object.__setattr__(self, "reference_options", find(self.reference).read_options(self.reference_options))
+            checked["reference_options"] = find(self.reference).read_options(self.reference_options)
         if self.unloading is not None:
-            self._check_unloading()
-
-    def _check_unloading(self):
-        """Replace `unloading` by a rule's name, or by the law or table of a path."""
-        if not isinstance(self.unloading, str | os.PathLike | Law):
-            raise DemlawsError(f"unloading = {self.unloading!r:.60}: give a rule's name, a law, a table, or a table's path")
-        object.__setattr__(self, "unloading", check_unloading(self.unloading))
-        if not self.unloads:
-            rule = GIVEN if isinstance(self.unloading, Law) else self.unloading
-            raise DemlawsError(f"unloading = {rule!r}: contacts unload where cyclic = true, or quantity = 'restitution'")
+            if not isinstance(self.unloading, str | os.PathLike | Law):
+                raise DemlawsError(f"unloading = {self.unloading!r:.60}: give a rule's name, a law, a table, or a table's path")
+            checked["unloading"] = named = check_unloading(self.unloading)
+            if not self.unloads:
+                rule = GIVEN if isinstance(named, Law) else named
+                raise DemlawsError(f"unloading = {rule!r}: contacts unload where cyclic = true, or quantity = 'restitution'")
+        vars(self).update(checked)  # of a frozen dataclass
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> "Scene":

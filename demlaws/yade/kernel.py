@@ -218,18 +218,14 @@ def edged_radius(radius, radius1, radius2, edge1, edge2, flat):
 
 @not_inlined
 def follow_radii(kind, context, geom, interaction, row, pair):
-    """Renew R and the row of a contact whose bodies have grown or shrunk; E* remains."""
+    """Renew R and the row of a contact whose bodies have grown or shrunk; E* remains. The law may not serve it: a fault."""
     row.reach = geom.refR1 + geom.refR2
     body1, body2 = body_of(context, interaction.id1, 0), body_of(context, interaction.id2, 0)
-    if row.modulus != 0.0 and not (has_no_radius(context, body1) or has_no_radius(context, body2)):
-        radius = contact_radius(context, geom, body1, body2)
-        if radius > 0.0:  # else the guard names the body
-            take_radius(kind, context, interaction, row, pair, radius)
-
-
-@not_inlined
-def take_radius(kind, context, interaction, row, pair, radius):
-    """Give a contact another R [m]; a fault where the law does not serve it."""
+    if row.modulus == 0.0 or has_no_radius(context, body1) or has_no_radius(context, body2):
+        return
+    radius = contact_radius(context, geom, body1, body2)
+    if not radius > 0.0:  # the guard names the body
+        return
     if not serves(pair, radius, row.modulus):
         record_fault(context, layout.WRONG_CONTACT, interaction, radius)
     elif pair.roughness > LARGEST_ROUGHNESS * radius:
@@ -293,25 +289,6 @@ def initialise_contact(context, pairs, row, geom, phys, interaction):
 
 
 @kernel
-def find_row(context, row_address, phys, phys_address, row_dtype):
-    """Address of the row that a contact's mark has; 0 for a row of another contact, law or process."""
-    if phys.prevU[2] != context.generation:
-        return 0
-    place = abs(row_address)
-    return place if view(place, row_dtype).phys == phys_address else 0
-
-
-@not_inlined
-def make_block(context, number, size):
-    """Address of a block of rows that is made now, unless another thread has made it; 0: there is no memory."""
-    made = call_map_memory(context.map_memory, (0, size, layout.READ_AND_WRITE, layout.OF_ITS_OWN, -1, 0))
-    if made == -1:
-        return 0
-    other = exchange_if(context.blocks + number * 8, 0, made)
-    return made if other == 0 else other  # a second one remains unused
-
-
-@kernel
 def free_row(context):
     """Number of a row that no contact has. The guard looks for rows to use again before new ones are taken."""
     if context.free_taken[0] < context.free_count:
@@ -335,9 +312,12 @@ def take_row(context, row_dtype):
         return 0
     block = array(context.blocks, layout.BLOCKS, np.int64)[block_number]
     if block == 0:
-        block = make_block(context, block_number, layout.ROWS * size)
-    if block == 0:
-        return 0
+        how = layout.READ_AND_WRITE, layout.OF_ITS_OWN, -1, 0
+        made = call_map_memory(context.map_memory, (0, layout.ROWS * size, *how))
+        if made == -1:
+            return 0
+        other = exchange_if(context.blocks + block_number * 8, 0, made)  # of another thread; a second one remains unused
+        block = made if other == 0 else other
     place = block + (number & (layout.ROWS - 1)) * size
     array(place, size // 8, np.int64)[:] = 0
     return place
@@ -462,7 +442,8 @@ def go(kind, params_kind, shear, mode, rule, friction, pair_dtype, row_dtype, co
         return unknown_class(context, contact, interaction)
     overlap = -1.0 if geom.penetrationDepth == -math.inf else geom.penetrationDepth  # newer YADE: level sets apart
     row_address = np.int64(phys.prevU[1])
-    if find_row(context, row_address, phys, phys_address, row_dtype) == 0:
+    # that of another contact, law or process is not its own
+    if phys.prevU[2] != context.generation or view(abs(row_address), row_dtype).phys != phys_address:
         pairs = array(context.pairs, context.surfaces * (context.surfaces + 1) // 2, pair_dtype)
         row_address = make_row(kind, context, pairs, row_dtype, geom, phys, interaction, phys_address, contact.interaction)
         if row_address == 0:

@@ -278,17 +278,6 @@ def after_native_step(mode, contact, row):
 
 
 @kernel
-def viscous_loss(context, contact, geom, phys):
-    """Energy [J] that the viscous forces of the native law's own step have taken."""
-    law = view(contact.functor - context.functor_offset, objects.Functor)
-    scene, interaction = view(law.scene, objects.Scene), view(contact.interaction, objects.Interaction)
-    first, second = view(contact.first, objects.State), view(contact.second, objects.State)
-    along = dot(vector(phys.normalViscous), vector(geom.normal))
-    loss = along * approach_velocity(scene, geom, interaction, first, second) * scene.dt
-    return loss + dot(vector(phys.shearViscous), vector(geom.shearInc))
-
-
-@kernel
 def advance(mode, context, contact, row):
     """Mindlin's law; returns whether the contact lasts."""
     geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
@@ -298,5 +287,10 @@ def advance(mode, context, contact, row):
     keep = native_go(context, contact)
     after_native_step(mode, contact, row)
     if geom.penetrationDepth > 0.0 and (phys.betan != 0.0 or phys.betas != 0.0 or exponent_of_damping(phys) != 0.0):
-        row.viscous += viscous_loss(context, contact, geom, phys)
+        law = view(contact.functor - context.functor_offset, objects.Functor)
+        scene, interaction = view(law.scene, objects.Scene), view(contact.interaction, objects.Interaction)
+        first, second = view(contact.first, objects.State), view(contact.second, objects.State)
+        moved = approach_velocity(scene, geom, interaction, first, second) * scene.dt
+        row.viscous += dot(vector(phys.normalViscous), vector(geom.normal)) * moved
+        row.viscous += dot(vector(phys.shearViscous), vector(geom.shearInc))
     return keep

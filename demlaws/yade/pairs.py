@@ -322,17 +322,16 @@ class Pairs:
     def _make_records(self, surfaces):
         count = len(surfaces)
         self.numbers = np.zeros((count, count), np.int64)
-        self.shapes, self.roughnesses, self.serves_only, self.combined, frictions = [], [], [], [], []
+        self.shapes, self.roughnesses, self.combined, more = [], [], [], []
         for i in range(count):
             for j in range(i + 1):
                 self.numbers[i, j] = self.numbers[j, i] = len(self.shapes)
                 pair = surfaces[i].combined(surfaces[j])
                 labels = self.labels[j], self.labels[i]
-                frictions.append(self.friction.of(*labels))
                 self.combined.append((pair, self.by_pair.get(tuple(sorted(labels)), self.default)))
                 shape, serves_only = self._pair(pair, labels)
                 self.shapes.append(shape)
-                self.serves_only.append(serves_only)
+                more.append((*serves_only, *self.friction.of(*labels)))
                 self.roughnesses.append(pair.roughness or 0.0)  # of a smooth law it need not be given
         kinds = {numba.typeof(shape) for shape in self.shapes if shape is not None}
         if len(kinds) > 1:
@@ -355,12 +354,9 @@ class Pairs:
         self.saved = repack_fields(self.row[[name for name in self.row.names if name in layout.SAVED]])
         self._keep = []
         self.records = np.zeros(len(self.shapes), layout.pair_dtype(tuples.fields(self.kind, "shape")))
-        for record, shape, roughness, serves_only, friction in zip(
-            self.records, self.shapes, self.roughnesses, self.serves_only, frictions, strict=True
-        ):
-            record["mu0"], record["c1"], record["c2"] = friction
+        for record, shape, roughness, numbers in zip(self.records, self.shapes, self.roughnesses, more, strict=True):
             record["smooth"], record["roughness"] = shape is None, roughness
-            record["radius"], record["modulus"] = serves_only
+            record["radius"], record["modulus"], record["mu0"], record["c1"], record["c2"] = numbers
             if shape is not None:
                 tuples.pack(shape, record, "shape", self._keep)
 
@@ -396,10 +392,9 @@ class Pairs:
             shape = source.shape(surface, self.unloading, self.modulus)
         except DemlawsError as error:
             where = " to its Surface" if isinstance(error, MissingQuantity) else ""
-            text = f"{names}: {error}{where}"
             if not complete and len(self.labels) > 1:
                 return None, (math.nan, math.nan)  # such a contact, should it occur, stops the simulation
-            raise DemlawsError(text) from None
+            raise DemlawsError(f"{names}: {error}{where}") from None
         return shape, (0.0, 0.0) if shape is None else source.serves_only()
 
     def number(self, first, second):
