@@ -48,21 +48,21 @@ bind(ByPressure, apply=_by_pressure)
 
 
 class Choice:
-    """What a user gave as `friction`: by_label (label → PressureFriction, "" for the materials that are not listed), by_pair
-    (two labels, sorted → PressureFriction), of_materials: whether FrictMatCDM's is used.
+    """What a user gave as `friction`: entries (one label, or two of them, sorted → PressureFriction; "": the materials that are
+    not listed), of_materials: whether FrictMatCDM's is used.
 
     labels: of the surfaces, "" first; everything: label by which a dict names the materials that are not listed.
     """
 
     def __init__(self, friction, labels, everything):
-        self.by_label, self.by_pair = {}, {}
+        self.entries = {}
         self.of_materials = isinstance(friction, str) and friction == OF_MATERIALS
         if friction is None or self.of_materials:
             return
         from demlaws.shear import PressureFriction
 
         if isinstance(friction, PressureFriction):
-            self.by_label = dict.fromkeys(labels, friction)
+            self.entries = {(label,): friction for label in labels}
         elif isinstance(friction, dict):
             for key, value in friction.items():
                 names = tuple("" if name == everything else name for name in (key if isinstance(key, tuple) else (key,)))
@@ -75,10 +75,7 @@ class Choice:
                     )
                 if not isinstance(value, PressureFriction):
                     raise DemlawsError(f"friction[{key!r}] must be a demlaws.PressureFriction, got {value!r:.60}")
-                if len(names) == 1:
-                    self.by_label[names[0]] = value
-                else:
-                    self.by_pair[tuple(sorted(names))] = value
+                self.entries[tuple(sorted(names))] = value
         else:
             raise DemlawsError(
                 "friction must be a demlaws.PressureFriction, a dict from labels or pairs of labels to them, or "
@@ -88,19 +85,18 @@ class Choice:
     @property
     def tag(self):
         """`Constant` or `ByPressure`."""
-        return ByPressure() if self.by_label or self.by_pair or self.of_materials else Constant()
+        return ByPressure() if self.entries or self.of_materials else Constant()
 
     def of(self, first, second):
         """μ0, c1, c2 [1/Pa] of two labels; NaN where the contact has its own."""
-        found = self.by_pair.get(tuple(sorted((first, second))))
-        if found is None and first in self.by_label and second in self.by_label:
-            found = self.by_label[first].combined(self.by_label[second])
+        found = self.entries.get(tuple(sorted((first, second))))
+        if found is None and (first,) in self.entries and (second,) in self.entries:
+            found = self.entries[first,].combined(self.entries[second,])
         return (math.nan, 0.0, 0.0) if found is None else (found.mu0, found.c1, found.c2)
 
     def content(self):
         """Plain content, from which `choice_from` makes it again."""
-        entries = {**{(label,): value for label, value in self.by_label.items()}, **self.by_pair}
-        pairs = [[list(labels), [value.mu0, value.c1, value.c2]] for labels, value in entries.items()]
+        pairs = [[list(labels), [value.mu0, value.c1, value.c2]] for labels, value in self.entries.items()]
         return {"of_materials": self.of_materials, "pairs": pairs}
 
 
