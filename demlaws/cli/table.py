@@ -102,7 +102,7 @@ def run(arguments, result):
     result.values = {"file": str(arguments.out), "rows": table.nodes.u.size, "largest_force": table.largest_force}
     result.values |= {"rtol": table.rtol, "force_error": table.force_error, "stiffness_error": table.stiffness_error}
     result.print_wrapped(
-        f"{arguments.out}: {table.nodes.u.size} rows, {2**table.curve.rows.bits} cells per octave, "
+        f"{arguments.out}: {table.nodes.u.size} rows, {2**table.curve.bits} cells per octave, "
         f"to {table.largest_force:.4g} N; largest relative error: force {table.force_error:.1e}, "
         f"stiffness {table.stiffness_error:.1e}"
     )

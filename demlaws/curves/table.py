@@ -5,7 +5,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -31,14 +31,6 @@ def plain_params(shape: Any, contact: Contact) -> Any:
         )
 
 
-class Rows(NamedTuple):
-    """Rows of one curve."""
-
-    nodes: Nodes
-    bits: int
-    straight: bool  # below the first row; else a power law
-
-
 @dataclass(frozen=True, eq=False)
 class TableCurve:
     """A curve of first loading that is read from certified rows."""
@@ -56,9 +48,9 @@ class TableCurve:
     tabulated = True
 
     @property
-    def rows(self) -> Rows:
-        """The content of a file's rows."""
-        return Rows(self.nodes, 52 - self.shape.grid.shift, self.starts_from_force)
+    def bits(self) -> int:
+        """2^bits cells of an octave."""
+        return 52 - self.shape.grid.shift
 
     @property
     def starts_from_force(self) -> bool:

@@ -52,9 +52,9 @@ def compose(contact: Contact, curve: TableCurve, unloading: Unloading, collapses
         columns = np.column_stack([knots.overlap, knots.force, np.nan_to_num(knots.uncertainty)])  # 0: unknown
         header |= {"points": knots.points, "departure": knots.departure, "smoothing": knots.smoothing}
         header["knots"] = columns.ravel().tolist()
-    sections = [(header, curve.rows)]
+    sections = [(header, curve.nodes)]
     if unloading.curve is not None:
-        sections.append((_curve_keys(unloading.curve, unloading.curve.made_for), unloading.curve.rows))
+        sections.append((_curve_keys(unloading.curve, unloading.curve.made_for), unloading.curve.nodes))
     composed = table_grammar.compose(sections)
     table_grammar.parse(composed[0], f"table of {curve.definition.name}")
     return composed
@@ -70,8 +70,8 @@ def _curve_keys(curve, contact):
     keys |= {f"option_{name}": value for name, value in curve.options.items() if value is not None}
     keys |= {key.name: getattr(one, field) for field, key in OF_CONTACT.items() if getattr(one, field) is not None}
     return keys | {
-        "below": "straight" if curve.rows.straight else "power",
-        "bits": str(curve.rows.bits),
+        "below": "straight" if curve.starts_from_force else "power",
+        "bits": str(curve.bits),
         "force_error": curve.certificate.force_error,
         "stiffness_error": curve.certificate.stiffness_error,
     }
@@ -87,9 +87,10 @@ def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
 
     def curve(section, bulk=NO_YIELD, floor=None):
         """The curve of a section."""
-        rows, own = section.content, section.values
+        nodes, own = section.nodes, section.values
         lengths = float(not over_radius), float(over_radius)
-        shape = shape_from_nodes(rows.nodes, rows.bits, *lengths, bulk=bulk, straight=rows.straight, floor=floor)
+        straight = own["below"] == "straight"
+        shape = shape_from_nodes(nodes, int(own["bits"]), *lengths, bulk=bulk, straight=straight, floor=floor)
         certificate = Certificate(own["force_error"], own["stiffness_error"])
         definition, options = _definition(section, rule, collapses, values["length"])
         alike = collapses or (section is sections[0] and given and definition.collapses)
@@ -98,10 +99,10 @@ def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
             overlap, force, uncertainty = np.reshape(own["knots"], (-1, 3)).T
             uncertainty = np.where(uncertainty > 0.0, uncertainty, math.nan)
             knots = Knots(overlap, force, uncertainty, round(own["points"]), own["departure"], own["smoothing"])
-        return TableCurve(definition, options, shape, rows.nodes, certificate, values["rtol"], section.contact, alike, knots)
+        return TableCurve(definition, options, shape, nodes, certificate, values["rtol"], section.contact, alike, knots)
 
     bulk, contact = NO_YIELD, sections[0].contact
-    if values.get("yield_area", math.inf) < sections[0].content.nodes.curve()[1][-1]:
+    if values.get("yield_area", math.inf) < sections[0].nodes.curve()[1][-1]:
         bulk = BulkYield(values["yield_area"], values["yield_slope"])
     loading = curve(sections[0], bulk)
     unloading = Unloading(rule)

@@ -17,7 +17,6 @@ import numpy as np
 from demlaws.contact import LOWEST_HARDNESS, Contact
 from demlaws.core.grid import MOST_BITS, MOST_KINKS, Nodes, node, node_number
 from demlaws.core.unloading import GIVEN, RULES
-from demlaws.curves.table import Rows
 from demlaws.errors import DemlawsError
 from demlaws.laws import POHRT_POPOV
 from demlaws.laws.definition import Numbers
@@ -289,9 +288,9 @@ class Section:
             self.fail(self.lines["below"], "straight below the first row, this curve would have a force below 0 at overlap 0")
 
     @property
-    def content(self):
-        """`Rows` of the curve."""
-        return Rows(Nodes(*np.array(self.rows).T), int(self.values["bits"]), self.values["below"] == "straight")
+    def nodes(self):
+        """`Nodes` of the curve."""
+        return Nodes(*np.array(self.rows).T)
 
     @property
     def contact(self):
@@ -321,11 +320,11 @@ def off_grid(u, bits_per_octave):
 
 
 def compose(sections):
-    """(bytes of the file, checksum) of curves: (key → value, `Rows`) of loading, and perhaps of unloading."""
+    """(bytes of the file, checksum) of curves: (key → value, `Nodes`) of loading, and perhaps of unloading."""
     lines = [FORMAT]
-    for header, rows in sections:
+    for header, nodes in sections:
         lines += [f"{key}: {_text(value)}" for key, value in header.items()]
-        lines += [" ".join(map(repr, row)) for row in np.column_stack(rows.nodes).tolist()]
+        lines += [" ".join(map(repr, row)) for row in np.column_stack(nodes).tolist()]
     text = "".join(f"{line}\n" for line in lines).encode()
     checksum = zlib.crc32(text)
     return text + b"crc: %08x\n" % checksum, checksum

@@ -199,7 +199,7 @@ def rescaled(table: TableCurve, contact: Contact, unloading: Unloading) -> Table
         rtol=table.rtol,
         name=curve.definition.name,
         span=span,
-        first_bits=52 - table.shape.grid.shift,
+        first_bits=table.bits,
         straight=curve.starts_from_force,
         floor=table.floor,
     )

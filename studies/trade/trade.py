@@ -110,7 +110,7 @@ def _ways(laws, progress):
                     table = law.tabulate(rtol, 2.0 * LOADS[1])
                 except DemlawsError:
                     continue
-                ways.setdefault((name, rule, "table", f"{table.curve.rows.bits} bits"), table)
+                ways.setdefault((name, rule, "table", f"{table.curve.bits} bits"), table)
     return ways
 
 
