@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from typing import NamedTuple
 
 from demlaws.errors import DemlawsError, handling_signals, page
 
@@ -64,16 +63,10 @@ def interpreter_of(yade):
     return shutil.which(words[-1]) if words and "python" in os.path.basename(words[-1]) else None
 
 
-class Interpreter(NamedTuple):
-    """The Python of a YADE: (major, minor), and the major version of its numpy, or None."""
-
-    version: tuple
-    numpy: int | None
-
-
 @functools.lru_cache
 def python_of(yade):
-    """`Interpreter` of a yade start script, asked without this process's environment; None where none answers.
+    """(major, minor) of the Python of a yade start script and the major version of its numpy, or None, asked without this
+    process's environment; None where none answers.
 
     Of several installations of numpy the last one found is the system's, for which YADE is built.
     """
@@ -86,7 +79,7 @@ def python_of(yade):
         return None
     answer = subprocess.run([interpreter, "-Ic", asked], capture_output=True, text=True).stdout.split()
     numbers = [int(word) for word in answer if word.isdigit()]
-    return Interpreter(tuple(numbers[:2]), next(iter(numbers[2:]), None)) if len(numbers) > 1 else None
+    return (tuple(numbers[:2]), next(iter(numbers[2:]), None)) if len(numbers) > 1 else None
 
 
 def environment():
@@ -96,17 +89,17 @@ def environment():
 
     import demlaws
 
-    python, major = python_of(executable()), int(numpy.__version__.split(".")[0])
-    if python is not None and python.version != sys.version_info[:2]:
-        version = ".".join(map(str, python.version))
+    python, of_yade = python_of(executable()) or (None, None)
+    if python is not None and python != sys.version_info[:2]:
+        version = ".".join(map(str, python))
         raise DemlawsError(
             f"{executable()} runs on Python {version}, this is {sys.version_info[0]}.{sys.version_info[1]}: install "
             f"demlaws in a venv of that Python ({interpreter_of(executable())} -m venv --system-site-packages)"
         )
-    if python is not None and python.numpy is not None and major > python.numpy:
+    if of_yade is not None and int(numpy.__version__.split(".")[0]) > of_yade:
         raise DemlawsError(
-            f"{executable()} is built for numpy {python.numpy}, this is numpy {numpy.__version__}: "
-            f"pip install 'numpy<{python.numpy + 1}' in this venv"
+            f"{executable()} is built for numpy {of_yade}, this is numpy {numpy.__version__}: "
+            f"pip install 'numpy<{of_yade + 1}' in this venv"
         )
     folders = []
     for module in (demlaws, numba, numpy):
