@@ -164,10 +164,6 @@ bind(BahramiShape, scale=_scale)
 bind(BahramiParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
-def _prepare(contact, constant=CONTINUOUS):
-    return BahramiShape(contact.hardness, constant)
-
-
 def _limits(contact, **_):
     # p0' = 0.01 is where the published correlation begins
     kappa = contact.hardness / contact.modulus * np.sqrt(contact.radius / np.maximum(contact.sigma, 1e-40))
@@ -179,7 +175,7 @@ def _limits(contact, **_):
 
 LAW = Definition(
     name="bahrami",
-    prepare=_prepare,
+    prepare=lambda contact, constant=CONTINUOUS: BahramiShape(contact.hardness, constant),
     equation="δ/δ_H = a_L'²/2 + 8 p0' a_L'/(π²(4.79 - 3.17 p0'^3.13)), p0' = 1/(1 + 1.22 α κ^-0.16)",
     source="Bahrami, Yovanovich & Culham 2005; Altuhafi, Baudet & Coop 2023, Eqs. 12–14, κ and exponents mended",
     description="plastic asperities, compact",

@@ -132,10 +132,6 @@ def _angle_softens(angle, factor):
     return math.asin(1.0 / (1.0 + _blunting(angle) * power_of(factor, LENGTH)))
 
 
-def _advise(conditions):
-    return elastic_bulk(conditions, False, f"{conditions.state}: calibrated on ballast in bulk, not measured on contacts")
-
-
 LAW = Definition(
     name="conical-damage",
     prepare=_prepare,
@@ -169,6 +165,11 @@ LAW = Definition(
         },
         free=("strength", "angle"),
     ),
-    advice=Advice(advise=_advise, smooth=True),
+    advice=Advice(
+        advise=lambda conditions: elastic_bulk(
+            conditions, False, f"{conditions.state}: calibrated on ballast in bulk, not measured on contacts"
+        ),
+        smooth=True,
+    ),
     drawing=Drawing(colour="#5254a3", line="-.", example={"strength": GRANITE_YIELD_PRESSURE, "angle": 1.2}),
 )

@@ -164,15 +164,6 @@ EEPA = own_rule(
 )
 
 
-def _prepare(contact, stiffness_ratio, softness=1.0):
-    return EepaShape(softness, stiffness_ratio)
-
-
-def _numbers(p, length, error):
-    """k2/(E* √R), δp/δmax."""
-    return {"eepa_stiffness": p.unloading / (0.75 * p.hertz_coefficient), "eepa_plastic": p.plastic_ratio}
-
-
 _ONLY_OWN = dict.fromkeys(
     ("hertz", "thornton"),
     "its unloading is its own rule 'eepa', or 'elastic'; for Hertz's curve take law 'hertz' or 'thornton-ning'",
@@ -180,14 +171,22 @@ _ONLY_OWN = dict.fromkeys(
 
 LAW = Definition(
     name="eepa",
-    prepare=_prepare,
+    prepare=lambda contact, stiffness_ratio, softness=1.0: EepaShape(softness, stiffness_ratio),
     equation="P = k1 δ^1.5; back along k2 (δ^1.5 - δp^1.5), δp = (1 - k1/k2)^(2/3) δmax",
     source="Thakur et al. 2014, Granular Matter 16, 383 (10.1007/s10035-014-0506-4); Morrissey 2013; without adhesion, n = 1.5",
     description="powder: plastic from the first load",
     limits=no_limits,
     length="radius",
     unloading=("elastic", "eepa"),
-    rules=Rules(default="eepa", own=(EEPA,), numbers=_numbers, refused=_ONLY_OWN),
+    rules=Rules(
+        default="eepa",
+        own=(EEPA,),
+        numbers=lambda p, length, error: {
+            "eepa_stiffness": p.unloading / (0.75 * p.hertz_coefficient),
+            "eepa_plastic": p.plastic_ratio,
+        },
+        refused=_ONLY_OWN,
+    ),
     options={
         "stiffness_ratio": Option("", Numbers(1.0, 1e6, True), "k2/k1"),
         "softness": Option("", Numbers(0.0, 1e3), "k1 over Hertz's (4/3) E* √R"),

@@ -63,13 +63,9 @@ bind(GoddardShape, scale=_scale)
 bind(GoddardParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
-def _prepare(contact, slope):
-    return GoddardShape(3.0 * math.pi**2 / 16.0 * max(math.tan(slope) ** 2, 1e-40))
-
-
 LAW = Definition(
     name="goddard",
-    prepare=_prepare,
+    prepare=lambda contact, slope: GoddardShape(3.0 * math.pi**2 / 16.0 * max(math.tan(slope) ** 2, 1e-40)),
     equation="P = (2E*/(π tan β)) δ² to P* = (9π³/128) E* R² tan³β, then Hertz stiffness",
     source="Goddard 1990; surface slope β in place of the cone's: our derivation",
     description="blunt cone tips",

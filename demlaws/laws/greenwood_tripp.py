@@ -21,21 +21,15 @@ MU = 4.0
 """μ where nothing is known of the asperities: the lowest of the papers' 4 to 17."""
 
 
-def _prepare(contact, mu=MU, seating_share=SEATING_SHARE):
-    return prepare(ELASTIC_LAYER, CurveNumber(mu, 0.0, 0.0, 0.0), contact, seating_share)
-
-
-def _limits(contact, seating_share=SEATING_SHARE, **_):
-    return [*bulk_yield(contact), seating_limit(contact, seating_share)]
-
-
 LAW = Definition(
     name="greenwood-tripp",
-    prepare=_prepare,
+    prepare=lambda contact, mu=MU, seating_share=SEATING_SHARE: prepare(
+        ELASTIC_LAYER, CurveNumber(mu, 0.0, 0.0, 0.0), contact, seating_share
+    ),
     equation="s(r) = d + r² + w(r) - w(0), p = (μ/2) E* √(σ/2R) F_3/2(s), w from the elastic half-space",
     source="Greenwood & Tripp 1967; Greenwood, Johnson & Matsubara 1984",
     description="elastic Gaussian asperities, solved",
-    limits=_limits,
+    limits=lambda contact, seating_share=SEATING_SHARE, **_: [*bulk_yield(contact), seating_limit(contact, seating_share)],
     collapses=False,
     loading=Loading(needs=("sigma",), computed=CELLS),
     rules=Rules(default="hertz"),

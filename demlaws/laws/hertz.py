@@ -50,10 +50,6 @@ bind(HertzShape, scale=_scale)
 bind(HertzParams, first_loading=_first_loading, inverse=_inverse, inverse_near=_inverse_near, energy=_energy)
 
 
-def _prepare(contact):
-    return HertzShape()
-
-
 SMOOTH = 0.05
 """α = σ/δ up to which roughness changes the contact radius by at most 7 % (Johnson 1985, ch. 13)."""
 
@@ -76,7 +72,7 @@ def _advise(conditions):
 
 LAW = Definition(
     name="hertz",
-    prepare=_prepare,
+    prepare=lambda contact: HertzShape(),
     equation="P = (4/3) E* √R δ^1.5",
     source="Hertz 1882; Johnson, Contact Mechanics, 1985, ch. 4",
     description="smooth elastic spheres",

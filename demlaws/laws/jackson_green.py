@@ -139,17 +139,11 @@ bind(JacksonGreenShape, scale=_scale)
 bind(JacksonGreenParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
-def _prepare(contact, yield_strength, poisson=0.3):
-    return JacksonGreenShape(pressure_of(contact, yield_strength, "yield_strength"), 1.295 * math.exp(0.736 * poisson))
-
-
-def _numbers(p, length, error):
-    return rule_numbers(p, length, _YIELD, p.spread)
-
-
 LAW = Definition(
     name="jackson-green",
-    prepare=_prepare,
+    prepare=lambda contact, yield_strength, poisson=0.3: JacksonGreenShape(
+        pressure_of(contact, yield_strength, "yield_strength"), 1.295 * math.exp(0.736 * poisson)
+    ),
     equation="P/P_c = exp(-ω^(5/12)/4) ω^1.5 + (4 H_G/(C S_y)) (1 - exp(-ω^(5/9)/25)) ω, Hertz below, ω = δ/ω_c",
     source="Jackson & Green 2005 (10.1115/1.1866166); unloading Etsion, Kligerman & Kadin 2005 as Jackson et al. 2010 give it",
     description="smooth spheres that yield, hardness of a/R",
@@ -158,7 +152,12 @@ LAW = Definition(
     length="radius",
     collapses=False,
     unloading=("elastic", "etsion"),
-    rules=Rules(default="etsion", own=(ETSION, JACKSON), numbers=_numbers, refused=NOT_THORNTON),
+    rules=Rules(
+        default="etsion",
+        own=(ETSION, JACKSON),
+        numbers=lambda p, length, error: rule_numbers(p, length, _YIELD, p.spread),
+        refused=NOT_THORNTON,
+    ),
     options={"yield_strength": STRENGTH_OPTION, "poisson": POISSON_OPTION},
     fitting=Fitting(identifiable=False, parameters={"yield_strength": STRENGTH}, free=("yield_strength",)),
     advice=Advice(

@@ -115,10 +115,6 @@ bind(KogutEtsionShape, scale=_scale)
 bind(KogutEtsionParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
-def _prepare(contact, yield_strength, poisson=0.3):
-    return KogutEtsionShape(_pressure(pressure_of(contact, yield_strength, "yield_strength"), poisson))
-
-
 def _pressure(strength, poisson):
     """K H [Pa]: K = 0.454 + 0.41 ν, H = 2.8 Y."""
     return (0.454 + 0.41 * poisson) * 2.8 * strength
@@ -135,17 +131,15 @@ def _limits(contact, yield_strength, poisson=0.3):
     ]
 
 
-def _numbers(p, length, error):
-    return rule_numbers(p, length, _AREA ** (-1.0 / (_AREA_POWER - 1.0)), _AREA_POWER - 1.0)
-
-
 STRENGTH = pressure_option(1e-5, 0.3, *np.geomspace(0.005, 0.1, 3))
 STRENGTH_OPTION = Option("Pa", POSITIVE, "yield strength of the softer body", PRESSURE)
 POISSON_OPTION = Option("", Numbers(0.0, 0.5, True), "its Poisson's ratio")
 
 LAW = Definition(
     name="kogut-etsion",
-    prepare=_prepare,
+    prepare=lambda contact, yield_strength, poisson=0.3: KogutEtsionShape(
+        _pressure(pressure_of(contact, yield_strength, "yield_strength"), poisson)
+    ),
     equation="P/P_c = min(ω^1.5, 1.03 ω^1.425, 1.40 ω^1.263), ω = δ/ω_c, ω_c = (π K H/(2E*))² R",
     source="Kogut & Etsion 2002 (10.1115/1.1490373); unloading Etsion, Kligerman & Kadin 2005 (10.1016/j.ijsolstr.2004.12.006)",
     description="smooth spheres that yield, fitted",
@@ -154,7 +148,12 @@ LAW = Definition(
     length="radius",
     collapses=False,
     unloading=("elastic", "etsion"),
-    rules=Rules(default="etsion", own=(ETSION, JACKSON), numbers=_numbers, refused=NOT_THORNTON),
+    rules=Rules(
+        default="etsion",
+        own=(ETSION, JACKSON),
+        numbers=lambda p, length, error: rule_numbers(p, length, _AREA ** (-1.0 / (_AREA_POWER - 1.0)), _AREA_POWER - 1.0),
+        refused=NOT_THORNTON,
+    ),
     options={"yield_strength": STRENGTH_OPTION, "poisson": POISSON_OPTION},
     fitting=Fitting(identifiable=False, parameters={"yield_strength": STRENGTH}, free=("yield_strength",)),
     advice=Advice(advise=yielding_bulk, smooth=True),

@@ -44,13 +44,11 @@ def _scale(shape, radius, modulus, roughness):
 bind(LudingShape, scale=_scale)
 
 
-def _prepare(contact, loading_stiffness, stiffness_ratio, plasticity_depth):
-    return LudingShape(loading_stiffness, stiffness_ratio, plasticity_depth)
-
-
 LAW = Definition(
     name="luding",
-    prepare=_prepare,
+    prepare=lambda contact, loading_stiffness, stiffness_ratio, plasticity_depth: LudingShape(
+        loading_stiffness, stiffness_ratio, plasticity_depth
+    ),
     equation="P = k1 δ to δ*, then k̂2; back along k2 (δ - δp), k2 = k1 + (k̂2 - k1) δmax/δ*",
     source="Luding 2008, Granular Matter 10, 235 (10.1007/s10035-008-0099-x), without its adhesive branch",
     description="straight branches, plastic to a depth",

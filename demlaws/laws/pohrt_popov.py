@@ -123,10 +123,6 @@ def _limits(contact):
     return limits
 
 
-def _advise(conditions):
-    return elastic_asperities(conditions, conditions.contact.fractal_dimension is not None, "needs a fractal dimension")
-
-
 LAW = Definition(
     name="pohrt-popov",
     prepare=_prepare,
@@ -137,6 +133,12 @@ LAW = Definition(
     loading=Loading(needs=("sigma", "fractal_dimension"), kinks=lambda p: [1.0 / p.inverse_threshold]),
     rules=Rules(default="hertz"),
     fitting=Fitting(parameters={"sigma": SIGMA, "fractal_dimension": DIMENSION}, free=("sigma", "fractal_dimension")),
-    advice=Advice(advise=_advise, rank=4, candidate=True),
+    advice=Advice(
+        advise=lambda conditions: elastic_asperities(
+            conditions, conditions.contact.fractal_dimension is not None, "needs a fractal dimension"
+        ),
+        rank=4,
+        candidate=True,
+    ),
     drawing=Drawing(colour="#d62728"),
 )

@@ -105,10 +105,6 @@ bind(RmsShape, scale=_scale)
 bind(RmsParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
-def _prepare(contact):
-    return RmsShape()
-
-
 def _limits(contact):
     force = (16.0 * contact.radius * contact.modulus**2 / 9.0) ** 0.5 * np.asarray(contact.sigma) ** 1.5
     limits = bulk_yield(contact)
@@ -127,7 +123,7 @@ def _advise(conditions):
 
 LAW = Definition(
     name="rms",
-    prepare=_prepare,
+    prepare=lambda contact: RmsShape(),
     equation="δ = a*²/R, a*/a_H = 2.4 - 2.8/(α + 2)",
     source="Greenwood, Johnson & Matsubara 1984; Yimsiri & Soga 2000; Altuhafi, Baudet & Coop 2023, Eq. 5",
     description="rough metal surfaces, fitted",

@@ -48,13 +48,11 @@ def _scale(shape, radius, modulus, roughness):
 bind(ThorntonNingShape, scale=_scale)
 
 
-def _prepare(contact, yield_pressure):
-    return ThorntonNingShape(HertzShape(), pressure_of(contact, yield_pressure, "yield_pressure"))
-
-
 LAW = Definition(
     name="thornton-ning",
-    prepare=_prepare,
+    prepare=lambda contact, yield_pressure: ThorntonNingShape(
+        HertzShape(), pressure_of(contact, yield_pressure, "yield_pressure")
+    ),
     equation="P = (4/3) E* √R δ^1.5 to p_y, then dP/dδ = π R p_y; back along Hertz's curve of R_p",
     source="Thornton 1997; Thornton & Ning 1998, Powder Technology 99, 154 (10.1016/S0032-5910(98)00099-0), without adhesion",
     description="smooth spheres whose bulk yields",

@@ -27,10 +27,6 @@ def _number(contact):
     return CurveNumber(math.sqrt(8.0) * contact.hardness, -1.0, 0.5, -0.5)
 
 
-def _prepare(contact, seating_share=SEATING_SHARE):
-    return prepare(PLASTIC_LAYER, _number(contact), contact, seating_share)
-
-
 def _limits(contact, seating_share=SEATING_SHARE):
     if not np.all(np.asarray(contact.sigma) >= SMOOTH * np.asarray(contact.radius)):
         return []
@@ -48,7 +44,7 @@ def _limits(contact, seating_share=SEATING_SHARE):
 
 LAW = Definition(
     name="yip-venart",
-    prepare=_prepare,
+    prepare=lambda contact, seating_share=SEATING_SHARE: prepare(PLASTIC_LAYER, _number(contact), contact, seating_share),
     equation="s(r) = d + r² + w(r) - w(0), p = H_m ½ erfc(s/√2), w from the elastic half-space",
     source="Yip & Venart 1971; Altuhafi, Baudet & Coop 2023, Eqs. 10–11",
     description="plastic crust of Gaussian asperities, solved",

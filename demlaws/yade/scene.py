@@ -46,10 +46,7 @@ def dispatchers(engine):
 
 def law_functors(engines):
     """(dispatcher, functor) of every law functor."""
-    for engine in engines:
-        for dispatcher in dispatchers(engine):
-            for functor in dispatcher.functors:
-                yield dispatcher, functor
+    return [(one, functor) for engine in engines for one in dispatchers(engine) for functor in one.functors]
 
 
 def is_our_law(functor):
