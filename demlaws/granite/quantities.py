@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws import granite, regime
+from demlaws import granite
 from demlaws.contact import combined_roughness, effective_radius
 from demlaws.granite import MICRO, MODULI, STONES, bind, displacement_gained, find_test, run_test, stiffness_at
 from demlaws.laws import GODDARD, GREENWOOD_TRIPP, HERTZ, POHRT_POPOV, RMS, ROUGH_PLASTIC, YIP_VENART
@@ -77,11 +77,6 @@ def hertz_radius(radii, load, laws):
     return {f"R {1e3 * r:g} mm": 1e3 * (0.75 * load * r / MODULI[laws.modulus]) ** (1 / 3) for r in radii}
 
 
-def threshold(laws):
-    """Load [N] at which Pohrt-Popov crosses over to Hertz."""
-    return {"": granite.threshold_force(laws.test("SS(18-18)"))}
-
-
 def pairs_of_stones(laws):
     """R [mm] and σ [µm] computed from both stones less the printed ones, in units of the last printed digit."""
     found = {}
@@ -102,16 +97,6 @@ def softness(laws):
     """Displacement [µm] gained to 100 N."""
     tests = ("RS(18-18)", "SS(18-18)", "VS(18-18)")
     return table(lambda name, test: displacement_gained(laws.law(name, test)) / MICRO, FITTING, tests)
-
-
-def bulk_pressure(laws):
-    """p(0)/H_m at 100 N by the closed fit of Jamari & Schipper."""
-    return {"": regime.pressure_ratio(laws.test("RS(18-18)").contact, 100.0)}
-
-
-def exponents(laws):
-    """0.2567 Df of the rough pairs."""
-    return table(lambda test: 0.2567 * laws.test(test).fractal_dimension, granite.ROUGH_SPHERES)
 
 
 def onset(name, laws):
@@ -160,11 +145,6 @@ def back_calculated(laws):
         return size / (2.4 - 2.8 / (alpha + 2.0))
 
     return table(ratio, granite.ROUGH_SPHERES, (1.0, 5.0), number="α = {:g}")
-
-
-def underestimate(laws):
-    """a*/a_H at α = 0.05."""
-    return {name: float(values[0]) for name, values in granite.effective_radius([0.05]).items()}
 
 
 def real_area(laws):
