@@ -10,28 +10,16 @@ from demlaws.lazy import load_lazily
 
 TYPE_CHECKING = False  # type checkers and editors take it for true; importing typing would take a third of the import time
 if TYPE_CHECKING:
-    from demlaws import driver as driver
-    from demlaws import materials as materials
-    from demlaws import plots as plots
-    from demlaws import surface as surface
+    from demlaws import driver as driver, materials as materials, plots as plots, surface as surface
     from demlaws.advice.choose import choose as choose
     from demlaws.advice.fit import fit as fit
     from demlaws.advice.scene import Scene as Scene
     from demlaws.advice.soften import soften as soften
-    from demlaws.contact import Contact as Contact
-    from demlaws.contact import Material as Material
-    from demlaws.contact import Surface as Surface
-    from demlaws.errors import DemlawsError as DemlawsError
-    from demlaws.errors import ValidityWarning as ValidityWarning
-    from demlaws.law import Law as Law
-    from demlaws.law import Table as Table
-    from demlaws.laws.definition import Definition as Definition
-    from demlaws.laws.definition import Numbers as Numbers
-    from demlaws.laws.definition import Option as Option
-    from demlaws.laws.definition import Parameter as Parameter
-    from demlaws.laws.registry import laws as laws
-    from demlaws.laws.registry import load_laws as load_laws
-    from demlaws.laws.registry import register as register
+    from demlaws.contact import Contact as Contact, Material as Material, Surface as Surface
+    from demlaws.errors import DemlawsError as DemlawsError, ValidityWarning as ValidityWarning
+    from demlaws.law import Law as Law, Table as Table
+    from demlaws.laws.definition import Definition as Definition, Numbers as Numbers, Option as Option, Parameter as Parameter
+    from demlaws.laws.registry import laws as laws, load_laws as load_laws, register as register
     from demlaws.make import law as law
     from demlaws.regime import RegimeFunctions as _RegimeFunctions
     from demlaws.shear import PressureFriction as PressureFriction

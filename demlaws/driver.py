@@ -14,8 +14,7 @@ from demlaws.core.numba_compat import loop
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, as_law
 from demlaws.responses.path import Path
-from demlaws.shear import Sheared as Sheared
-from demlaws.shear import sheared as sheared
+from demlaws.shear import Sheared as Sheared, sheared as sheared
 from demlaws.units import as_float, number, whole
 
 

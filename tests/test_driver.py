@@ -5,8 +5,7 @@ import itertools
 import numpy as np
 import pytest
 from examples import GRANITE, each_law_and_rule, make, quiet
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import demlaws as dl
 from demlaws import driver

@@ -4,8 +4,7 @@ import warnings
 import numpy as np
 import pytest
 from examples import GRANITE
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import demlaws as dl
 from demlaws import regime

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from examples import GRANITE, each_law_and_rule, make, pairs, quiet, telling
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import demlaws as dl
 from demlaws.core.slip import SPRINGS

@@ -5,8 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from examples import shared
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import demlaws as dl
 from demlaws import surface

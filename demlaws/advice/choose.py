@@ -24,8 +24,7 @@ from demlaws.law import Law, Table
 from demlaws.laws import HERTZ
 from demlaws.laws.definition import bulk_yield
 from demlaws.laws.registry import find, registry
-from demlaws.make import law as bind_law
-from demlaws.make import unloading_for
+from demlaws.make import law as bind_law, unloading_for
 from demlaws.responses.results import Tabular
 
 _MARGIN = 1.02  # between the points of the prediction an error may be a little larger

@@ -19,8 +19,7 @@ from demlaws.advice.soften import Softening, soften
 from demlaws.contact import DENSITY
 from demlaws.errors import DemlawsError, quiet
 from demlaws.laws import USUAL
-from demlaws.make import law as bind_law
-from demlaws.make import unloading_for
+from demlaws.make import law as bind_law, unloading_for
 from demlaws.timestep import STEP_SAFETY
 from demlaws.units import number
 

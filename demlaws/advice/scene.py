@@ -26,8 +26,7 @@ from demlaws.errors import DemlawsError, NotPassive, did_you_mean
 from demlaws.files import as_path, names_a_file, read_text
 from demlaws.law import Law
 from demlaws.laws.registry import find
-from demlaws.make import check_unloading
-from demlaws.make import law as bind_law
+from demlaws.make import check_unloading, law as bind_law
 from demlaws.timestep import shear_ratio, timestep
 from demlaws.units import number, positive
 

@@ -9,8 +9,7 @@ from functools import partial as of
 
 from demlaws import granite, regime
 from demlaws.errors import quiet
-from demlaws.granite import CONE_DIMENSION, MODULI, ROUGH_SPHERES
-from demlaws.granite import quantities as q
+from demlaws.granite import CONE_DIMENSION, MODULI, ROUGH_SPHERES, quantities as q
 from demlaws.granite.verdicts import NEAR, Claim, Criterion, Judged, built_in, judge, near, undecided
 from demlaws.laws import BAHRAMI, HERTZ, POHRT_POPOV, RMS, ROUGH_PLASTIC, YIP_VENART
 

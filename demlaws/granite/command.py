@@ -6,8 +6,7 @@ import re
 from demlaws import granite, plots
 from demlaws.errors import quiet
 from demlaws.files import save_csv, wrapped
-from demlaws.granite import claims
-from demlaws.granite import figures as pictures
+from demlaws.granite import claims, figures as pictures
 from demlaws.granite.verdicts import VERDICTS, counts
 from demlaws.laws import POHRT_POPOV, ROUGH_PLASTIC
 from demlaws.laws.registry import find

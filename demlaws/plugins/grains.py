@@ -14,8 +14,7 @@ from demlaws.errors import DemlawsError
 from demlaws.files import as_path, write_atomically
 from demlaws.laws import USUAL
 from demlaws.laws.registry import find
-from demlaws.make import check_unloading, unloading_for
-from demlaws.make import law as make_law
+from demlaws.make import check_unloading, law as make_law, unloading_for
 from demlaws.timestep import timestep
 from demlaws.units import number, whole
 

@@ -12,8 +12,7 @@ from demlaws.core.unloading import rule_of_smooth_contact
 from demlaws.laws.hertz import HertzParams, HertzShape
 from demlaws.units import number
 from demlaws.yade.kernel import params_of
-from demlaws.yade.tuples import shape_of
-from demlaws.yade.tuples import state_of as history_of
+from demlaws.yade.tuples import shape_of, state_of as history_of
 
 O = yade.O  # noqa: E741  YADE's name
 

@@ -18,8 +18,7 @@ from demlaws.core.unloading import rule_of_smooth_contact
 from demlaws.laws.hertz import HertzParams, HertzShape
 from demlaws.units import LARGEST_OVERLAP, LARGEST_ROUGHNESS, RANGES, SMALL_OVERLAP
 from demlaws.yade import layout, objects
-from demlaws.yade.friction import Constant
-from demlaws.yade.friction import apply as apply_friction
+from demlaws.yade.friction import Constant, apply as apply_friction
 from demlaws.yade.layout import CONTEXT, SHAPE
 from demlaws.yade.mindlin import Pointers, body_of, native_go, with_states
 from demlaws.yade.records import (

@@ -56,8 +56,7 @@ def porosities(rows, count):
 
 def figure(rows, count, path):
     """Axial stress over axial strain: the measurement, and each case's seeds."""
-    from demlaws.plots import figure as new_figure
-    from demlaws.plots import save
+    from demlaws.plots import figure as new_figure, save
 
     fig, ax = new_figure(width=7.5, height=5.5)
     shown = {"tab:blue": 0, "tab:green": 2, "tab:red": 4, "tab:orange": 5, "tab:purple": 6, "tab:cyan": 8}

@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from examples import GRANITE, each_law_and_rule, make, options_of, pairs, quiet, rules_of, shared, telling, work_along
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from references import EPS
 
 import demlaws as dl

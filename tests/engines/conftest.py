@@ -16,8 +16,7 @@ import demlaws as dl
 from demlaws.errors import DemlawsError
 from demlaws.lammps.run import executable as lammps
 from demlaws.liggghts.build import headers
-from demlaws.liggghts.run import built_in
-from demlaws.liggghts.run import executable as liggghts
+from demlaws.liggghts.run import built_in, executable as liggghts
 from demlaws.yade.run import executable as yade
 
 HERE = Path(__file__).parent

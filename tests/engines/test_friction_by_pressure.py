@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from examples import shared
 from inputs import ENERGY, refused, simulate
-from spheres import DIAMETER, RATIO, ROUGH, STEP, both, gas, spheres
-from spheres import LAWS as ALL_LAWS
+from spheres import DIAMETER, LAWS as ALL_LAWS, RATIO, ROUGH, STEP, both, gas, spheres
 
 import demlaws as dl
 from demlaws.core.shear import SPRINGS

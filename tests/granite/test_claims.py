@@ -7,8 +7,7 @@ import pytest
 
 import demlaws as dl
 from demlaws import granite
-from demlaws.granite import claims
-from demlaws.granite import quantities as q
+from demlaws.granite import claims, quantities as q
 from demlaws.granite.verdicts import (
     BUILT_IN,
     NOT_REPRODUCED,

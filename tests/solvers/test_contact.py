@@ -6,8 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 from ellipsoids import ellipsoids
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import demlaws as dl
 from demlaws import regime

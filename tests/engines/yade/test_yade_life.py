@@ -244,8 +244,7 @@ def test_switch_with_live_contacts(omega):
 
 def test_foreign_functor_in_a_contact_is_noticed(omega):
     """Past the engine list: contacts made by native Mindlin are found out at the second step."""
-    from demlaws.yade import engines, scene
-    from demlaws.yade import omega as native
+    from demlaws.yade import engines, omega as native, scene
 
     two_spheres(yade.Law2_ScGeom_MindlinPhys_Mindlin())
     advance(100)
