@@ -1,7 +1,6 @@
 """The registry of laws: those of the package, and user-defined laws."""
 
 import copyreg
-import importlib
 import importlib.util
 import os
 import re

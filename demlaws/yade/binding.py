@@ -4,15 +4,13 @@ import math
 import threading
 
 import numpy as np
-import yade
 import yade.utils
 
 from demlaws.errors import DemlawsError, EngineStopped, LargeOverlap, ShapeWarning, TimeStepWarning, ValidityWarning, warn
 from demlaws.units import LARGE_RADIUS, LARGE_ROUGHNESS, SMALL_OVERLAP, judge, large_overlap
 from demlaws.yade import layout, native, reports
-from demlaws.yade.omega import FULL_CHECK_STEPS, get_engines, invalid_radius, is_our_contact, mobilities, real_contacts
+from demlaws.yade.omega import FULL_CHECK_STEPS, O, get_engines, invalid_radius, is_our_contact, mobilities, real_contacts
 
-O = yade.O  # noqa: E741  YADE's name
 LARGEST_STEP_RATIO = 4.0
 """Longest step over the P-wave step r √(ρ/E) that is stable for a free sphere with four contacts per side at contact radii up
 to 0.3 R: 2 √(m/4K) with m = 4/3 π ρ r³, K = 2 E* a, R = r/2, E* = E/2 is 5.3 r √(ρ/E); less, for safety [our derivation]"""

@@ -4,16 +4,13 @@ import math
 import platform
 
 import numpy as np
-import yade
 import yade.config
 
 from demlaws.errors import did_you_mean
 from demlaws.units import RANGES, too_large_overlap
 from demlaws.yade import layout, native
-from demlaws.yade.omega import invalid_radius, real_contacts
+from demlaws.yade.omega import O, invalid_radius, real_contacts
 from demlaws.yade.pairs import NOT_SERVED
-
-O = yade.O  # noqa: E741  YADE's name
 
 
 def unlisted_text(binding, bodies, missing):
