@@ -230,9 +230,8 @@ def plans(scene, reference):
     candidates = [(find(reference.name), reference.options)]
     if (before := _before_yield(reference)) is not None:
         candidates.append(before)
-    for definition in _determined(scene.contacts(scene.effective_radii()[0])[0]):
-        if definition.advice.candidate:
-            candidates.append((definition, ()))
+    determined = _determined(scene.contacts(scene.effective_radii()[0])[0])
+    candidates += [(definition, ()) for definition in determined if definition.advice.candidate]
     alternatives = [reference]
     for definition, options in candidates:
         rules = definition.unloading if scene.unloads else definition.unloading[:1]

@@ -163,9 +163,8 @@ def draw(out, tests, runs, modulus, whole):
     figures = []  # name, function that draws, its arguments
     for test in tests:
         figures.append((f"force-{test.key}", pictures.force, test, runs[test.name]))
-        for result in runs[test.name]:
-            if test.cyclic and result.law.definition.before_yield()[0] is not None:
-                figures.append((f"cycles-{test.key}", pictures.cycling, result))
+        yielding = [run for run in runs[test.name] if test.cyclic and run.law.definition.before_yield()[0] is not None]
+        figures += [(f"cycles-{test.key}", pictures.cycling, run) for run in yielding]
     if whole:
         named = {(run.test.name, run.law.name): run for test in tests for run in runs[test.name]}
         figures.append(("unloading-ss-12-18", pictures.unloading, named["SS(12-18)", POHRT_POPOV]))

@@ -107,13 +107,12 @@ bind(RmsParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 def _limits(contact):
     force = (16.0 * contact.radius * contact.modulus**2 / 9.0) ** 0.5 * np.asarray(contact.sigma) ** 1.5
-    limits = bulk_yield(contact)
-    for alpha, reason in (
-        (5.0, "α > 5: against Greenwood & Tripp the fitted contact radius is unreliable"),
-        (1.0, "α > 1: beyond the metal surfaces of the fit; it overestimates overlap at low load"),
-    ):
-        limits.append(Limit(float(np.max(force)) / alpha**1.5, math.inf, reason))
-    return limits
+    reasons = {
+        5.0: "α > 5: against Greenwood & Tripp the fitted contact radius is unreliable",
+        1.0: "α > 1: beyond the metal surfaces of the fit; it overestimates overlap at low load",
+    }
+    beyond = [Limit(float(np.max(force)) / alpha**1.5, math.inf, reason) for alpha, reason in reasons.items()]
+    return [*bulk_yield(contact), *beyond]
 
 
 def _advise(conditions):

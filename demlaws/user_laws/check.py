@@ -100,8 +100,7 @@ def check_law(
         checks = list(curve_checks(law.shape, law.params, float(contact.radius), law.definition.solved))
         if law.collapses and not law.definition.solved:  # a solved law's curve comes with a number of its own
             checks.append(_trial("one curve serves all contacts", refuse_unless_collapses, law, contact)[0])
-        for rule in rules or law.definition.offered():
-            checks.append(_rule_check(law, contact, rule, paths, options))
+        checks += [_rule_check(law, contact, rule, paths, options) for rule in rules or law.definition.offered()]
         made, table = _trial("table within 1e-5", law.tabulate, _RTOL)
         if table is not None:
             serves = "one table serves all contacts" if table.collapses else "a table serves its own contact only"
