@@ -8,11 +8,10 @@ calcEnergy and neverErase, for the first step of a contact, and for contacts tha
 from typing import NamedTuple
 
 from numba import types
-from numba.extending import overload
 
 from demlaws.core.dispatch import generic
 from demlaws.core.fastmath import sqrt
-from demlaws.core.numba_compat import INLINED, kernel
+from demlaws.core.numba_compat import kernel
 from demlaws.yade import objects
 from demlaws.yade.records import (
     assign,
@@ -202,15 +201,9 @@ def own_step(mode, context, contact, geom, phys, row):
     return 1
 
 
+@generic(lambda phys: (lambda phys: phys.damping_exponent) if "damping_exponent" in phys.fields else lambda phys: 0.0)
 def exponent_of_damping(phys):
     """Exponent of another kind of viscous damping, which some versions of YADE have; 0: not used."""
-
-
-@overload(exponent_of_damping, jit_options=INLINED)
-def _exponent_of_damping(phys):
-    if "damping_exponent" in phys.fields:
-        return lambda phys: phys.damping_exponent
-    return lambda phys: 0.0
 
 
 @kernel
