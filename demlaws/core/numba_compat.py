@@ -26,9 +26,8 @@ _NUMBERS = {float, int, bool, np.float64}
 _compiling = threading.RLock()
 
 
-if hasattr(os, "register_at_fork"):
-    # a child made while another thread compiles would inherit half of numba's state, locks included: the fork waits
-    os.register_at_fork(before=_compiling.acquire, after_in_parent=_compiling.release, after_in_child=_compiling.release)
+# a child made while another thread compiles would inherit half of numba's state, locks included: the fork waits
+os.register_at_fork(before=_compiling.acquire, after_in_parent=_compiling.release, after_in_child=_compiling.release)
 
 
 def kernel(function):
@@ -117,14 +116,9 @@ def _kept(function, name, compiled):
         return compiled(function, False)
 
 
-_said = False
-
-
+@functools.cache
 def _say_once() -> None:
-    global _said
-    if not _said:
-        _said = True
-        print("demlaws: compiling laws for this machine (once, about 2 to 10 s)", file=sys.stderr, flush=True)
+    print("demlaws: compiling laws for this machine (once, about 2 to 10 s)", file=sys.stderr, flush=True)
 
 
 @contextlib.contextmanager

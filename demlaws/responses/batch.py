@@ -76,8 +76,7 @@ def _pool(workers):
     return ThreadPoolExecutor(workers)
 
 
-if hasattr(os, "register_at_fork"):  # in a child made by fork the pool's threads do not exist
-    os.register_at_fork(after_in_child=_pool.cache_clear)
+os.register_at_fork(after_in_child=_pool.cache_clear)  # in a child made by fork the pool's threads do not exist
 
 
 def in_threads(part, n):
