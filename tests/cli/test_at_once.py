@@ -79,7 +79,7 @@ def test_an_old_python_is_named(monkeypatch, argv, error):
         exec(compile(source, "__init__.py", "exec"), {"__name__": "demlaws"})
 
 
-def test_a_long_compilation_is_said_once(monkeypatch, capsys):
+def test_a_long_compilation_is_said_once(capsys):
     """In a script as on the command line, with how long it takes; a short one is not said."""
     numba_compat._say_once.cache_clear()
     with numba_compat.announced():
