@@ -38,11 +38,7 @@ def versions():
 
 def executable(engine):
     """Path of an engine's program; DemlawsError if it is not installed."""
-    from demlaws.lammps.run import executable as lammps
-    from demlaws.liggghts.run import executable as liggghts
-    from demlaws.yade.run import executable as yade
-
-    return {"yade": yade, "liggghts": liggghts, "lammps": lammps}[engine]()
+    return importlib.import_module(f"demlaws.{engine}.run").executable()
 
 
 def checked(engine):
