@@ -1,5 +1,6 @@
 """`demlaws liggghts` and `demlaws lammps`: build | source | check | export | convert | run."""
 
+import importlib
 import os
 
 from demlaws.cli import Parser, example, option
@@ -59,9 +60,7 @@ def register(add):
 
 def _function(engine, name):
     """A public function of `demlaws.liggghts` or `demlaws.lammps`."""
-    from demlaws import lammps, liggghts
-
-    return getattr({"liggghts": liggghts, "lammps": lammps}[engine], name)
+    return getattr(importlib.import_module(f"demlaws.{engine}"), name)
 
 
 def _add_build(parts, name):

@@ -16,13 +16,6 @@ def register(add):
     parser.set_defaults(func=run)
 
 
-def lines():
-    """One line per law: name and description."""
-    from demlaws.laws.registry import registry
-
-    return [f"{name:16} {definition.description}" for name, definition in registry().items()]
-
-
 def run(arguments, result):
     """Do what the command's arguments ask."""
     from demlaws.core.unloading import GIVEN, RULES
@@ -39,7 +32,7 @@ def run(arguments, result):
     if arguments.name is None:
         rules = [rule for rule in RULES if rule != GIVEN]
         result.values = {"laws": {name: d.description for name, d in registry().items()}, "unloading": rules}
-        result.print(*lines())
+        result.print(*(f"{name:16} {definition.description}" for name, definition in registry().items()))
         result.print_wrapped(
             f"unloading: {', '.join(rules)}, or a table to unload along; options and rules of a law: demlaws laws NAME"
         )
