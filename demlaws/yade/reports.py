@@ -28,7 +28,7 @@ def unlisted_text(binding, bodies, missing):
     )
 
 
-WITHOUT_VALUE = {
+MESSAGES = {
     layout.UNGUARDED: (
         " was computed by a functor that has no guard in the scene, and got no force: give the law to an InteractionLoop in "
         "O.engines (engines within an integrator are not served)"
@@ -46,63 +46,55 @@ WITHOUT_VALUE = {
         "contacts begin again, O.interactions.clear()"
     ),
     layout.NO_ROW: f" has no memory for its history: {native.MORE_MEMORY}",
+    layout.FLAT_GAP: (
+        " ({shapes}): flat on flat, whose radius of curvature is far above the bodies' R of {value:g} m, so that Hertz's "
+        "contact has no R: give an upper bound, radius=demlaws.yade.Curvature(largest=…), or the measured edge radius in m, "
+        "radius=…"
+    ),
+    layout.NO_CURVATURE: (
+        ' ({shapes}): radius="curvature" needs level sets, spheres, facets, walls or boxes, and a contact point within two '
+        "cells of the surface of a level set: give the measured edge radius in m, radius=…"
+    ),
+    layout.WRONG_CLASS: (
+        " of {shapes} is described by {geometry} and {physics}: the law does not act on these, native Mindlin did. Use an Ig2 "
+        "functor that makes ScGeom or a class derived from it, and Ip2_FrictMat_FrictMat_MindlinPhys"
+    ),
+    layout.FRICTION: (
+        " has a friction that depends on the pressure (c1 = {value:g}) by materials that came after the law: give the law "
+        'friction="materials", or make it when the materials are there'
+    ),
+    layout.WRONG_MODULUS: (
+        f": its materials make E* = {{value:g}} Pa; {RANGES['modulus'].remedy} Materials: "
+        "{0.label!r} young={0.young:g} Pa, poisson={0.poisson:g}, {1.label!r} young={1.young:g} Pa, poisson={1.poisson:g}"
+    ),
+    layout.WRONG_CONTACT: f" with R = {{value:g}} m: {NOT_SERVED}",
 }
-"""Kind of fault → message that has nothing of the contact."""
+"""Kind of fault → message, as text to be formatted with both materials, the shapes, classes of the contact and the value."""
 
 
 def fault_text(binding, kind, bodies, value):
     """Message about a fault of the contact of two bodies; value: overlap or R [m], or E* [Pa]."""
-    first, second = bodies
-    stones = [O.bodies[number].material for number in bodies]
     wrong = next(filter(None, (invalid_radius(O.bodies[number]) for number in bodies)), None)
     if wrong is not None:
         return f": {wrong}"
-    shapes = [type(O.bodies[number].shape).__name__ for number in bodies]
-    if kind == layout.FLAT_GAP:
-        return (
-            f" ({' on '.join(shapes)}): flat on flat, whose radius of curvature is far above the bodies' R of {value:g} m, so "
-            "that Hertz's contact has no R: give an upper bound, radius=demlaws.yade.Curvature(largest=…), or the measured "
-            "edge radius in m, radius=…"
-        )
-    if kind == layout.NO_CURVATURE:
-        return (
-            f' ({" on ".join(shapes)}): radius="curvature" needs level sets, spheres, facets, walls or boxes, and a contact '
-            "point within two cells of the surface of a level set: give the measured edge radius in m, radius=…"
-        )
-    if kind == layout.WRONG_CLASS:
-        contact = O.interactions[first, second]
-        return (
-            f" of {' and '.join(shapes)} is described by {type(contact.geom).__name__} and {type(contact.phys).__name__}: the "
-            "law does not act on these, native Mindlin did. Use an Ig2 functor that makes ScGeom or a class derived from it, "
-            "and Ip2_FrictMat_FrictMat_MindlinPhys"
-        )
-    geometry = O.interactions[first, second].geom
+    shapes = " on ".join(type(O.bodies[number].shape).__name__ for number in bodies)
+    stones, contact = [O.bodies[number].material for number in bodies], O.interactions[bodies]
+    geometry, physics = contact.geom, type(contact.phys).__name__
     if isinstance(geometry, yade.ScGeom) and geometry.refR1 == geometry.refR2 == 0.0:  # PotentialParticle
         return (
-            f" of {shapes[0]}: YADE's geometry has no radius (refR1 = refR2 = 0), so that the "
-            "stiffness of MindlinPhys is not finite, also natively. Use level sets or polyhedra"
+            f" of {shapes}: YADE's geometry has no radius (refR1 = refR2 = 0), so that the stiffness of MindlinPhys is not "
+            "finite, also natively. Use level sets or polyhedra"
         )
-    if kind == layout.FRICTION:
-        return (
-            f" has a friction that depends on the pressure (c1 = {value:g}) by materials that came after the law: give the law "
-            'friction="materials", or make it when the materials are there'
-        )
-    if kind in WITHOUT_VALUE:
-        return WITHOUT_VALUE[kind]
+    if kind in MESSAGES:
+        return MESSAGES[kind].format(*stones, shapes=shapes, geometry=type(geometry).__name__, physics=physics, value=value)
     if kind == layout.TOO_DEEP:
-        radius = binding.attachment.rows_of([O.interactions[first, second]])["radius"][0]
-        text = too_large_overlap(value, float(radius))
-        return f": {text}. Of softened grains: a larger `young`"
-    if kind == layout.WRONG_MODULUS:
-        of = ", ".join(f"{stone.label!r} young={stone.young:g} Pa, poisson={stone.poisson:g}" for stone in stones)
-        return f": its materials make E* = {value:g} Pa; {RANGES['modulus'].remedy} Materials: {of}"
-    if kind == layout.WRONG_CONTACT:
-        return f" with R = {value:g} m: {NOT_SERVED}"
+        radius = float(binding.attachment.rows_of([contact])["radius"][0])
+        return f": {too_large_overlap(value, radius)}. Of softened grains: a larger `young`"
     if kind == layout.TOO_ROUGH:
         labels = [stone.label for stone in stones]
         return f" ({labels[0]!r} on {labels[1]!r}): {binding.roughness_text(*labels, value)}"
     if value != value:
-        places = " and ".join(f"{number} at {tuple(O.bodies[number].state.pos)} m" for number in (first, second))
+        places = " and ".join(f"{number} at {tuple(O.bodies[number].state.pos)} m" for number in bodies)
         return f": a position is not finite, bodies {places}: {remedy_of_motion(bodies)}"
     return (
         f" at overlap {value:g} m: the law gives no finite force there (a table ends, the overlap is infinite, or N_H or μ is "
