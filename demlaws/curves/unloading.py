@@ -9,9 +9,10 @@ from demlaws.contact import PER_CONTACT, Contact
 from demlaws.core.loops import bind_params, force_loop, inverse_loop, loading_part, params_at
 from demlaws.core.table_types import TableParams
 from demlaws.core.unloading import GIVEN, RULES, JoinedParams, JoinedShape, Rule
+from demlaws.curves.closed import FormulaCurve
 from demlaws.errors import DemlawsError, NotPassive
 from demlaws.laws import HERTZ
-from demlaws.laws.registry import is_user_defined
+from demlaws.laws.registry import find, is_user_defined
 
 
 class Unloading(NamedTuple):
@@ -64,11 +65,8 @@ def beside_table(curve: Any, contact: Contact, unloading: Unloading) -> Unloadin
             f"a table of law {curve.definition.name!r} and its bulk_radius cannot take {unloading.rule.name!r} unloading: use "
             "unloading 'hertz', or the law without a table"
         )
-    from demlaws.curves.closed import FormulaCurve
-    from demlaws.laws.registry import registry
-
     blunt = contact.with_values(radius=radius)
-    return Unloading(RULES[GIVEN], FormulaCurve(registry()[HERTZ], blunt, {}), blunt)
+    return Unloading(RULES[GIVEN], FormulaCurve(find(HERTZ), blunt, {}), blunt)
 
 
 def _ratios(contact, other):
