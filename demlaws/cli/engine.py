@@ -1,6 +1,5 @@
 """`demlaws liggghts` and `demlaws lammps`: build | source | check | export | convert | run."""
 
-import importlib
 import os
 
 from demlaws.cli import Parser, example, option
@@ -60,7 +59,9 @@ def register(add):
 
 def _function(engine, name):
     """A public function of `demlaws.liggghts` or `demlaws.lammps`."""
-    return getattr(importlib.import_module(f"demlaws.{engine}"), name)
+    from demlaws import lammps, liggghts
+
+    return getattr({"liggghts": liggghts, "lammps": lammps}[engine], name)
 
 
 def _add_build(parts, name):
