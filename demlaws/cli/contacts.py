@@ -45,7 +45,6 @@ def run(arguments, result):
         )
     elif len(table):
         result.print(f"{int(flattened.sum())} of {len(table)} contacts have deformed plastically")
-    return 0
 
 
 def read(arguments, result):

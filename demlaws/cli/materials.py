@@ -27,8 +27,7 @@ def run(arguments, result):
     }
     if not arguments.name:
         result.print(Typical(chosen), "?: no value in public text. Sources and ranges: demlaws materials NAME")
-        return 0
+        return
     for quantity, value in typical(arguments.name).items():
         result.print(f"{SYMBOLS[quantity]:3} {quantity.replace('_', ' '):18} {value.display()}")
         result.print(textwrap.fill(value.source, 96, initial_indent="    ", subsequent_indent="    "))
-    return 0

@@ -60,4 +60,3 @@ def run_regime(arguments, result):
         for advice in laws:
             result.print_wrapped(f"  {advice.law:16} {'applies' if advice.fits else 'no':7} {advice.reason}", " " * 27)
     draw(result, arguments.figure, lambda plots: plots.regime_figure(pair, arguments.load))
-    return 0
