@@ -380,7 +380,7 @@ template <class ABI> struct Granular {
     using TangentialMod::gm;
     using TangentialMod::history_index;
     ShearModel(Model *m, const std::string &named)
-        : TangentialMod(m, COEFFICIENTS), ledger_(Ledger::of(this->of.lmp)), normal_(NULL), springs_(0), levels_(0) {
+        : TangentialMod(m, COEFFICIENTS), ledger_(Ledger::of(this->of.lmp)), normal_(NULL) {
       this->name = named;
       this->nondefault_history_transfer = 1;
     }
@@ -416,16 +416,16 @@ template <class ABI> struct Granular {
     void set_history_size() {
       normal_ = dynamic_cast<Table *>(gm->normal_model);
       if (!normal_) raise(*this->of.error, true, "tangential demlaws goes with the normal model demlaws/table only");
-      springs_ = normal_->slips() ? (int)normal_->coeffs[Table::SPRINGS] : 0;
-      levels_ = (int)normal_->coeffs[Table::LEVELS];
-      size_ = springs_ ? demlaws::SpringRow::size(springs_) : demlaws::levels_size(levels_);
+      row_.springs = normal_->slips() ? (int)normal_->coeffs[Table::SPRINGS] : 0;
+      row_.levels = (int)normal_->coeffs[Table::LEVELS];
+      size_ = row_.size();
       // and the normal of the step before: nothing else tells how that of a wall turns
       keeps_normal_ = gm->contact_type != PAIR;
       this->size_history = size_ + 3 * keeps_normal_;
       delete[] this->transfer_history_factor;
       this->transfer_history_factor = new double[this->size_history];
       for (int i = 0; i < this->size_history; i++)
-        this->transfer_history_factor[i] = i >= size_ || changes_sign(i) ? -1. : 1.;
+        this->transfer_history_factor[i] = i >= size_ || row_.changes_sign(i) ? -1. : 1.;
       ratio_ = normal_->shear_ratio();
       this->k = 2. * ratio_ * normal_->effective_modulus(); // K_t over the contact radius: twisting
     }
@@ -444,19 +444,16 @@ template <class ABI> struct Granular {
     // A step; its energies are computed only where somebody uses them. viscous: power that the dashpot takes, added.
     __attribute__((always_inline)) inline demlaws::ShearStep move(double *viscous = NULL) {
       Model *const m = gm;
-      double copy[demlaws::SpringRow::MOST_SIZE], *numbers = m->history + history_index;
+      double copy[demlaws::ShearRow::MOST_SIZE], *numbers = m->history + history_index;
       const bool keep = m->history_update != 0;
       if (!keep) {
         std::copy(numbers, numbers + size_, copy);
         numbers = copy;
       }
-      const double stiffness = normal_->shear_stiffness(), ratio = ratio_,
-                   limit = (this->mu + normal_->friction_above()) * normal_->Fncrit;
+      const double limit = (this->mu + normal_->friction_above()) * normal_->Fncrit;
       const demlaws::Motion motion = motion_of(keep ? m->dt : 0., demlaws::unit_vector(numbers, size_));
       const demlaws::ShearStep step =
-          springs_
-              ? demlaws::SpringRow(numbers, springs_).step(stiffness, normal_->unloading_curve(), ratio, limit, motion)
-              : demlaws::shear_step(levels_, ratio * stiffness, limit, motion, numbers);
+          row_.step(normal_->shear_stiffness(), normal_->unloading_curve(), ratio_, limit, motion, numbers);
       this->damp = coeffs[DAMPING_RATIO] * m->damping_model->get_damp_prefactor();
       double damped[2];
       step.damp(this->damp, limit, motion.velocity, damped);
@@ -465,10 +462,6 @@ template <class ABI> struct Granular {
         for (int k = 0; k < 2; k++) *viscous -= damped[k] * motion.velocity[k];
       motion.in_space(force, m->fs);
       return step;
-    }
-    bool changes_sign(int number) const {
-      return springs_ ? demlaws::SpringRow::changes_sign(number, springs_)
-                      : demlaws::changes_sign(number, levels_, levels_);
     }
     // dt: 0 where nothing is to be kept. unit_vector: that of the contact.
     __attribute__((noinline)) demlaws::Motion motion_of(double dt, double *unit_vector) {
@@ -511,25 +504,24 @@ template <class ABI> struct Granular {
     }
     Ledger &ledger_;
     const Table *normal_;
-    int springs_, levels_, size_ = 0; // springs_ 0: the contact sticks until it slides; size_: of what they keep
+    demlaws::ShearRow row_;
+    int size_ = 0; // of the row
     bool keeps_normal_ = false, synchronized_ = false;
     double ratio_ = 0.; // K_t / K
   };
 
-  template <int RULE> static Table *make_table(Model *m, const demlaws::Table &table) {
-    constexpr int NEXT = RULE + 1 < demlaws::RULES ? RULE + 1 : RULE;
-    if (RULE == table.unloading())
-      return new typename ABI::template DirectPairs<RuleTable<(demlaws::Unloading)RULE>>(m, table);
-    if (NEXT == RULE)
-      throw std::runtime_error("unloading rule " + std::to_string(table.unloading()) + " is unknown here");
-    return make_table<NEXT>(m, table);
-  }
+  template <demlaws::Unloading RULE> struct MakeTable {
+    static Table *call(Model *m, const demlaws::Table &table) {
+      return new typename ABI::template DirectPairs<RuleTable<RULE>>(m, table);
+    }
+  };
   // The normal model with this file; outputs: room for those of compute pair/local. What was there before is not
   // deleted.
   static Table *set_table(Model *m, void *lmp, void *error, const std::string &file, bool outputs) {
     Table *made;
     try {
-      made = make_table<0>(m, demlaws::load_table(Ranks(lmp, error), file));
+      const demlaws::Table &table = demlaws::load_table(Ranks(lmp, error), file);
+      made = demlaws::with_rule<MakeTable>(table.unloading(), m, table);
     } catch (const std::runtime_error &problem) {
       raise(error, true, std::string("demlaws/table: ") + problem.what());
     }

@@ -163,7 +163,8 @@ public:
                                     WALL, data.j, atom->nlocal);
     data.Fn = normal;
     data.kn = data.deltan > 0. ? now.force / data.deltan : 0.;
-    data.kt = type.tangential * demlaws::shear_stiffness(now_.shear, type.pair, radius, data.deltan, now, state);
+    shear_stiffness_ = demlaws::shear_stiffness(now_.shear, type.pair, radius, data.deltan, now, state);
+    data.kt = type.tangential * shear_stiffness_;
     friction_above_ = type.friction.c1 > 0. ? type.friction.above_constant(demlaws::mean_pressure(type.pair, now)) : 0.;
     data.gamman = damping;
     data.gammat = damping * type.tangential_damping;
@@ -211,7 +212,8 @@ public:
         "spheres doubled its energy in 30 ms; use 'tangential demlaws' (" DEMLAWS_PAGE("shear") ")");
   }
 
-  // For the tangential model: K_t / K, and the curve of a contact after its step.
+  // For the tangential model, of the contact whose step came last: K, K_t / K, its curve.
+  double shear_stiffness() const { return shear_stiffness_; }
   demlaws::Shear shear() const { return now_.shear; }
   double shear_ratio(const SurfacesCloseData &data) const { return law_of(data).tangential; }
   // By how much the friction of the contact whose step came last is above coefficientFriction.
@@ -367,7 +369,7 @@ private:
   demlaws::PairSettings own_, now_; // as the line says; as they hold
   int offset_ = -1, mark_at_ = -1, state_size_ = 0, reserved_ = 0, shear_size_ = 0, types_ = 0;
   bool marked_ = false; // contacts keep the mark of their law
-  double friction_above_ = 0.;
+  double friction_above_ = 0., shear_stiffness_ = 0.;
   std::vector<demlaws::TypePair> pairs_;
   std::map<std::string, const demlaws::Table *> tables_;
 };
