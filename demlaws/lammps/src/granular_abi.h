@@ -95,7 +95,7 @@ template <bool LATE> struct Abi {
   struct Model;
   template <class RULED> struct DirectPairs; // of normal models: hooks.h
 
-  struct SubMod {
+  struct SubMod : public Pointers {
     virtual ~SubMod() {
       if (allocated) delete[] coeffs;
       delete[] transfer_history_factor;
@@ -104,7 +104,6 @@ template <bool LATE> struct Abi {
     virtual void coeffs_to_local() {}
     virtual void init() {}
 
-    Pointers of;
     int num_coeffs;
     double *coeffs;
     std::string name;
@@ -118,7 +117,7 @@ template <bool LATE> struct Abi {
 
   protected:
     SubMod(Model *m, int coefficients, int outputs)
-        : of(m->of), num_coeffs(coefficients), coeffs(new double[coefficients ? coefficients : 1]()), gm(m),
+        : Pointers(m->of), num_coeffs(coefficients), coeffs(new double[coefficients ? coefficients : 1]()), gm(m),
           nsvector(outputs) {
       std::fill(allow_synchronization, allow_synchronization + LATE, 1);
     }
@@ -244,9 +243,9 @@ template <bool LATE> struct Abi {
     Model *const m = (Model *)&buffer[0];
     stock.make(m, lmp);
     const int untouched = (int)0xAAAAAAAA;
-    bool good = m->of.lmp == lmp && !m->normal_model && !m->damping_model && !m->heat_model && !m->beyond_contact &&
-                !m->limit_damping && m->contact_type == 0 && m->i == untouched && m->jtype == untouched &&
-                !m->nondefault_history_transfer;
+    bool good = m->of.lmp == lmp && m->of.error == (void **)lmp + 1 && m->of.modify == (void **)lmp + 10 &&
+                !m->normal_model && !m->damping_model && !m->heat_model && !m->beyond_contact && !m->limit_damping &&
+                m->contact_type == 0 && m->i == untouched && m->jtype == untouched && !m->nondefault_history_transfer;
     for (int k = 0; k < 6; k++) good = good && !m->sub_models[k];
     // LAMMPS's Force holds the constants of the units
     const char *const force = good ? *(const char **)m->of.force : NULL;
@@ -261,7 +260,7 @@ template <bool LATE> struct Abi {
            normal->name == "hertz/material" && normal->coeffs[2] == 0.125 && !normal->size_history &&
            !normal->transfer_history_factor && normal->allocated == 1 && normal->contact_radius_flag == 1 &&
            !normal->nsvector && normal->damp == 0.25 && normal->Emod == 3. && normal->poiss == 0.125 &&
-           normal->material_properties == 1 && !normal->cohesive_flag && normal->of.lmp == lmp && m->tangential_model &&
+           normal->material_properties == 1 && !normal->cohesive_flag && normal->lmp == lmp && m->tangential_model &&
            m->sub_models[TANGENTIAL] == m->tangential_model && !m->tangential_model->k &&
            m->tangential_model->mu == 0.375;
     if (!good) return false;

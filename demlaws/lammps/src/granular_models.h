@@ -28,9 +28,9 @@ template <class ABI> struct Granular {
     using NormalMod::gm;
     using NormalMod::history_index;
     using NormalMod::index_svector;
+    using NormalMod::lmp;
     using NormalMod::name;
     using NormalMod::nsvector;
-    using NormalMod::of;
     using NormalMod::poiss;
     enum {
       YOUNG,
@@ -63,11 +63,11 @@ template <class ABI> struct Granular {
     }
 
     Table(Model *m, const demlaws::Table &table)
-        : NormalMod(m, NUMBERS, OUTPUTS), table_(table), ledger_(Ledger::of(of.lmp)) {
+        : NormalMod(m, NUMBERS, OUTPUTS), table_(table), ledger_(Ledger::of(lmp)) {
       name = "demlaws/table";
       const std::string &file = table.path();
       if (file.size() > BYTES * (NUMBERS - COEFFICIENTS))
-        raise(*of.error, true, title() + ": restart files have no room for so long a name of a file");
+        raise(lmp, true, title() + ": restart files have no room for so long a name of a file");
       for (size_t n = file.size(); n-- > 0;) {
         double &into = coeffs[COEFFICIENTS + n / BYTES];
         into = 256. * into + (unsigned char)file[n];
@@ -85,7 +85,7 @@ template <class ABI> struct Granular {
       coeffs[SPRINGS] = demlaws::SPRINGS;
       coeffs[FINGERPRINT] = table.fingerprint();
       coeffs[LEVELS] = demlaws::LEVELS;
-      Range::of(of.lmp).tables++;
+      Range::of(lmp).tables++;
     }
 
     void coeffs_to_local() {
@@ -118,7 +118,7 @@ template <class ABI> struct Granular {
       } catch (const std::exception &problem) {
         refuse(problem.what());
       }
-      if (!doubt.empty()) Range::of(of.lmp).announce(of.lmp, *of.error, doubt, title() + ": " + doubt);
+      if (!doubt.empty()) Range::of(lmp).announce(doubt, title() + ": " + doubt);
       per_stiffness_ = 0.5 / modulus;
     }
 
@@ -163,8 +163,8 @@ template <class ABI> struct Granular {
       if (friction_.c1 > 0.) refuse("'friction_pressure' needs  tangential demlaws XT MU");
       if (coeffs[RATIO] > 0.) refuse("'shear_ratio' needs  tangential demlaws XT MU");
       if (tangential.compare(0, 7, "mindlin") || tangential == "mindlin_rescale/force") return;
-      Range::of(of.lmp).announce(
-          of.lmp, *of.error, "tangential",
+      Range::of(lmp).announce(
+          "tangential",
           "tangential " + tangential +
               " creates energy where the stiffness changes while a contact is sheared: with mindlin a closed "
               "box of rough spheres had 2.4 times its energy after 30 ms; use 'tangential demlaws XT MU' or "
@@ -191,7 +191,7 @@ template <class ABI> struct Granular {
     static Table *latest; // of those that compute pairs, the one met last
     ~Table() {
       latest = latest == this ? NULL : latest;
-      Range::of(of.lmp).drop_table();
+      Range::of(lmp).drop_table();
     }
     void choose_path(bool proved) {
       latest = NULL;
@@ -271,7 +271,7 @@ template <class ABI> struct Granular {
   private:
     std::string title() const { return "demlaws/table " + table_.path(); }
     __attribute__((noinline, cold)) void refuse(const std::string &what) const {
-      raise(*of.error, true, title() + ": " + what);
+      raise(lmp, true, title() + ": " + what);
     }
     void check(bool good, const char *name, double value, const char *why) const {
       std::ostringstream what;
@@ -283,7 +283,7 @@ template <class ABI> struct Granular {
       const bool wall = gm->contact_type != PAIR;
       if (wall && which) return -1;
       const long at = wall ? ledger_.particle("v", gm->vi) : ledger_.particle("x", which ? gm->xj : gm->xi);
-      return at < 0 ? at : (long)tag_of(of.lmp, at);
+      return at < 0 ? at : (long)tag_of(lmp, at);
     }
     __attribute__((noinline, cold)) std::string who() const {
       const std::string first = std::to_string(body(0)), second = std::to_string(body(1));
@@ -293,13 +293,12 @@ template <class ABI> struct Granular {
     // Reports what is wrong with one contact.
     struct Report : demlaws::Findings {
       const Table &table;
-      explicit Report(const Table &t) : Findings(Range::of(t.of.lmp).counts, t.gm->history_update), table(t) {}
+      explicit Report(const Table &t) : Findings(Range::of(t.lmp).counts, t.gm->history_update), table(t) {}
       long body(int which) const { return table.body(which); }
       void warn(const std::string &text) {
-        Range::warn(table.of.lmp, *table.of.error,
-                    table.who() + text + " (reported once, counted at the end of the run)");
+        Range::of(table.lmp).warn(table.who() + text + " (reported once, counted at the end of the run)");
       }
-      void refuse(const std::string &text) { raise(*table.of.error, false, table.who() + text); }
+      void refuse(const std::string &text) { raise(table.lmp, false, table.who() + text); }
     };
     __attribute__((noinline, cold)) void examine(const demlaws::Force &now) const {
       Report report(*this);
@@ -310,17 +309,17 @@ template <class ABI> struct Granular {
       double *const state = gm->history + history_index, &mark = state[demlaws::MOST_STATE];
       const bool kept =
           unloads_otherwise() || slips() || std::count(state, state + demlaws::MOST_STATE, 0.) < demlaws::MOST_STATE;
-      if (!demlaws::Law::can_continue(mark, mark_, kept)) raise(*of.error, false, who() + demlaws::other_law());
+      if (!demlaws::Law::can_continue(mark, mark_, kept)) raise(lmp, false, who() + demlaws::other_law());
       if (gm->history_update) mark = mark_;
     }
     __attribute__((noinline, cold)) void refuse_radius() const {
-      raise(*of.error, false, who() + demlaws::other_radius(law_.pair, gm->Reff, coeffs[TOLERANCE]));
+      raise(lmp, false, who() + demlaws::other_radius(law_.pair, gm->Reff, coeffs[TOLERANCE]));
     }
     __attribute__((noinline, cold)) void refuse_contact() const {
       std::ostringstream what;
       what << title() << ": contacts of type " << gm->contact_type
            << " (of a newer LAMMPS) are not known here; use pairs of spheres, wall/gran, wall/gran/region or surfaces";
-      raise(*of.error, false, what.str());
+      raise(lmp, false, what.str());
     }
   };
 
@@ -356,11 +355,10 @@ template <class ABI> struct Granular {
     Tangent(Model *m, const std::string &named) : DampingMod(m), normal_(NULL) { this->name = named; }
     void init() {
       normal_ = dynamic_cast<Table *>(this->gm->normal_model);
-      if (!normal_)
-        raise(*this->of.error, true, "damping demlaws/tangent goes with the normal model demlaws/table only");
+      if (!normal_) raise(this->lmp, true, "damping demlaws/tangent goes with the normal model demlaws/table only");
       const double e = normal_->damp, logarithm = e > 0. ? log(e) : 0.;
       if (!(e > 0. && e <= 1.))
-        raise(*this->of.error, true,
+        raise(this->lmp, true,
               "damping demlaws/tangent: eta = " + std::to_string(e) + " is a coefficient of restitution, above 0 to 1");
       this->damp = -2. * sqrt(5. / 6.) * logarithm / sqrt(M_PI * M_PI + logarithm * logarithm);
     }
@@ -380,25 +378,24 @@ template <class ABI> struct Granular {
     using TangentialMod::gm;
     using TangentialMod::history_index;
     ShearModel(Model *m, const std::string &named)
-        : TangentialMod(m, COEFFICIENTS), ledger_(Ledger::of(this->of.lmp)), normal_(NULL) {
+        : TangentialMod(m, COEFFICIENTS), ledger_(Ledger::of(this->lmp)), normal_(NULL) {
       this->name = named;
       this->nondefault_history_transfer = 1;
     }
     void coeffs_to_local() {
       this->mu = coeffs[FRICTION];
       if (!(coeffs[DAMPING_RATIO] >= 0.) || !(this->mu >= 0.))
-        raise(*this->of.error, true,
+        raise(this->lmp, true,
               "tangential demlaws " + std::to_string(coeffs[DAMPING_RATIO]) + " " + std::to_string(this->mu) +
                   ": damping XT and friction MU must not be negative");
       if (coeffs[DAMPING_RATIO] > LARGEST_DAMPING_RATIO)
-        raise(*this->of.error, true,
+        raise(this->lmp, true,
               "tangential demlaws: damping XT = " + std::to_string(coeffs[DAMPING_RATIO]) +
                   " times that of the normal force: at most 1000");
       if (this->mu > LARGEST_USUAL_FRICTION)
-        Range::of(this->of.lmp)
-            .announce(this->of.lmp, *this->of.error, "friction " + std::to_string(this->mu),
-                      "tangential demlaws: friction MU = " + std::to_string(this->mu) +
-                          " is a coefficient (tangent of an angle), and rarely above 2");
+        Range::of(this->lmp).announce("friction " + std::to_string(this->mu),
+                                      "tangential demlaws: friction MU = " + std::to_string(this->mu) +
+                                          " is a coefficient (tangent of an angle), and rarely above 2");
     }
     static constexpr double LARGEST_DAMPING_RATIO = 1e3, LARGEST_USUAL_FRICTION = 10.;
     void mix_coeffs(double *a, double *b) {
@@ -406,16 +403,16 @@ template <class ABI> struct Granular {
       coeffs_to_local();
     }
     // The words XT MU from arg[at] on.
-    static void read(void *error, char **arg, int at, int count, double *into) {
+    static void read(void *lmp, char **arg, int at, int count, double *into) {
       if (at + COEFFICIENTS > count)
-        raise(error, true, "tangential demlaws needs XT MU: damping as that of stock models, friction");
-      into[DAMPING_RATIO] = number(error, "the damping of tangential demlaws", arg[at]);
-      into[FRICTION] = number(error, "the friction of tangential demlaws", arg[at + 1]);
+        raise(lmp, true, "tangential demlaws needs XT MU: damping as that of stock models, friction");
+      into[DAMPING_RATIO] = number(lmp, "the damping of tangential demlaws", arg[at]);
+      into[FRICTION] = number(lmp, "the friction of tangential demlaws", arg[at + 1]);
     }
     // Before GranularModel::init() deals the history: the normal model is known.
     void set_history_size() {
       normal_ = dynamic_cast<Table *>(gm->normal_model);
-      if (!normal_) raise(*this->of.error, true, "tangential demlaws goes with the normal model demlaws/table only");
+      if (!normal_) raise(this->lmp, true, "tangential demlaws goes with the normal model demlaws/table only");
       row_.springs = normal_->slips() ? (int)normal_->coeffs[Table::SPRINGS] : 0;
       row_.levels = (int)normal_->coeffs[Table::LEVELS];
       size_ = row_.size();
@@ -517,13 +514,13 @@ template <class ABI> struct Granular {
   };
   // The normal model with this file; outputs: room for those of compute pair/local. What was there before is not
   // deleted.
-  static Table *set_table(Model *m, void *lmp, void *error, const std::string &file, bool outputs) {
+  static Table *set_table(Model *m, void *lmp, const std::string &file, bool outputs) {
     Table *made;
     try {
-      const demlaws::Table &table = demlaws::load_table(Ranks(lmp, error), file);
+      const demlaws::Table &table = demlaws::load_table(Ranks(lmp), file);
       made = demlaws::with_rule<MakeTable>(table.unloading(), m, table);
     } catch (const std::runtime_error &problem) {
-      raise(error, true, std::string("demlaws/table: ") + problem.what());
+      raise(lmp, true, std::string("demlaws/table: ") + problem.what());
     }
     if (!outputs) made->nsvector = 0;
     m->normal_model = made;
@@ -539,13 +536,13 @@ template <class ABI> struct Granular {
       this->name = "demlaws/table";
     }
     void coeffs_to_local() {
-      Table *const made = set_table(this->gm, this->of.lmp, *this->of.error, Table::file_of(this->coeffs), outputs_);
+      Table *const made = set_table(this->gm, this->lmp, Table::file_of(this->coeffs), outputs_);
       std::copy(this->coeffs, this->coeffs + Table::NUMBERS, made->coeffs);
       made->coeffs_to_local();
       delete this;
     }
     void mix_coeffs(double *a, double *b) {
-      set_mixed(this->gm, this->of.lmp, *this->of.error, a, b, outputs_);
+      set_mixed(this->gm, this->lmp, a, b, outputs_);
       delete this;
     }
     double calculate_forces() { return 0.; }
@@ -553,13 +550,13 @@ template <class ABI> struct Granular {
   private:
     const bool outputs_;
   };
-  static void set_mixed(Model *m, void *lmp, void *error, double *a, double *b, bool outputs) {
+  static void set_mixed(Model *m, void *lmp, double *a, double *b, bool outputs) {
     const std::string file = Table::file_of(a), other = Table::file_of(b);
     if (file != other)
-      raise(error, true,
+      raise(lmp, true,
             "demlaws/table: particle types with the tables " + file + " and " + other +
                 " cannot be mixed: write the pair_coeff line of the two types");
-    set_table(m, lmp, error, file, outputs)->mix_coeffs(a, b);
+    set_table(m, lmp, file, outputs)->mix_coeffs(a, b);
   }
 };
 

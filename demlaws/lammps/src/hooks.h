@@ -55,7 +55,7 @@ template <class ABI> struct Hooks {
     compute_elsewhere(m);
   }
   __attribute__((noinline)) static void look_at_wall(Model *m) {
-    Range::of(m->of.lmp).look_at_wall(m->of.lmp, *m->of.error, m->normal_model->name);
+    Range::of(m->of.lmp).look_at_wall(m->normal_model->name);
   }
 
   // GranularModel::construct_sub_model for names of demlaws.
@@ -72,22 +72,22 @@ template <class ABI> struct Hooks {
   static int add(void *model, char **arg, int at, int count, int type, bool outputs) {
     Model *const m = (Model *)model;
     const std::string name = arg[at++];
-    void *const error = *m->of.error;
+    void *const lmp = m->of.lmp;
     if (type == NORMAL) {
       double c[3];
-      const std::string file = Words<typename Models::Table>::read_material(error, arg, at, count, c);
+      const std::string file = Words<typename Models::Table>::read_material(lmp, arg, at, count, c);
       delete m->sub_models[type];
       m->sub_models[type] = NULL;
-      Table *const made = Models::set_table(m, m->of.lmp, error, file, outputs);
+      Table *const made = Models::set_table(m, lmp, file, outputs);
       std::copy(c, c + 3, made->coeffs);
       made->check_order();
-      at = Words<typename Models::Table>::read_options(error, arg, at, count, made->coeffs);
+      at = Words<typename Models::Table>::read_options(lmp, arg, at, count, made->coeffs);
       made->coeffs_to_local();
       return at;
     }
     construct(m, name, type, outputs);
     if (type != TANGENTIAL) return at;
-    ShearModel::read(error, arg, at, count, m->sub_models[type]->coeffs);
+    ShearModel::read(lmp, arg, at, count, m->sub_models[type]->coeffs);
     m->sub_models[type]->coeffs_to_local();
     return at + ShearModel::COEFFICIENTS;
   }
