@@ -53,14 +53,7 @@ inline void replace_unused(LAMMPS_NS::LAMMPS *lmp, GranularModel *now) {
 struct Abi {
   typedef GranularModel Model;
   typedef GranSubMod SubMod;
-  // LAMMPS computes pairs of particles itself.
-  template <class RULED> struct DirectPairs : public RULED {
-    template <class... ARGUMENTS> explicit DirectPairs(ARGUMENTS &&...given) : RULED(given...) {}
-    void init() override { // after all words of the line
-      RULED::init();
-      replace_unused(this->lmp, this->gm);
-    }
-  };
+  static void after_init(LAMMPS_NS::LAMMPS *lmp, Model *m) { replace_unused(lmp, m); }
 
   // A sub-model in the place of the one that LAMMPS made by the name.
   struct NormalMod : public GranSubModNormal {

@@ -146,8 +146,12 @@ template <class ABI> struct Granular {
         refuse("eta and nu are exchanged: the order is FILE E eta nu, and with nu = eta E* is that of the table");
     }
 
+    void init() { // after all words of the line
+      after_init();
+      ABI::after_init(lmp, gm);
+    }
     // After GranularModel::init() has dealt the history.
-    void init() {
+    void after_init() {
       mark_ = law_.mark(gm->size_history);
       // A rolling displacement and an angle of twist are the same seen from either particle (the relative spin and the
       // normal both turn), but LAMMPS turns their signs whenever a pair changes its order, unless told otherwise.
@@ -184,43 +188,47 @@ template <class ABI> struct Granular {
     double effective_modulus() const { return law_.pair.modulus; }
     bool unloads_otherwise() const { return table_.unloading() != demlaws::ELASTIC; }
 
-    // GranularModel::calculate_forces for a pair of particles, where nothing but this law, a damping and a tangential
-    // model are at work; else LAMMPS's own.
-    virtual void compute_pair() {}
-    bool computes_pairs() const { return computes_pairs_; }
-    static Table *latest; // of those that compute pairs, the one met last
     ~Table() {
       latest = latest == this ? NULL : latest;
       Range::of(lmp).drop_table();
     }
-    void choose_path(bool proved) {
-      latest = NULL;
-      const Model *const m = gm;
-      computes_pairs_ = proved && !m->beyond_contact;
-      for (int k = ROLLING; k <= HEAT; k++) computes_pairs_ = computes_pairs_ && m->sub_models[k]->name == "none";
-      const std::string &tangential = m->sub_models[TANGENTIAL]->name;
-      computes_pairs_ = computes_pairs_ && tangential != "none";
-      speed_ = tangential != "demlaws" && tangential.compare(0, 7, "mindlin") != 0;
-      damped_ = m->damping_model->name == "demlaws/tangent" ? BY_TANGENT
-                : m->damping_model->name == "viscoelastic"  ? BY_RADIUS
-                                                            : OTHERWISE;
-    }
+    // What hooks.h computes pairs of particles by.
+    static Table *latest;        // of those that it computes, the one met last
+    bool computes_pairs = false; // of this table
+    bool speed = true;           // the tangential model asks for that of the surfaces, vrel
+    enum { OTHERWISE, BY_TANGENT, BY_RADIUS } damped = OTHERWISE; // BY_RADIUS: viscoelastic, which Abi::fits() checks
+    bool is_watched() const { return ledger_.busy | gm->calculate_svector; }
 
-  protected:
-    template <demlaws::Unloading RULE> inline double finish(const demlaws::Force now) {
+    __attribute__((flatten)) double calculate_forces() {
+      return __builtin_expect(is_watched(), 0) ? watched() : force();
+    }
+    inline double force() {
       Model *const m = gm;
+      double *const state = m->history + history_index;
+      const demlaws::Force now = demlaws::step(law_.pair, m->Reff, m->delta, state, m->history_update != 0);
       if (__builtin_expect(m->contact_type > LAST_TYPE, 0)) refuse_contact();
       if (__builtin_expect(now.outside | law_.watch.exceeds(m->delta, m->Reff), 0)) examine(now);
       if (__builtin_expect(!law_.pair.serves(m->Reff, coeffs[TOLERANCE]), 0)) refuse_radius();
-      if (__builtin_expect(m->history[history_index + demlaws::MOST_STATE] != mark_, 0)) check_mark();
+      if (__builtin_expect(state[demlaws::MOST_STATE] != mark_, 0)) check_mark();
       stiffness_ = now.stiffness;
       force_ = now.force;
-      shear_stiffness_ =
-          demlaws::shear_stiffness<RULE>(shear_, law_.pair, m->Reff, m->delta, now, m->history + history_index);
+      shear_stiffness_ = demlaws::shear_stiffness(shear_, law_.pair, m->Reff, m->delta, now, state);
       friction_above_ = friction_.c1 > 0. ? friction_.above_constant(demlaws::mean_pressure(law_.pair, now)) : 0.;
-      m->contact_radius =
-          shear_stiffness_ * per_stiffness_; // K = 2 E* a: what mindlin, viscoelastic and heat scale with
+      // K = 2 E* a: what mindlin, viscoelastic and heat scale with
+      m->contact_radius = shear_stiffness_ * per_stiffness_;
       return now.force;
+    }
+
+  private:
+    __attribute__((noinline, cold)) double watched() {
+      Model *const m = gm;
+      double *const state = m->history + history_index;
+      const double before[demlaws::MOST_STATE] = {state[0], state[1], state[2]};
+      const double found = force();
+      double now[demlaws::MOST_STATE] = {state[0], state[1], state[2]};
+      if (!m->history_update) demlaws::step(law_.pair, m->Reff, m->delta, now, true);
+      account(before, state, now);
+      return found;
     }
     // After a step whose energies a compute reads: the state that the contact had before, that it keeps, and that
     // the step at this overlap gives it, which is not kept where histories are only read (setup, compute
@@ -264,11 +272,7 @@ template <class ABI> struct Granular {
     double mark_ = 0., friction_above_ = 0.;
     demlaws::PressureFriction friction_;
     demlaws::Shear shear_ = demlaws::ELASTIC_SHEAR;
-    bool computes_pairs_ = false, speed_ = true; // speed_: the tangential model asks for that of the surfaces, vrel
-    // BY_RADIUS: viscoelastic, whose formula Abi::fits() has checked
-    enum { OTHERWISE, BY_TANGENT, BY_RADIUS } damped_ = OTHERWISE;
 
-  private:
     std::string title() const { return "demlaws/table " + table_.path(); }
     __attribute__((noinline, cold)) void refuse(const std::string &what) const {
       raise(lmp, true, title() + ": " + what);
@@ -320,33 +324,6 @@ template <class ABI> struct Granular {
       what << title() << ": contacts of type " << gm->contact_type
            << " (of a newer LAMMPS) are not known here; use pairs of spheres, wall/gran, wall/gran/region or surfaces";
       raise(lmp, false, what.str());
-    }
-  };
-
-  // The rule of unloading is known when compiled.
-  template <demlaws::Unloading RULE> class RuleTable : public Table {
-  public:
-    RuleTable(Model *m, const demlaws::Table &table) : Table(m, table) {}
-    __attribute__((flatten)) double calculate_forces() {
-      return __builtin_expect(this->ledger_.busy | this->gm->calculate_svector, 0) ? watched() : force();
-    }
-
-  protected:
-    inline double force() {
-      Model *const m = this->gm;
-      double *const state = m->history + this->history_index;
-      return this->template finish<RULE>(
-          demlaws::step_rule<RULE>(this->law_.pair, m->Reff, m->delta, state, m->history_update != 0));
-    }
-    __attribute__((noinline, cold)) double watched() {
-      Model *const m = this->gm;
-      double *const state = m->history + this->history_index;
-      const double before[demlaws::MOST_STATE] = {state[0], state[1], state[2]};
-      const double found = force();
-      double now[demlaws::MOST_STATE] = {state[0], state[1], state[2]};
-      if (!m->history_update) demlaws::step_rule<RULE>(this->law_.pair, m->Reff, m->delta, now, true);
-      this->account(before, state, now);
-      return found;
     }
   };
 
@@ -507,18 +484,12 @@ template <class ABI> struct Granular {
     double ratio_ = 0.; // K_t / K
   };
 
-  template <demlaws::Unloading RULE> struct MakeTable {
-    static Table *call(Model *m, const demlaws::Table &table) {
-      return new typename ABI::template DirectPairs<RuleTable<RULE>>(m, table);
-    }
-  };
   // The normal model with this file; outputs: room for those of compute pair/local. What was there before is not
   // deleted.
   static Table *set_table(Model *m, void *lmp, const std::string &file, bool outputs) {
     Table *made;
     try {
-      const demlaws::Table &table = demlaws::load_table(Ranks(lmp), file);
-      made = demlaws::with_rule<MakeTable>(table.unloading(), m, table);
+      made = new Table(m, demlaws::load_table(Ranks(lmp), file));
     } catch (const std::runtime_error &problem) {
       raise(lmp, true, std::string("demlaws/table: ") + problem.what());
     }
