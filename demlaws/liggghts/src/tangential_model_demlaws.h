@@ -33,12 +33,9 @@ public:
     own_levels_ = line.given.count("levels");
     if (wall_ && !own_levels_) levels_ = instance_->levels;
     if (!wall_) instance_->springs = springs_, instance_->levels = levels_;
-    if (!demlaws::SpringRow::may_have(springs_))
-      error->all(FLERR, "tangential model demlaws: 'springs' must be a whole number from 2 to 22");
-    if (!demlaws::may_have_levels(levels_))
-      error->all(FLERR, "tangential model demlaws: 'levels' must be a whole number from 1 to 8");
-    if (slips && own_levels_)
-      error->all(FLERR, "tangential model demlaws: partial slip has springs, not levels: leave 'levels' out");
+    if (!demlaws::SpringRow::may_have(springs_)) stop("'springs' must be a whole number from 2 to 22");
+    if (!demlaws::may_have_levels(levels_)) stop("'levels' must be a whole number from 1 to 8");
+    if (slips && own_levels_) stop("partial slip has springs, not levels: leave 'levels' out");
     row_.levels = (int)levels_;
     row_.springs = slips ? (int)springs_ : 0;
     size_ = row_.size();
@@ -56,15 +53,13 @@ public:
     const int types = registry.max_type(); // the matrix has no row for a type that no particle or wall has
     for (int i = 1; i <= types; ++i)
       for (int j = 1; j <= types; ++j)
-        if (!(friction_[i][j] >= 0.))
-          error->all(FLERR, "tangential model demlaws: coefficientFriction must not be negative");
+        if (!(friction_[i][j] >= 0.)) stop("coefficientFriction must not be negative");
     instance_->see_contacts_end(wall_);
     const bool other_shear = (row_.springs > 0) != (normal_->shear() == demlaws::SLIP_SHEAR),
                other_levels = wall_ && !row_.springs && !own_levels_ && levels_ != instance_->levels;
     if (other_shear || other_levels)
-      error->all(FLERR, (std::string("tangential model demlaws: this wall was defined before the pair style's '") +
-                         (other_shear ? "shear" : "levels") + "' was known: define it below the pair_style line")
-                            .c_str());
+      stop(std::string("this wall was defined before the pair style's '") + (other_shear ? "shear" : "levels") +
+           "' was known: define it below the pair_style line");
     PairGran *const pair = static_cast<PairGran *>(force->pair_match("gran", 0));
     if (pair && !wall_) demlaws::refuse_small_pages(lmp, pair->dnum(), "tangential model demlaws: a contact");
   }
@@ -131,6 +126,7 @@ public:
   }
 
 private:
+  void stop(const std::string &what) const { error->all(FLERR, ("tangential model demlaws: " + what).c_str()); }
   // dt: 0 where nothing is to be kept. unit_vector: that of the contact.
   template <bool WALL>
   __attribute__((noinline)) demlaws::Motion motion_of(const SurfacesIntersectData &data, double dt,
