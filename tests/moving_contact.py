@@ -225,7 +225,8 @@ def follow(first, radius, motion, law, *, ratio, friction, way=None, levels=3, s
     """Forces on `first` and on a sphere of this radius along a motion.
 
     law: of one contact, with its rule. ratio: K_t/K, shear: of which K. damping: None, or mass m [kg], β_n and β_s of viscous
-    forces 2 β √(m K) v with K_t and 1.5 P/δ. springs: another model of shear in place of `Levels(levels)`, with its methods.
+    forces 2 β √(m K) v with K_t and 1.5 P/δ, with the springs' at most Coulomb's limit. springs: another model of shear, in
+    place of `Levels(levels)`, with its methods.
     """
     way, dt, steps = way or Way(), motion.timestep, len(motion.velocity)
     places, turned = np.array(motion.start, float), np.eye(3)
@@ -266,6 +267,9 @@ def follow(first, radius, motion, law, *, ratio, friction, way=None, levels=3, s
             sideways = sideways * (limit / size)
         elif damping is not None:
             viscous = -2.0 * sideways_beta * np.sqrt(mass * stiffness[step]) / dt * moved
+            if np.linalg.norm(sideways + viscous) > limit:
+                share = np.roots([viscous @ viscous, 2.0 * sideways @ viscous, size**2 - limit**2]).max()
+                viscous = share * viscous
         total = along * normal + sideways + viscous  # on the second body
         force[step] = -total, total
         torque[step] = np.cross(point - at[step, 0], -total), np.cross(point - at[step, 1], total)

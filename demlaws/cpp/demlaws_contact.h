@@ -102,7 +102,7 @@ inline Force step_rule(const Pair &pair, double radius, double overlap, double *
     if (RULE != ELASTIC && update && s == s) {
       state[0] = overlap;
       if (RULE == HERTZ) state[1] = overlap - hertz_overlap;
-      else if (RULE == GIVEN) state[1] = overlap - pair.table->recover(s) * length;
+      else if (RULE == GIVEN) state[1] = overlap - pair.table->inverse_near(s) * length;
       else if (RULE == LINEAR) // P/k2
         state[1] = overlap - (4. / 3.) * s * sqrt(s) / pair.table->linear_stiffness(u) * length;
       else if (RULE == EEPA) state[1] = pair.table->eepa_plastic() * overlap;
@@ -141,26 +141,11 @@ inline Force step_rule(const Pair &pair, double radius, double overlap, double *
 }
 
 // What a template gives whose rule of unloading is a contact's: Of<RULE>::call.
-template <template <Unloading> class Of, class... Arguments>
+template <template <Unloading> class Of, int RULE = 0, class... Arguments>
 inline auto with_rule(Unloading rule, Arguments &&...arguments) -> decltype(Of<ELASTIC>::call(arguments...)) {
-  switch (rule) {
-  case ELASTIC:
-    return Of<ELASTIC>::call(arguments...);
-  case HERTZ:
-    return Of<HERTZ>::call(arguments...);
-  case THORNTON:
-    return Of<THORNTON>::call(arguments...);
-  case LINEAR:
-    return Of<LINEAR>::call(arguments...);
-  case EEPA:
-    return Of<EEPA>::call(arguments...);
-  case ETSION:
-    return Of<ETSION>::call(arguments...);
-  case JACKSON:
-    return Of<JACKSON>::call(arguments...);
-  default:
-    return Of<GIVEN>::call(arguments...);
-  }
+  constexpr int NEXT = RULE + 1 < RULES ? RULE + 1 : RULE;
+  return RULE == rule || NEXT == RULE ? Of<(Unloading)RULE>::call(arguments...)
+                                      : with_rule<Of, NEXT>(rule, arguments...);
 }
 
 template <Unloading RULE> struct StepOf {

@@ -40,7 +40,7 @@ struct Row {
 // A curve s(u): cells on a grid of 2^bits linear parts in each octave, whose number is in the bits of the double u.
 class Curve {
 public:
-  Curve() : bits_(0), first_(0), count_(0) {}
+  Curve() {}
 
   // s(u) and its slope from the lowest cell to before last(); returns false outside (then use outside()).
   inline bool look_up(double u, double &s, double &slope) const {
@@ -111,8 +111,8 @@ public:
   void build_reverse(const Curve &curve);
 
 private:
-  int bits_, shift_;
-  uint64_t first_, count_;
+  int bits_ = 0, shift_ = 0;
+  uint64_t first_ = 0, count_ = 0;
   uint64_t cell_;    // the bits of u that its cell begins with
   uint64_t kink_[3]; // bits of the first three that split a cell, or of infinity
   double u_first_, s_first_, power_first_, u_last_, s_last_, slope_last_, floor_, slope_floor_, seat_;
@@ -198,9 +198,6 @@ inline void Curve::build(const std::vector<Row> &rows, int bits, bool straight, 
   bits_ = bits;
   shift_ = 52 - bits_;
   cell_ = ~(((uint64_t)1 << shift_) - 1);
-  kinks_.clear();
-  splits_.clear();
-  nodes_.clear();
   const size_t n = rows.size();
   u_first_ = rows[0].u;
   s_first_ = rows[0].s;

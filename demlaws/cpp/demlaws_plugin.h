@@ -73,11 +73,7 @@ inline const Table &load_table(const Ranks &ranks, const std::string &path) {
   ranks.share(data);
   if (!problem.empty()) throw std::runtime_error(problem);
   std::unique_ptr<Table> &table = tables[std::make_pair(path, crc32(0, data.data(), data.size()))];
-  if (!table) {
-    std::unique_ptr<Table> fresh(new Table);
-    fresh->parse(data, path);
-    table = std::move(fresh);
-  }
+  if (!table) table.reset(new Table(data, path));
   return *table;
 }
 
@@ -114,6 +110,27 @@ struct Law {
 private:
   static constexpr double ONE_SHAPE = 4294967296.; // below it is the checksum of law, modulus and roughness
   uint32_t checksum_ = 0;
+};
+
+// What a contact keeps of its shear, and its step: levels, or the springs of partial slip.
+struct ShearRow {
+  int levels = LEVELS, springs = 0; // springs 0: the contact sticks until it slides
+  static const int MOST_SIZE = SpringRow::MOST_SIZE;
+  int size() const { return springs ? SpringRow::size(springs) : levels_size(levels); }
+  // Where the stiffness of the last step is: zero in a contact without shear force.
+  int top() const { return (springs ? springs : levels) - 1; }
+  bool changes_sign(int number) const {
+    return springs ? SpringRow::changes_sign(number, springs) : demlaws::changes_sign(number, levels, levels);
+  }
+  double energy(double *numbers, double ratio) const {
+    return springs ? SpringRow(numbers, springs).energy(ratio) : Levels<0>(numbers, levels).energy();
+  }
+  // stiffness: the normal one that K_t is `ratio` times of.
+  DEMLAWS_INLINE ShearStep step(double stiffness, const UnloadingCurve &curve, double ratio, double limit,
+                                const Motion &motion, double *numbers) const {
+    return springs ? SpringRow(numbers, springs).step(stiffness, curve, ratio, limit, motion)
+                   : shear_step(levels, ratio * stiffness, limit, motion, numbers);
+  }
 };
 
 // What remains for contacts whose history cannot be continued.

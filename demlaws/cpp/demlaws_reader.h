@@ -53,13 +53,10 @@ struct Limit {
 
 class Table {
 public:
-  Table() {}
-  explicit Table(const std::string &path) { parse(contents(path), path); }
-
-  // Reads the bytes of a file, which messages call `path`; throws std::runtime_error("FILE, line N: reason") and leaves
-  // the table unusable then. Where processes share nothing but messages one calls contents(), all get its bytes and
-  // parse them.
-  void parse(const std::string &data, const std::string &path);
+  // Of the bytes of a file, which messages call `path`; throws std::runtime_error("FILE, line N: reason"). Where
+  // processes share nothing but messages one calls contents(), and all get its bytes.
+  Table(const std::string &bytes, const std::string &path);
+  explicit Table(const std::string &path) : Table(contents(path), path) {}
   // The bytes of a file; throws std::runtime_error that names it.
   static std::string contents(const std::string &path);
 
@@ -69,10 +66,7 @@ public:
   // The text of a key of the loading curve; "" where it is absent.
   std::string text(const std::string &key) const { return sections_[0].text(key); }
   // The same as a number; `otherwise` where it is absent or not one number.
-  double number(const std::string &key, double otherwise) const {
-    double x;
-    return plain_number(text(key), x) ? x : otherwise;
-  }
+  double number(const std::string &key, double otherwise) const { return sections_[0].number(key, otherwise); }
   // Whether overlaps are divided by sigma; else by R.
   bool scales_with_sigma() const { return text("length") == "sigma"; }
   // A law that collapses has one curve for every radius and modulus; another holds for its own contact only.
@@ -86,7 +80,7 @@ public:
   // That of first loading.
   const Curve &loading_curve() const { return loading_; }
   // u at which the unloading curve reaches s: its reverse, then one step of Newton's method.
-  inline double recover(double s) const {
+  inline double inverse_near(double s) const {
     const double above = s - unloading_.seat();
     if (above <= 0.) return 0.;
     double u, slope, here;
@@ -138,7 +132,10 @@ private:
       return NULL;
     }
     std::string text(const std::string &key) const { return find(key) ? find(key)->text : std::string(); }
-    double number(const std::string &key) const { return strtod_of(text(key)); }
+    double number(const std::string &key, double otherwise = 0.) const {
+      double x;
+      return plain_number(text(key), x) ? x : otherwise;
+    }
     int line(const std::string &key) const { return find(key)->line; }
   };
 
@@ -155,11 +152,6 @@ private:
   Table(const Table &); // a curve is not copied
   Table &operator=(const Table &);
 
-  static double strtod_of(const std::string &text) {
-    double x = 0.;
-    plain_number(text, x);
-    return x;
-  }
   void fail(int line, const std::string &what) const {
     std::ostringstream out;
     out << path_ << ", line " << line << ": ";
@@ -186,11 +178,7 @@ inline std::string Table::contents(const std::string &path) {
   return data.str();
 }
 
-inline void Table::parse(const std::string &bytes, const std::string &path) {
-  path_ = path;
-  sections_[0] = sections_[1] = Section();
-  last_ = 0;
-  limits_.clear();
+inline Table::Table(const std::string &bytes, const std::string &path) : path_(path) {
   std::vector<std::string> lines(1);
   for (size_t i = 0; i < bytes.size(); i++)
     if (bytes[i] == '\n') lines.push_back("");
@@ -202,7 +190,6 @@ inline void Table::parse(const std::string &bytes, const std::string &path) {
                 ? "a table of another format: make it again with 'demlaws table --law NAME ... --out FILE'"
                 : "not a demlaws table (the first line must be '" + format + "')");
   const int end = (int)lines.size();
-  fingerprint_ = 0;
   for (int i = 0; i + 1 < end || i == 0; i++)
     fingerprint_ = crc32(crc32(fingerprint_, lines[i].data(), lines[i].size()), "\n", 1);
   char mark[16];

@@ -260,8 +260,28 @@ def slide(mode, row, share):
     """What else is reduced to a share where Coulomb's limit reduces the shear force."""
 
 
-@generic(lambda *_: lambda mode, contact: None)
-def before_native_step(mode, contact):
+@kernel
+def limit_of_native_step(context, contact, geom, phys):
+    """Coulomb's limit [N] in the native law's own step, whose stiffnesses are written."""
+    overlap = geom.penetrationDepth
+    phys.kn = 1.5 * phys.kno * sqrt(overlap)
+    phys.ks = phys.kso * sqrt(overlap)
+    size = phys.kno * overlap * sqrt(overlap)
+    if phys.betan != 0.0 or phys.betas != 0.0:
+        size -= damping_of_normal(context, contact, geom, phys, size)[0]
+    return phys.tangensOfFrictionAngle * abs(size)
+
+
+@kernel
+def reduce_dashpot(mode, context, contact, geom, phys, force, stuck, limit):
+    """Set the damping ratio of shear for a native step whose elastic force is `force` [N], of which a share sticks."""
+    viscous = scaled(stuck, shear_damping(context, contact, phys, vector(geom.shearInc)))
+    allowed, square = within_limit(mode, force, viscous, limit), dot(viscous, viscous)
+    phys.betas = phys.betas * stuck * sqrt(dot(allowed, allowed) / square) if square > 0.0 else 0.0
+
+
+@generic(lambda *_: lambda mode, context, contact: None)
+def before_native_step(mode, context, contact):
     """What the native law's own step needs: its turn of vectors is another one."""
 
 
@@ -276,7 +296,8 @@ def advance(mode, context, contact, row):
     geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
     if supports_options(context, contact, geom, phys, row):
         return own_step(mode, context, contact, geom, phys, row)
-    before_native_step(mode, contact)
+    betas = phys.betas
+    before_native_step(mode, context, contact)
     keep = native_go(context, contact)
     after_native_step(mode, contact, row)
     if geom.penetrationDepth > 0.0 and (phys.betan != 0.0 or phys.betas != 0.0 or exponent_of_damping(phys) != 0.0):
@@ -286,4 +307,5 @@ def advance(mode, context, contact, row):
         moved = approach_velocity(scene, geom, interaction, first, second) * scene.dt
         row.viscous += dot(vector(phys.normalViscous), vector(geom.normal)) * moved
         row.viscous += dot(vector(phys.shearViscous), vector(geom.shearInc))
+    phys.betas = betas
     return keep

@@ -14,7 +14,15 @@ from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import kernel
 from demlaws.core.shear import EMPTY
 from demlaws.yade import layout, objects
-from demlaws.yade.mindlin import advance, times_cells, together_within_limit, turned, velocity_apart
+from demlaws.yade.mindlin import (
+    advance,
+    limit_of_native_step,
+    reduce_dashpot,
+    times_cells,
+    together_within_limit,
+    turned,
+    velocity_apart,
+)
 from demlaws.yade.records import assign, cross, dot, minus_scaled, pointee, scaled, vector, view
 
 
@@ -230,9 +238,12 @@ def scale_levels(mode, row, share):
 
 
 @kernel
-def _turn_in_advance(mode, contact):
+def _turn_in_advance(mode, context, contact):
     geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
     wanted = turned_with(turn_of_step(geom), vector(phys.shearElastic))
+    if phys.betas != 0.0 and geom.penetrationDepth > 0.0:
+        limit = limit_of_native_step(context, contact, geom, phys)
+        reduce_dashpot(mode, context, contact, geom, phys, minus_scaled(wanted, phys.ks, vector(geom.shearInc)), 1.0, limit)
     given = wanted
     for _ in range(12):
         given = minus_scaled(given, 1.0, minus_scaled(turned(geom, given), 1.0, wanted))
@@ -359,6 +370,7 @@ bind(
     relax_shear=_relax_levels,
     stored_energy=energy_of_levels,
     set_shear_force=_adopt_as_one_level,
+    within_limit=together_within_limit,
 )
 bind(Slip, synchronise=_to_half_step, within_limit=together_within_limit)
 MODES = {"elastic": Levels(), "loading": Levels(), "native": Native(), "slip": Slip()}

@@ -6,7 +6,7 @@ from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import kernel
 from demlaws.core.slip import SPRINGS, compressions, depth_of, ladder_of, set_springs, slip, unloads_by_hertz
 from demlaws.yade import layout, objects
-from demlaws.yade.mindlin import advance, damping_of_normal, shear_damping, supports_options, turned, within_limit
+from demlaws.yade.mindlin import advance, limit_of_native_step, reduce_dashpot, supports_options, turned
 from demlaws.yade.records import (
     assign,
     cross,
@@ -83,25 +83,16 @@ def apply_to_springs(mode, context, contact, row, stiffness):
         keep = advance(mode, context, contact, row)
         assign(phys.usElastic, scaled(1.0 / stiffness, vector(phys.shearElastic)))
         return keep
-    overlap = geom.penetrationDepth
-    phys.kn = 1.5 * phys.kno * sqrt(overlap)
-    phys.ks = phys.kso * sqrt(overlap)
-    size = phys.kno * overlap * sqrt(overlap)
-    if phys.betan != 0.0 or phys.betas != 0.0:
-        size -= damping_of_normal(context, contact, geom, phys, size)[0]
-    limit = phys.tangensOfFrictionAngle * abs(size)
+    limit = limit_of_native_step(context, contact, geom, phys)
     force, stuck, slides = step_of_springs(geom, row, stiffness, limit)
     # The native law turns the force and adds K_t times the displacement: it starts from the force that leads to ours.
-    increment = vector(geom.shearInc)
-    before = minus_scaled(force, -stiffness, increment)
+    before = minus_scaled(force, -stiffness, vector(geom.shearInc))
     given = before
     for _ in range(12):
         given = minus_scaled(given, 1.0, minus_scaled(turned(geom, given), 1.0, before))
     assign(phys.shearElastic, given)
     betas = phys.betas
-    viscous = scaled(stuck, shear_damping(context, contact, phys, increment))
-    allowed, square = within_limit(mode, force, viscous, limit), dot(viscous, viscous)
-    phys.betas = betas * stuck * sqrt(dot(allowed, allowed) / square) if square > 0.0 else 0.0
+    reduce_dashpot(mode, context, contact, geom, phys, force, stuck, limit)
     keep = advance(mode, context, contact, row)
     phys.betas = betas
     phys.isSliding = slides

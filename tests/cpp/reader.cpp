@@ -32,9 +32,7 @@ int main() {
       std::cin >> file >> modulus >> radius >> roughness;
       state = demlaws::State();
       try {
-        const std::string bytes = demlaws::Table::contents(file);
-        table.reset(new demlaws::Table);
-        table->parse(bytes, file);
+        table.reset(new demlaws::Table(file));
         pair = demlaws::Pair(*table, modulus, roughness);
         printf("good %u\n", (unsigned)table->fingerprint());
       } catch (const std::exception &problem) {

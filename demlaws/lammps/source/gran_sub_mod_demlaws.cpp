@@ -38,11 +38,11 @@ static std::map<std::string, Input::CommandCreator> unguarded;
 
 template <bool DELETES> static Command *guarded(LAMMPS *lmp) {
   Input *const input = lmp->input;
-  if (!DELETES || !keeps_numbers(input->narg, input->arg)) Range::of(lmp).keep_numbers(lmp->error);
+  if (!DELETES || !keeps_numbers(input->narg, input->arg)) Range::of(lmp).keep_numbers();
   return unguarded[DELETES ? "delete_atoms" : "RESET_ATOMS_ID"](lmp);
 }
 static Command *announced(LAMMPS *lmp) {
-  Range::of(lmp).look_at_frames(lmp, lmp->error);
+  Range::of(lmp).look_at_frames();
   return unguarded["rerun"](lmp);
 }
 static void guard(LAMMPS *lmp, const char *name, Input::CommandCreator creator) {
@@ -70,11 +70,11 @@ void GranSubModNormalDemlaws::read_line(char **arg, int at, int narg) {
   static char zero[] = "0";
   arg[at++] = const_cast<char *>(READ);
   int end = at;
-  file = Words<Models::Table>::read_material(error, arg, end, narg, material);
+  file = Words<Models::Table>::read_material(lmp, arg, end, narg, material);
   options.assign(Models::Table::COEFFICIENTS, std::numeric_limits<double>::quiet_NaN());
   options[Models::Table::YOUNG] = material[0];
   options[Models::Table::POISSON] = material[2];
-  end = Words<Models::Table>::read_options(error, arg, end, narg, options.data());
+  end = Words<Models::Table>::read_options(lmp, arg, end, narg, options.data());
   num_coeffs = end - at;
   for (; at < end; at++) {
     words.emplace_back(arg + at, arg[at]);
@@ -86,7 +86,7 @@ void GranSubModNormalDemlaws::coeffs_to_local() {
   for (const auto &word : words) *word.first = word.second;
   const bool typed = !words.empty();
   if (!typed) file = Models::Table::file_of(coeffs);
-  Models::Table *const table = Models::set_table(gm, lmp, error, file, has_outputs(lmp));
+  Models::Table *const table = Models::set_table(gm, lmp, file, has_outputs(lmp));
   if (typed) {
     std::copy(material, material + 3, table->coeffs);
     table->check_order();
@@ -109,7 +109,7 @@ void GranSubModNormalDemlaws::coeffs_to_local() {
 }
 
 void GranSubModNormalDemlaws::mix_coeffs(double *a, double *b) {
-  Models::set_mixed(gm, lmp, error, a, b, has_outputs(lmp));
+  Models::set_mixed(gm, lmp, a, b, has_outputs(lmp));
   delete this;
 }
 
@@ -129,7 +129,7 @@ GranSubModTangentialDemlaws::GranSubModTangentialDemlaws(GranularModel *model, L
   double checked[Models::ShearModel::COEFFICIENTS]; // by LAMMPS, too, but in other words
   for (int n = 1; n < input->narg; n++)
     if (!strcmp(input->arg[n - 1], "tangential") && !strcmp(input->arg[n], "demlaws"))
-      Models::ShearModel::read(error, input->arg, n + 1, input->narg, checked);
+      Models::ShearModel::read(lmp, input->arg, n + 1, input->narg, checked);
 }
 
 void GranSubModTangentialDemlaws::coeffs_to_local() {
@@ -145,7 +145,7 @@ void GranSubModTangentialDemlaws::coeffs_to_local() {
 
 ComputeDemlawsEnergy::ComputeDemlawsEnergy(LAMMPS *lmp, int narg, char **arg) : Compute(lmp, narg, arg) {
   char *const words[] = {arg[0], arg[1], arg[2]};
-  Ledger::of(lmp).open(lmp, narg, const_cast<char **>(words));
+  Ledger::of(lmp).open(narg, const_cast<char **>(words));
   vector_flag = extvector = 1;
   size_vector = 3;
   vector = new double[size_vector];
@@ -171,7 +171,7 @@ int FixDemlaws::setmask() { return FixConst::PRE_FORCE | FixConst::MIN_PRE_FORCE
 
 void FixDemlaws::init() {
   Range &range = Range::of(lmp);
-  Range::refuse_respa(lmp, error);
+  range.refuse_respa();
   PairGranular *pair = nullptr, *last;
   for (int n = 1;; n++) { // of hybrid there may be several
     last = pair;
@@ -185,8 +185,8 @@ void FixDemlaws::init() {
                              pair->models_list[0]->sub_models[type]->size_history;
     }
     if (ours && !equal) error->all(FLERR, MIXED_SIZES);
-    if (ours) range.warn_of_thin_box(lmp, error);
-    else if (pair->nmodels) range.look_at_pairs(lmp, error);
+    if (ours) range.warn_of_thin_box();
+    else if (pair->nmodels) range.look_at_pairs();
   }
   // its lists mark no contacts: FixNeighHistory would drop all histories whenever lists are built
   Pair *const surfaces = force->pair_match("surf/granular", 0);
@@ -196,13 +196,13 @@ void FixDemlaws::init() {
   }
   for (Fix *const fix : modify->get_fix_by_style("^wall/gran")) {
     FixWallGran *const wall = dynamic_cast<FixWallGran *>(fix);
-    if (wall) range.look_at_wall(lmp, error, wall->model->normal_model->name);
+    if (wall) range.look_at_wall(wall->model->normal_model->name);
   }
 }
 
 void FixDemlaws::setup_pre_force(int) {
-  Range::of(lmp).check_positions(lmp, error);
+  Range::of(lmp).check_positions();
   Ledger::of(lmp).begin(NULL);
 }
 
-void FixDemlaws::post_run() { Range::of(lmp).print_counts(lmp, error); }
+void FixDemlaws::post_run() { Range::of(lmp).print_counts(); }

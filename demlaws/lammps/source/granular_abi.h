@@ -44,37 +44,22 @@ inline void replace_unused(LAMMPS_NS::LAMMPS *lmp, GranularModel *now) {
     for (int k = 0; k < NSUBMODELS; k++)
       equal = equal && model->sub_models[k]->size_history == now->sub_models[k]->size_history;
     if (equal || used.count(n)) continue;
-    if (sized) raise(lmp->error, true, MIXED_SIZES);
+    if (sized) raise(lmp, true, MIXED_SIZES);
     model->mix_coeffs(now, now);
     model->init();
   }
 }
 
-// What a sub-model knows of its instance of LAMMPS.
-struct Instance {
-  void *lmp, **error;
-  explicit Instance(LAMMPS_NS::LAMMPS *instance) : lmp(instance), error((void **)&instance->error) {}
-};
-
 struct Abi {
   typedef GranularModel Model;
   typedef GranSubMod SubMod;
-  // LAMMPS computes pairs of particles itself.
-  template <class RULED> struct DirectPairs : public RULED {
-    template <class... ARGUMENTS> explicit DirectPairs(ARGUMENTS &&...given) : RULED(given...) {}
-    void init() override { // after all words of the line
-      RULED::init();
-      replace_unused(this->lmp, this->gm);
-    }
-  };
+  static void after_init(LAMMPS_NS::LAMMPS *lmp, Model *m) { replace_unused(lmp, m); }
 
   // A sub-model in the place of the one that LAMMPS made by the name.
   struct NormalMod : public GranSubModNormal {
-    const Instance of;
-
   protected:
     NormalMod(Model *m, int numbers, int outputs)
-        : GranSubModNormal(m, ((GranSubModNormalDemlaws *)m->sub_models[NORMAL])->instance()), of(lmp) {
+        : GranSubModNormal(m, ((GranSubModNormalDemlaws *)m->sub_models[NORMAL])->instance()) {
       num_coeffs = numbers;
       nsvector = outputs;
       allocate_coeffs();
@@ -82,11 +67,9 @@ struct Abi {
     }
   };
   struct DampingMod : public GranSubModDamping {
-    const Instance of;
-
   protected:
     explicit DampingMod(Model *m)
-        : GranSubModDamping(m, ((GranSubModDampingDemlaws *)m->sub_models[DAMPING])->instance()), of(lmp) {
+        : GranSubModDamping(m, ((GranSubModDampingDemlaws *)m->sub_models[DAMPING])->instance()) {
       allocate_coeffs();
     }
   };
@@ -102,11 +85,9 @@ struct Abi {
   static bool synchronized(const Model *m) { return has_half_step(m, 0); }
 
   struct TangentialMod : public GranSubModTangential {
-    const Instance of;
-
   protected:
     TangentialMod(Model *m, int numbers)
-        : GranSubModTangential(m, ((GranSubModTangentialDemlaws *)m->sub_models[TANGENTIAL])->instance()), of(lmp) {
+        : GranSubModTangential(m, ((GranSubModTangentialDemlaws *)m->sub_models[TANGENTIAL])->instance()) {
       num_coeffs = numbers;
       allocate_coeffs();
       synchronize(this, 0);

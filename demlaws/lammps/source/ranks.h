@@ -9,7 +9,7 @@ namespace {
 
 class Ranks : public demlaws::Ranks {
 public:
-  Ranks(void *lmp, void *) : comm_(instance(lmp)->world) {
+  explicit Ranks(void *lmp) : comm_(instance(lmp)->world) {
     me = instance(lmp)->comm->me;
     count = instance(lmp)->comm->nprocs;
   }

@@ -1,5 +1,4 @@
-// LAMMPS, by its own headers: what src/stock.h finds by name in a running one. An object that a void pointer stands for
-// is the instance, LAMMPS *, except where `error` is an Error *.
+// LAMMPS, by its own headers: what src/stock.h finds by name in a running one.
 #ifndef DEMLAWS_STOCK_H
 #define DEMLAWS_STOCK_H
 
@@ -20,6 +19,8 @@ namespace {
 
 inline LAMMPS_NS::LAMMPS *instance(void *lmp) { return (LAMMPS_NS::LAMMPS *)lmp; }
 inline void *error_of(void *lmp) { return instance(lmp)->error; }
+inline void *modify_of(void *lmp) { return instance(lmp)->modify; }
+inline LAMMPS_NS::Modify *as_modify(void *modify) { return (LAMMPS_NS::Modify *)modify; }
 
 struct Stock {
   static const Stock &get() {
@@ -31,10 +32,10 @@ struct Stock {
   void *global(void *lmp, const char *name) const { return lammps_extract_global(lmp, name); }
   void *atom(void *lmp, const char *name) const { return lammps_extract_atom(lmp, name); }
   int setting(void *lmp, const char *name) const { return lammps_extract_setting(lmp, name); }
-  void *find_fix(void *lmp, const char *id) const { return instance(lmp)->modify->get_fix_by_id(id); }
-  void *find_compute(void *lmp, const char *id) const { return instance(lmp)->modify->get_compute_by_id(id); }
-  void add_fix(void *lmp, int count, char **arg, int) const { instance(lmp)->modify->add_fix(count, arg); }
-  void add_compute(void *lmp, int count, char **arg, int) const { instance(lmp)->modify->add_compute(count, arg); }
+  void *find_fix(void *modify, const char *id) const { return as_modify(modify)->get_fix_by_id(id); }
+  void *find_compute(void *modify, const char *id) const { return as_modify(modify)->get_compute_by_id(id); }
+  void add_fix(void *modify, int count, char **arg, int) const { as_modify(modify)->add_fix(count, arg); }
+  void add_compute(void *modify, int count, char **arg, int) const { as_modify(modify)->add_compute(count, arg); }
   void pair_local(void *compute) const { ((LAMMPS_NS::Compute *)compute)->compute_local(); }
 
 private:
@@ -44,8 +45,8 @@ private:
 };
 
 // Error::all (every rank comes here) or Error::one; they throw.
-[[noreturn]] void raise(void *error, bool every_rank, const std::string &what) {
-  LAMMPS_NS::Error *const of = (LAMMPS_NS::Error *)error;
+[[noreturn]] void raise(void *lmp, bool every_rank, const std::string &what) {
+  LAMMPS_NS::Error *const of = instance(lmp)->error;
   try {
     if (every_rank) of->all(FLERR, what);
     of->one(FLERR, what);

@@ -102,14 +102,14 @@ bool ours(const char *name, int type) {
 // Before anything of ours is made: the layout, and the units of tables.
 void prepare(void *model) {
   AnyModel *const m = (AnyModel *)model;
-  void *const lmp = m->of.lmp, *const error = *m->of.error;
+  void *const lmp = m->of.lmp;
   const std::string why = prove(lmp);
   if (!why.empty()) {
     slots().undo();
-    raise(error, true, why);
+    raise(lmp, true, why);
   }
   const char *const units = (const char *)Stock::get().global(lmp, "units");
-  if (!units || strcmp(units, "si")) raise(error, true, "demlaws: a table's length is in metres; use 'units si'");
+  if (!units || strcmp(units, "si")) raise(lmp, true, "demlaws: a table's length is in metres; use 'units si'");
 }
 
 // PairHybrid keeps room for the outputs that its styles had when they were made: more would be written beyond its end.
@@ -174,9 +174,10 @@ struct Reading {
 // `compute ID all demlaws/energy`: a stock `compute reduce sum` of three values, which sums over the ranks; the values
 // are ours.
 double energy_of(void *compute, int which, int) { return Ledger::of(instance_of(compute)).share(which); }
-void *add_energy(Ledger &ledger, void *modify, int count, char **arg, int suffix) {
+void *add_energy(void *modify, int count, char **arg, int suffix) {
   const Stock &stock = Stock::get();
-  ledger.open(modify, count, arg);
+  Ledger &ledger = Ledger::of(instance_of(modify));
+  ledger.open(count, arg);
   ledger.ask_pairs();
   const char *words[] = {arg[0], "all", "reduce", "sum", "fx", "fy", "fz"};
   void *const made = stock.add_compute(modify, 7, const_cast<char **>(words), suffix);
@@ -186,7 +187,7 @@ void *add_energy(Ledger &ledger, void *modify, int count, char **arg, int suffix
     std::vector<void *> copy((void *const *)stock.reduce_table, (void *const *)stock.reduce_table + words_of_table);
     const size_t ours = std::count(copy.begin(), copy.end(), stock.reduce_one);
     if (ours != 1 || *(void **)made != (void *)((void *const *)stock.reduce_table + 2))
-      raise(error_of(modify), true,
+      raise(instance_of(modify), true,
             "compute demlaws/energy: this LAMMPS's compute reduce is not one that demlaws knows");
     *std::find(copy.begin(), copy.end(), stock.reduce_one) = (void *)&energy_of;
     table.swap(copy);
@@ -240,7 +241,7 @@ void demlaws_pair_make(void *pair, void *lmp) {
   prove(lmp); // preloaded, this is the first call; the lines of stock models are to be counted, too
   Lines::of(pair) = Lines();
   Range::of(lmp).renew();
-  if (layout) Ledger::of(lmp).renew(*((AnyModel *)pair)->of.modify);
+  if (layout) Ledger::of(lmp).renew();
 }
 void demlaws_pair_coeff(void *pair, int count, char **arg) {
   const void *const *surfaces;
@@ -248,7 +249,7 @@ void demlaws_pair_coeff(void *pair, int count, char **arg) {
   if (surfaces && *(const void *const *)pair == surfaces + 2)
     for (int n = 0; n < count; n++)
       if (!strcmp(arg[n], "demlaws/table"))
-        raise(error_of(pair), true,
+        raise(instance_of(pair), true,
               "demlaws/table: pair_style surf/granular of LAMMPS drops the histories of contacts whenever it builds "
               "lists: take fix surface/global, or a LAMMPS with the models in it (`demlaws lammps source`)");
   Reading now(pair);
@@ -267,23 +268,23 @@ void demlaws_pair_init(void *pair) {
   Lines &lines = Lines::of(pair);
   const bool ours = lines.have_tables();
   for (const Line &line : lines)
-    if (ours && line.sizes != lines[0].sizes) raise(error_of(pair), true, MIXED_SIZES);
+    if (ours && line.sizes != lines[0].sizes) raise(instance_of(pair), true, MIXED_SIZES);
   Stock::get().pair_init(pair);
   lines.sized = true;
-  void *const lmp = instance_of(pair), *const error = error_of(pair);
+  Range &range = Range::of(instance_of(pair));
   if (ours) {
-    Range::refuse_respa(lmp, error);
-    Range::of(lmp).warn_of_thin_box(lmp, error);
-  } else if (!lines.empty()) Range::of(lmp).look_at_pairs(lmp, error);
+    range.refuse_respa();
+    range.warn_of_thin_box();
+  } else if (!lines.empty()) range.look_at_pairs();
 }
 
 void demlaws_pair_forces(void *pair, int eflag, int vflag) {
-  Range::of(instance_of(pair)).check_positions(instance_of(pair), error_of(pair));
+  Range::of(instance_of(pair)).check_positions();
   Ledger::of(instance_of(pair)).begin(NULL);
   Stock::get().pair_forces(pair, eflag, vflag);
 }
 static void forces_of_wall(void *wall, int vflag, void (*forces)(void *, int)) {
-  Range::of(instance_of(wall)).check_positions(instance_of(wall), error_of(wall)); // there may be no pair style
+  Range::of(instance_of(wall)).check_positions(); // there may be no pair style
   Ledger &ledger = Ledger::of(instance_of(wall));
   ledger.begin(wall);
   forces(wall, vflag);
@@ -294,25 +295,25 @@ void demlaws_region_forces(void *wall, int vflag) { forces_of_wall(wall, vflag, 
 
 void demlaws_post_run(void *modify) {
   Stock::get().post_run(modify);
-  Range::of(instance_of(modify)).print_counts(instance_of(modify), error_of(modify));
+  Range::of(instance_of(modify)).print_counts();
 }
 
 void demlaws_delete_atoms(void *command, int count, char **arg) {
-  if (!keeps_numbers(count, arg)) Range::of(instance_of(command)).keep_numbers(error_of(command));
+  if (!keeps_numbers(count, arg)) Range::of(instance_of(command)).keep_numbers();
   Stock::get().delete_atoms(command, count, arg);
 }
 void demlaws_reset_atoms(void *command, int count, char **arg) {
-  Range::of(instance_of(command)).keep_numbers(error_of(command));
+  Range::of(instance_of(command)).keep_numbers();
   Stock::get().reset_atoms(command, count, arg);
 }
 void demlaws_rerun(void *command, int count, char **arg) {
-  Range::of(instance_of(command)).look_at_frames(instance_of(command), error_of(command));
+  Range::of(instance_of(command)).look_at_frames();
   Stock::get().rerun(command, count, arg);
 }
 
 void *demlaws_add_compute(void *modify, int count, char **arg, int suffix) {
   if (count < 3 || strcmp(arg[2], "demlaws/energy")) return Stock::get().add_compute(modify, count, arg, suffix);
-  return add_energy(Ledger::of(instance_of(modify)), modify, count, arg, suffix);
+  return add_energy(modify, count, arg, suffix);
 }
 
 // What `plugin load` and LAMMPS_PLUGIN_PATH call. The layout is proved first: a LAMMPS that does not fit is left alone.

@@ -28,9 +28,9 @@ public:
   }
 
   // For an instance, which may be at the address of a former one: what that one kept goes.
-  void renew(void *modify) {
+  void renew() {
+    void *const lmp = lmp_, *const modify = modify_of(lmp);
     if (modify == modify_ && Stock::get().find_compute(modify, pairs())) return;
-    void *const lmp = lmp_;
     *this = Ledger();
     lmp_ = lmp;
     modify_ = modify;
@@ -80,20 +80,20 @@ public:
   }
 
   // For `compute ID all demlaws/energy`: from now on energies are booked, with the particles.
-  void open(void *modify, int count, char **arg) {
+  void open(int count, char **arg) {
     const Stock &stock = Stock::get();
-    renew(modify);
+    renew();
     if (count != 3 || strcmp(arg[1], "all"))
-      raise(error(), true,
+      raise(lmp_, true,
             "compute demlaws/energy: write  compute ID all demlaws/energy  (all contacts, no further words)");
     for (const char *id : {"demlaws_dissipated", "demlaws_viscous"}) {
       const std::string column = std::string("d_") + id;
       const char *words[] = {id, "all", "property/atom", column.c_str(), "ghost", "no", "writedata", "no"};
-      if (!stock.find_fix(modify, id)) stock.add_fix(modify, 8, const_cast<char **>(words), 1);
+      if (!stock.find_fix(modify_, id)) stock.add_fix(modify_, 8, const_cast<char **>(words), 1);
     }
     wanted_ = true;
     // a restart file may have brought what was booked before; else contacts begin with the energy that they store now
-    const std::vector<int> any = Ranks(lmp_, error()).gather((int)(sum("d_demlaws_dissipated") != 0.));
+    const std::vector<int> any = Ranks(lmp_).gather((int)(sum("d_demlaws_dissipated") != 0.));
     empty_ = !*std::max_element(any.begin(), any.end());
     known_.clear();
   }
@@ -125,14 +125,13 @@ private:
   void add(double *sums, const double *vi, const double *vj, double energy) {
     if (!sums) return;
     const long i = particle("v", vi), j = vj ? particle("v", vj) : -1;
-    if (i < 0 || i >= local_) raise(error(), false, "compute demlaws/energy: a contact of no particle of this rank");
+    if (i < 0 || i >= local_) raise(lmp_, false, "compute demlaws/energy: a contact of no particle of this rank");
     if (!vj) sums[i] += energy;
     else if (j < local_) {
       sums[i] += 0.5 * energy;
       sums[j] += 0.5 * energy;
     } else sums[i] += newton_ ? energy : 0.5 * energy; // newton off: the other rank has this pair, too
   }
-  void *error() const { return error_of(modify_); }
   static const char *pairs() { return "demlaws_pairs"; }
   long long now() const {
     const void *const step = Stock::get().global(lmp_, "ntimestep");
@@ -151,7 +150,7 @@ private:
     const Stock &stock = Stock::get();
     void *const compute = stock.find_compute(modify_, pairs());
     if (!compute)
-      raise(error(), true, "compute demlaws/energy: its helper, compute demlaws_pairs, was deleted; define it again");
+      raise(lmp_, true, "compute demlaws/energy: its helper, compute demlaws_pairs, was deleted; define it again");
     const bool was = busy;
     busy = collecting = true;
     collected = pending = 0.;

@@ -34,12 +34,14 @@ template <class Result> inline Result call(void *object, int number) {
 // What GranularModel::check_contact and calculate_forces do for a pair of particles without rolling, twisting and heat.
 // Written out here so that the law and its damping need no virtual calls and no second reading of their numbers.
 template <class Model> inline bool touching(Model *m) {
-  const double *const a = m->xi, *const b = m->xj;
-  const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2], radsum = m->radi + m->radj;
-  m->dx[0] = x;
-  m->dx[1] = y;
-  m->dx[2] = z;
-  const double rsq = m->rsq = x * x + y * y + z * z;
+  const double *const a = m->xi, *const b = m->xj, radsum = m->radi + m->radj;
+  double rsq = 0.;
+  for (int k = 0; k < 3; k++) {
+    const double apart = a[k] - b[k];
+    m->dx[k] = apart;
+    rsq += apart * apart;
+  }
+  m->rsq = rsq;
   m->radsum = radsum;
   m->touch = rsq < radsum * radsum;
   if (m->touch) m->Reff = m->radi * m->radj / radsum;
@@ -47,55 +49,47 @@ template <class Model> inline bool touching(Model *m) {
 }
 template <class Model> __attribute__((always_inline)) inline void geometry(Model *m, bool speed) {
   const double r = sqrt(m->rsq), rinv = 1. / r, radi = m->radi, radj = m->radj;
-  const double x = rinv * m->dx[0], y = rinv * m->dx[1], z = rinv * m->dx[2];
-  const double *const vi = m->vi, *const vj = m->vj, *const wi = m->omegai, *const wj = m->omegaj;
-  const double vx = vi[0] - vj[0], vy = vi[1] - vj[1], vz = vi[2] - vj[2];
-  const double wx = radi * wi[0] + radj * wj[0], wy = radi * wi[1] + radj * wj[1], wz = radi * wi[2] + radj * wj[2];
-  const double normal = vx * x + vy * y + vz * z;
-  const double tx = vx - normal * x - (wy * z - wz * y), ty = vy - normal * y - (wz * x - wx * z),
-               tz = vz - normal * z - (wx * y - wy * x);
+  double n[3], v[3], w[3], normal = 0.;
+  for (int k = 0; k < 3; k++) {
+    n[k] = rinv * m->dx[k];
+    v[k] = m->vi[k] - m->vj[k];
+    w[k] = radi * m->omegai[k] + radj * m->omegaj[k];
+    normal += v[k] * n[k];
+  }
+  const double t[3] = {v[0] - normal * n[0] - (w[1] * n[2] - w[2] * n[1]),
+                       v[1] - normal * n[1] - (w[2] * n[0] - w[0] * n[2]),
+                       v[2] - normal * n[2] - (w[0] * n[1] - w[1] * n[0])};
   m->r = r;
   m->rinv = rinv;
   m->delta = m->radsum - r;
-  m->nx[0] = x;
-  m->nx[1] = y;
-  m->nx[2] = z;
-  m->vr[0] = vx;
-  m->vr[1] = vy;
-  m->vr[2] = vz;
-  m->wr[0] = wx;
-  m->wr[1] = wy;
-  m->wr[2] = wz;
   m->vnnr = normal;
-  m->vtr[0] = tx;
-  m->vtr[1] = ty;
-  m->vtr[2] = tz;
-  if (speed) m->vrel = sqrt(tx * tx + ty * ty + tz * tz);
+  for (int k = 0; k < 3; k++) {
+    m->nx[k] = n[k];
+    m->vr[k] = v[k];
+    m->wr[k] = w[k];
+    m->vtr[k] = t[k];
+  }
+  if (speed) m->vrel = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
 }
 template <class Model> __attribute__((always_inline)) inline void sum(Model *m, double total) {
   if (__builtin_expect(m->limit_damping && total < 0., 0)) total = 0.;
   m->Fntot = total;
   m->normal_model->Fncrit = fabs(total);
   call<void>(m->tangential_model, FORCES);
-  const double x = m->nx[0], y = m->nx[1], z = m->nx[2], fx = m->fs[0], fy = m->fs[1], fz = m->fs[2];
-  const double tx = fy * z - fz * y, ty = fz * x - fx * z, tz = fx * y - fy * x, half = 0.5 * m->delta;
+  const double x = m->nx[0], y = m->nx[1], z = m->nx[2], f[3] = {m->fs[0], m->fs[1], m->fs[2]};
+  const double moment[3] = {f[1] * z - f[2] * y, f[2] * x - f[0] * z, f[0] * y - f[1] * x}, half = 0.5 * m->delta;
   const double i = m->radi - half, j = m->radj - half;
-  m->forces[0] = total * x + fx;
-  m->forces[1] = total * y + fy;
-  m->forces[2] = total * z + fz;
-  m->torquesi[0] = i * tx;
-  m->torquesi[1] = i * ty;
-  m->torquesi[2] = i * tz;
-  m->torquesj[0] = j * tx;
-  m->torquesj[1] = j * ty;
-  m->torquesj[2] = j * tz;
+  for (int k = 0; k < 3; k++) {
+    m->forces[k] = total * m->nx[k] + f[k];
+    m->torquesi[k] = i * moment[k];
+    m->torquesj[k] = j * moment[k];
+  }
 }
 
 template <bool LATE> struct Abi {
   struct Model;
-  template <class RULED> struct DirectPairs; // of normal models: hooks.h
 
-  struct SubMod {
+  struct SubMod : public Pointers {
     virtual ~SubMod() {
       if (allocated) delete[] coeffs;
       delete[] transfer_history_factor;
@@ -104,7 +98,6 @@ template <bool LATE> struct Abi {
     virtual void coeffs_to_local() {}
     virtual void init() {}
 
-    Pointers of;
     int num_coeffs;
     double *coeffs;
     std::string name;
@@ -118,7 +111,7 @@ template <bool LATE> struct Abi {
 
   protected:
     SubMod(Model *m, int coefficients, int outputs)
-        : of(m->of), num_coeffs(coefficients), coeffs(new double[coefficients ? coefficients : 1]()), gm(m),
+        : Pointers(m->of), num_coeffs(coefficients), coeffs(new double[coefficients ? coefficients : 1]()), gm(m),
           nsvector(outputs) {
       std::fill(allow_synchronization, allow_synchronization + LATE, 1);
     }
@@ -187,6 +180,7 @@ template <bool LATE> struct Abi {
   };
 
   static bool synchronized(const Model *m) { return m->synchronized(); }
+  static void after_init(void *, Model *) {} // of a normal model of ours
 
   // A normal model of ours for the proof: its virtual functions must be called where LAMMPS calls its own.
   struct Probe : public NormalMod {
@@ -236,17 +230,23 @@ template <bool LATE> struct Abi {
     m->dt = dt;
   }
 
+  // A model in a buffer that is filled with a pattern.
+  static Model *make(void *lmp, const Stock &stock, std::vector<double> &buffer) {
+    buffer.resize(2048);
+    memset(&buffer[0], 0xAA, buffer.size() * sizeof buffer[0]);
+    stock.make(&buffer[0], lmp);
+    return (Model *)&buffer[0];
+  }
+
   // Whether this is how the running LAMMPS lays out its objects: one stock model is made in a poisoned buffer,
   // initialised and computed, then once more with a normal model of ours. Every member that demlaws uses is compared.
   static bool fits(void *lmp, const Stock &stock) {
-    std::vector<double> buffer(2048);
-    memset(&buffer[0], 0xAA, buffer.size() * sizeof buffer[0]);
-    Model *const m = (Model *)&buffer[0];
-    stock.make(m, lmp);
+    std::vector<double> buffer;
+    Model *const m = make(lmp, stock, buffer);
     const int untouched = (int)0xAAAAAAAA;
-    bool good = m->of.lmp == lmp && !m->normal_model && !m->damping_model && !m->heat_model && !m->beyond_contact &&
-                !m->limit_damping && m->contact_type == 0 && m->i == untouched && m->jtype == untouched &&
-                !m->nondefault_history_transfer;
+    bool good = m->of.lmp == lmp && m->of.error == (void **)lmp + 1 && m->of.modify == (void **)lmp + 10 &&
+                !m->normal_model && !m->damping_model && !m->heat_model && !m->beyond_contact && !m->limit_damping &&
+                m->contact_type == 0 && m->i == untouched && m->jtype == untouched && !m->nondefault_history_transfer;
     for (int k = 0; k < 6; k++) good = good && !m->sub_models[k];
     // LAMMPS's Force holds the constants of the units
     const char *const force = good ? *(const char **)m->of.force : NULL;
@@ -261,7 +261,7 @@ template <bool LATE> struct Abi {
            normal->name == "hertz/material" && normal->coeffs[2] == 0.125 && !normal->size_history &&
            !normal->transfer_history_factor && normal->allocated == 1 && normal->contact_radius_flag == 1 &&
            !normal->nsvector && normal->damp == 0.25 && normal->Emod == 3. && normal->poiss == 0.125 &&
-           normal->material_properties == 1 && !normal->cohesive_flag && normal->of.lmp == lmp && m->tangential_model &&
+           normal->material_properties == 1 && !normal->cohesive_flag && normal->lmp == lmp && m->tangential_model &&
            m->sub_models[TANGENTIAL] == m->tangential_model && !m->tangential_model->k &&
            m->tangential_model->mu == 0.375;
     if (!good) return false;
@@ -284,8 +284,7 @@ template <bool LATE> struct Abi {
     if (!good) return false;
 
     bool gone = false;
-    memset(&buffer[0], 0xAA, buffer.size() * sizeof buffer[0]);
-    stock.make(m, lmp);
+    make(lmp, stock, buffer);
     add_stock_model(stock, m, TANGENTIAL, {"linear_nohistory", "0.0", "0.0"});
     add_stock_model(stock, m, DAMPING, {"viscoelastic"});
     Probe *const probe = new Probe(m, &gone);
@@ -307,10 +306,8 @@ template <bool LATE> struct Abi {
 
   // Whether they do: contacts that touch and that do not, stick and slip, by the running LAMMPS and by the above.
   static bool pairs_fit(void *lmp, const Stock &stock) {
-    std::vector<double> buffer(2048);
-    memset(&buffer[0], 0xAA, buffer.size() * sizeof buffer[0]);
-    Model *const m = (Model *)&buffer[0];
-    stock.make(m, lmp);
+    std::vector<double> buffer;
+    Model *const m = make(lmp, stock, buffer);
     add_stock_model(stock, m, NORMAL, {"hertz/material", "3.0", "0.25", "0.125"});
     add_stock_model(stock, m, TANGENTIAL, {"mindlin", "NULL", "0.5", "0.25"});
     add_stock_model(stock, m, DAMPING, {"viscoelastic"});

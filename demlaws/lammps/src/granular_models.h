@@ -28,9 +28,9 @@ template <class ABI> struct Granular {
     using NormalMod::gm;
     using NormalMod::history_index;
     using NormalMod::index_svector;
+    using NormalMod::lmp;
     using NormalMod::name;
     using NormalMod::nsvector;
-    using NormalMod::of;
     using NormalMod::poiss;
     enum {
       YOUNG,
@@ -63,11 +63,11 @@ template <class ABI> struct Granular {
     }
 
     Table(Model *m, const demlaws::Table &table)
-        : NormalMod(m, NUMBERS, OUTPUTS), table_(table), ledger_(Ledger::of(of.lmp)) {
+        : NormalMod(m, NUMBERS, OUTPUTS), table_(table), ledger_(Ledger::of(lmp)) {
       name = "demlaws/table";
       const std::string &file = table.path();
       if (file.size() > BYTES * (NUMBERS - COEFFICIENTS))
-        raise(*of.error, true, title() + ": restart files have no room for so long a name of a file");
+        raise(lmp, true, title() + ": restart files have no room for so long a name of a file");
       for (size_t n = file.size(); n-- > 0;) {
         double &into = coeffs[COEFFICIENTS + n / BYTES];
         into = 256. * into + (unsigned char)file[n];
@@ -85,7 +85,7 @@ template <class ABI> struct Granular {
       coeffs[SPRINGS] = demlaws::SPRINGS;
       coeffs[FINGERPRINT] = table.fingerprint();
       coeffs[LEVELS] = demlaws::LEVELS;
-      Range::of(of.lmp).tables++;
+      Range::of(lmp).tables++;
     }
 
     void coeffs_to_local() {
@@ -118,7 +118,7 @@ template <class ABI> struct Granular {
       } catch (const std::exception &problem) {
         refuse(problem.what());
       }
-      if (!doubt.empty()) Range::of(of.lmp).announce(of.lmp, *of.error, doubt, title() + ": " + doubt);
+      if (!doubt.empty()) Range::of(lmp).announce(doubt, title() + ": " + doubt);
       per_stiffness_ = 0.5 / modulus;
     }
 
@@ -146,8 +146,12 @@ template <class ABI> struct Granular {
         refuse("eta and nu are exchanged: the order is FILE E eta nu, and with nu = eta E* is that of the table");
     }
 
+    void init() { // after all words of the line
+      after_init();
+      ABI::after_init(lmp, gm);
+    }
     // After GranularModel::init() has dealt the history.
-    void init() {
+    void after_init() {
       mark_ = law_.mark(gm->size_history);
       // A rolling displacement and an angle of twist are the same seen from either particle (the relative spin and the
       // normal both turn), but LAMMPS turns their signs whenever a pair changes its order, unless told otherwise.
@@ -163,8 +167,8 @@ template <class ABI> struct Granular {
       if (friction_.c1 > 0.) refuse("'friction_pressure' needs  tangential demlaws XT MU");
       if (coeffs[RATIO] > 0.) refuse("'shear_ratio' needs  tangential demlaws XT MU");
       if (tangential.compare(0, 7, "mindlin") || tangential == "mindlin_rescale/force") return;
-      Range::of(of.lmp).announce(
-          of.lmp, *of.error, "tangential",
+      Range::of(lmp).announce(
+          "tangential",
           "tangential " + tangential +
               " creates energy where the stiffness changes while a contact is sheared: with mindlin a closed "
               "box of rough spheres had 2.4 times its energy after 30 ms; use 'tangential demlaws XT MU' or "
@@ -184,43 +188,47 @@ template <class ABI> struct Granular {
     double effective_modulus() const { return law_.pair.modulus; }
     bool unloads_otherwise() const { return table_.unloading() != demlaws::ELASTIC; }
 
-    // GranularModel::calculate_forces for a pair of particles, where nothing but this law, a damping and a tangential
-    // model are at work; else LAMMPS's own.
-    virtual void compute_pair() {}
-    bool computes_pairs() const { return computes_pairs_; }
-    static Table *latest; // of those that compute pairs, the one met last
     ~Table() {
       latest = latest == this ? NULL : latest;
-      Range::of(of.lmp).drop_table();
+      Range::of(lmp).drop_table();
     }
-    void choose_path(bool proved) {
-      latest = NULL;
-      const Model *const m = gm;
-      computes_pairs_ = proved && !m->beyond_contact;
-      for (int k = ROLLING; k <= HEAT; k++) computes_pairs_ = computes_pairs_ && m->sub_models[k]->name == "none";
-      const std::string &tangential = m->sub_models[TANGENTIAL]->name;
-      computes_pairs_ = computes_pairs_ && tangential != "none";
-      speed_ = tangential != "demlaws" && tangential.compare(0, 7, "mindlin") != 0;
-      damped_ = m->damping_model->name == "demlaws/tangent" ? BY_TANGENT
-                : m->damping_model->name == "viscoelastic"  ? BY_RADIUS
-                                                            : OTHERWISE;
-    }
+    // What hooks.h computes pairs of particles by.
+    static Table *latest;        // of those that it computes, the one met last
+    bool computes_pairs = false; // of this table
+    bool speed = true;           // the tangential model asks for that of the surfaces, vrel
+    enum { OTHERWISE, BY_TANGENT, BY_RADIUS } damped = OTHERWISE; // BY_RADIUS: viscoelastic, which Abi::fits() checks
+    bool is_watched() const { return ledger_.busy | gm->calculate_svector; }
 
-  protected:
-    template <demlaws::Unloading RULE> inline double finish(const demlaws::Force now) {
+    __attribute__((flatten)) double calculate_forces() {
+      return __builtin_expect(is_watched(), 0) ? watched() : force();
+    }
+    inline double force() {
       Model *const m = gm;
+      double *const state = m->history + history_index;
+      const demlaws::Force now = demlaws::step(law_.pair, m->Reff, m->delta, state, m->history_update != 0);
       if (__builtin_expect(m->contact_type > LAST_TYPE, 0)) refuse_contact();
       if (__builtin_expect(now.outside | law_.watch.exceeds(m->delta, m->Reff), 0)) examine(now);
       if (__builtin_expect(!law_.pair.serves(m->Reff, coeffs[TOLERANCE]), 0)) refuse_radius();
-      if (__builtin_expect(m->history[history_index + demlaws::MOST_STATE] != mark_, 0)) check_mark();
+      if (__builtin_expect(state[demlaws::MOST_STATE] != mark_, 0)) check_mark();
       stiffness_ = now.stiffness;
       force_ = now.force;
-      shear_stiffness_ =
-          demlaws::shear_stiffness<RULE>(shear_, law_.pair, m->Reff, m->delta, now, m->history + history_index);
+      shear_stiffness_ = demlaws::shear_stiffness(shear_, law_.pair, m->Reff, m->delta, now, state);
       friction_above_ = friction_.c1 > 0. ? friction_.above_constant(demlaws::mean_pressure(law_.pair, now)) : 0.;
-      m->contact_radius =
-          shear_stiffness_ * per_stiffness_; // K = 2 E* a: what mindlin, viscoelastic and heat scale with
+      // K = 2 E* a: what mindlin, viscoelastic and heat scale with
+      m->contact_radius = shear_stiffness_ * per_stiffness_;
       return now.force;
+    }
+
+  private:
+    __attribute__((noinline, cold)) double watched() {
+      Model *const m = gm;
+      double *const state = m->history + history_index;
+      const double before[demlaws::MOST_STATE] = {state[0], state[1], state[2]};
+      const double found = force();
+      double now[demlaws::MOST_STATE] = {state[0], state[1], state[2]};
+      if (!m->history_update) demlaws::step(law_.pair, m->Reff, m->delta, now, true);
+      account(before, state, now);
+      return found;
     }
     // After a step whose energies a compute reads: the state that the contact had before, that it keeps, and that
     // the step at this overlap gives it, which is not kept where histories are only read (setup, compute
@@ -264,14 +272,10 @@ template <class ABI> struct Granular {
     double mark_ = 0., friction_above_ = 0.;
     demlaws::PressureFriction friction_;
     demlaws::Shear shear_ = demlaws::ELASTIC_SHEAR;
-    bool computes_pairs_ = false, speed_ = true; // speed_: the tangential model asks for that of the surfaces, vrel
-    // BY_RADIUS: viscoelastic, whose formula Abi::fits() has checked
-    enum { OTHERWISE, BY_TANGENT, BY_RADIUS } damped_ = OTHERWISE;
 
-  private:
     std::string title() const { return "demlaws/table " + table_.path(); }
     __attribute__((noinline, cold)) void refuse(const std::string &what) const {
-      raise(*of.error, true, title() + ": " + what);
+      raise(lmp, true, title() + ": " + what);
     }
     void check(bool good, const char *name, double value, const char *why) const {
       std::ostringstream what;
@@ -283,7 +287,7 @@ template <class ABI> struct Granular {
       const bool wall = gm->contact_type != PAIR;
       if (wall && which) return -1;
       const long at = wall ? ledger_.particle("v", gm->vi) : ledger_.particle("x", which ? gm->xj : gm->xi);
-      return at < 0 ? at : (long)tag_of(of.lmp, at);
+      return at < 0 ? at : (long)tag_of(lmp, at);
     }
     __attribute__((noinline, cold)) std::string who() const {
       const std::string first = std::to_string(body(0)), second = std::to_string(body(1));
@@ -293,13 +297,12 @@ template <class ABI> struct Granular {
     // Reports what is wrong with one contact.
     struct Report : demlaws::Findings {
       const Table &table;
-      explicit Report(const Table &t) : Findings(Range::of(t.of.lmp).counts, t.gm->history_update), table(t) {}
+      explicit Report(const Table &t) : Findings(Range::of(t.lmp).counts, t.gm->history_update), table(t) {}
       long body(int which) const { return table.body(which); }
       void warn(const std::string &text) {
-        Range::warn(table.of.lmp, *table.of.error,
-                    table.who() + text + " (reported once, counted at the end of the run)");
+        Range::of(table.lmp).warn(table.who() + text + " (reported once, counted at the end of the run)");
       }
-      void refuse(const std::string &text) { raise(*table.of.error, false, table.who() + text); }
+      void refuse(const std::string &text) { raise(table.lmp, false, table.who() + text); }
     };
     __attribute__((noinline, cold)) void examine(const demlaws::Force &now) const {
       Report report(*this);
@@ -310,44 +313,17 @@ template <class ABI> struct Granular {
       double *const state = gm->history + history_index, &mark = state[demlaws::MOST_STATE];
       const bool kept =
           unloads_otherwise() || slips() || std::count(state, state + demlaws::MOST_STATE, 0.) < demlaws::MOST_STATE;
-      if (!demlaws::Law::can_continue(mark, mark_, kept)) raise(*of.error, false, who() + demlaws::other_law());
+      if (!demlaws::Law::can_continue(mark, mark_, kept)) raise(lmp, false, who() + demlaws::other_law());
       if (gm->history_update) mark = mark_;
     }
     __attribute__((noinline, cold)) void refuse_radius() const {
-      raise(*of.error, false, who() + demlaws::other_radius(law_.pair, gm->Reff, coeffs[TOLERANCE]));
+      raise(lmp, false, who() + demlaws::other_radius(law_.pair, gm->Reff, coeffs[TOLERANCE]));
     }
     __attribute__((noinline, cold)) void refuse_contact() const {
       std::ostringstream what;
       what << title() << ": contacts of type " << gm->contact_type
            << " (of a newer LAMMPS) are not known here; use pairs of spheres, wall/gran, wall/gran/region or surfaces";
-      raise(*of.error, false, what.str());
-    }
-  };
-
-  // The rule of unloading is known when compiled.
-  template <demlaws::Unloading RULE> class RuleTable : public Table {
-  public:
-    RuleTable(Model *m, const demlaws::Table &table) : Table(m, table) {}
-    __attribute__((flatten)) double calculate_forces() {
-      return __builtin_expect(this->ledger_.busy | this->gm->calculate_svector, 0) ? watched() : force();
-    }
-
-  protected:
-    inline double force() {
-      Model *const m = this->gm;
-      double *const state = m->history + this->history_index;
-      return this->template finish<RULE>(
-          demlaws::step_rule<RULE>(this->law_.pair, m->Reff, m->delta, state, m->history_update != 0));
-    }
-    __attribute__((noinline, cold)) double watched() {
-      Model *const m = this->gm;
-      double *const state = m->history + this->history_index;
-      const double before[demlaws::MOST_STATE] = {state[0], state[1], state[2]};
-      const double found = force();
-      double now[demlaws::MOST_STATE] = {state[0], state[1], state[2]};
-      if (!m->history_update) demlaws::step_rule<RULE>(this->law_.pair, m->Reff, m->delta, now, true);
-      this->account(before, state, now);
-      return found;
+      raise(lmp, false, what.str());
     }
   };
 
@@ -356,11 +332,10 @@ template <class ABI> struct Granular {
     Tangent(Model *m, const std::string &named) : DampingMod(m), normal_(NULL) { this->name = named; }
     void init() {
       normal_ = dynamic_cast<Table *>(this->gm->normal_model);
-      if (!normal_)
-        raise(*this->of.error, true, "damping demlaws/tangent goes with the normal model demlaws/table only");
+      if (!normal_) raise(this->lmp, true, "damping demlaws/tangent goes with the normal model demlaws/table only");
       const double e = normal_->damp, logarithm = e > 0. ? log(e) : 0.;
       if (!(e > 0. && e <= 1.))
-        raise(*this->of.error, true,
+        raise(this->lmp, true,
               "damping demlaws/tangent: eta = " + std::to_string(e) + " is a coefficient of restitution, above 0 to 1");
       this->damp = -2. * sqrt(5. / 6.) * logarithm / sqrt(M_PI * M_PI + logarithm * logarithm);
     }
@@ -380,25 +355,24 @@ template <class ABI> struct Granular {
     using TangentialMod::gm;
     using TangentialMod::history_index;
     ShearModel(Model *m, const std::string &named)
-        : TangentialMod(m, COEFFICIENTS), ledger_(Ledger::of(this->of.lmp)), normal_(NULL), springs_(0), levels_(0) {
+        : TangentialMod(m, COEFFICIENTS), ledger_(Ledger::of(this->lmp)), normal_(NULL) {
       this->name = named;
       this->nondefault_history_transfer = 1;
     }
     void coeffs_to_local() {
       this->mu = coeffs[FRICTION];
       if (!(coeffs[DAMPING_RATIO] >= 0.) || !(this->mu >= 0.))
-        raise(*this->of.error, true,
+        raise(this->lmp, true,
               "tangential demlaws " + std::to_string(coeffs[DAMPING_RATIO]) + " " + std::to_string(this->mu) +
                   ": damping XT and friction MU must not be negative");
       if (coeffs[DAMPING_RATIO] > LARGEST_DAMPING_RATIO)
-        raise(*this->of.error, true,
+        raise(this->lmp, true,
               "tangential demlaws: damping XT = " + std::to_string(coeffs[DAMPING_RATIO]) +
                   " times that of the normal force: at most 1000");
       if (this->mu > LARGEST_USUAL_FRICTION)
-        Range::of(this->of.lmp)
-            .announce(this->of.lmp, *this->of.error, "friction " + std::to_string(this->mu),
-                      "tangential demlaws: friction MU = " + std::to_string(this->mu) +
-                          " is a coefficient (tangent of an angle), and rarely above 2");
+        Range::of(this->lmp).announce("friction " + std::to_string(this->mu),
+                                      "tangential demlaws: friction MU = " + std::to_string(this->mu) +
+                                          " is a coefficient (tangent of an angle), and rarely above 2");
     }
     static constexpr double LARGEST_DAMPING_RATIO = 1e3, LARGEST_USUAL_FRICTION = 10.;
     void mix_coeffs(double *a, double *b) {
@@ -406,26 +380,26 @@ template <class ABI> struct Granular {
       coeffs_to_local();
     }
     // The words XT MU from arg[at] on.
-    static void read(void *error, char **arg, int at, int count, double *into) {
+    static void read(void *lmp, char **arg, int at, int count, double *into) {
       if (at + COEFFICIENTS > count)
-        raise(error, true, "tangential demlaws needs XT MU: damping as that of stock models, friction");
-      into[DAMPING_RATIO] = number(error, "the damping of tangential demlaws", arg[at]);
-      into[FRICTION] = number(error, "the friction of tangential demlaws", arg[at + 1]);
+        raise(lmp, true, "tangential demlaws needs XT MU: damping as that of stock models, friction");
+      into[DAMPING_RATIO] = number(lmp, "the damping of tangential demlaws", arg[at]);
+      into[FRICTION] = number(lmp, "the friction of tangential demlaws", arg[at + 1]);
     }
     // Before GranularModel::init() deals the history: the normal model is known.
     void set_history_size() {
       normal_ = dynamic_cast<Table *>(gm->normal_model);
-      if (!normal_) raise(*this->of.error, true, "tangential demlaws goes with the normal model demlaws/table only");
-      springs_ = normal_->slips() ? (int)normal_->coeffs[Table::SPRINGS] : 0;
-      levels_ = (int)normal_->coeffs[Table::LEVELS];
-      size_ = springs_ ? demlaws::SpringRow::size(springs_) : demlaws::levels_size(levels_);
+      if (!normal_) raise(this->lmp, true, "tangential demlaws goes with the normal model demlaws/table only");
+      row_.springs = normal_->slips() ? (int)normal_->coeffs[Table::SPRINGS] : 0;
+      row_.levels = (int)normal_->coeffs[Table::LEVELS];
+      size_ = row_.size();
       // and the normal of the step before: nothing else tells how that of a wall turns
       keeps_normal_ = gm->contact_type != PAIR;
       this->size_history = size_ + 3 * keeps_normal_;
       delete[] this->transfer_history_factor;
       this->transfer_history_factor = new double[this->size_history];
       for (int i = 0; i < this->size_history; i++)
-        this->transfer_history_factor[i] = i >= size_ || changes_sign(i) ? -1. : 1.;
+        this->transfer_history_factor[i] = i >= size_ || row_.changes_sign(i) ? -1. : 1.;
       ratio_ = normal_->shear_ratio();
       this->k = 2. * ratio_ * normal_->effective_modulus(); // K_t over the contact radius: twisting
     }
@@ -444,19 +418,16 @@ template <class ABI> struct Granular {
     // A step; its energies are computed only where somebody uses them. viscous: power that the dashpot takes, added.
     __attribute__((always_inline)) inline demlaws::ShearStep move(double *viscous = NULL) {
       Model *const m = gm;
-      double copy[demlaws::SpringRow::MOST_SIZE], *numbers = m->history + history_index;
+      double copy[demlaws::ShearRow::MOST_SIZE], *numbers = m->history + history_index;
       const bool keep = m->history_update != 0;
       if (!keep) {
         std::copy(numbers, numbers + size_, copy);
         numbers = copy;
       }
-      const double stiffness = normal_->shear_stiffness(), ratio = ratio_,
-                   limit = (this->mu + normal_->friction_above()) * normal_->Fncrit;
+      const double limit = (this->mu + normal_->friction_above()) * normal_->Fncrit;
       const demlaws::Motion motion = motion_of(keep ? m->dt : 0., demlaws::unit_vector(numbers, size_));
       const demlaws::ShearStep step =
-          springs_
-              ? demlaws::SpringRow(numbers, springs_).step(stiffness, normal_->unloading_curve(), ratio, limit, motion)
-              : demlaws::shear_step(levels_, ratio * stiffness, limit, motion, numbers);
+          row_.step(normal_->shear_stiffness(), normal_->unloading_curve(), ratio_, limit, motion, numbers);
       this->damp = coeffs[DAMPING_RATIO] * m->damping_model->get_damp_prefactor();
       double damped[2];
       step.damp(this->damp, limit, motion.velocity, damped);
@@ -465,10 +436,6 @@ template <class ABI> struct Granular {
         for (int k = 0; k < 2; k++) *viscous -= damped[k] * motion.velocity[k];
       motion.in_space(force, m->fs);
       return step;
-    }
-    bool changes_sign(int number) const {
-      return springs_ ? demlaws::SpringRow::changes_sign(number, springs_)
-                      : demlaws::changes_sign(number, levels_, levels_);
     }
     // dt: 0 where nothing is to be kept. unit_vector: that of the contact.
     __attribute__((noinline)) demlaws::Motion motion_of(double dt, double *unit_vector) {
@@ -511,27 +478,20 @@ template <class ABI> struct Granular {
     }
     Ledger &ledger_;
     const Table *normal_;
-    int springs_, levels_, size_ = 0; // springs_ 0: the contact sticks until it slides; size_: of what they keep
+    demlaws::ShearRow row_;
+    int size_ = 0; // of the row
     bool keeps_normal_ = false, synchronized_ = false;
     double ratio_ = 0.; // K_t / K
   };
 
-  template <int RULE> static Table *make_table(Model *m, const demlaws::Table &table) {
-    constexpr int NEXT = RULE + 1 < demlaws::RULES ? RULE + 1 : RULE;
-    if (RULE == table.unloading())
-      return new typename ABI::template DirectPairs<RuleTable<(demlaws::Unloading)RULE>>(m, table);
-    if (NEXT == RULE)
-      throw std::runtime_error("unloading rule " + std::to_string(table.unloading()) + " is unknown here");
-    return make_table<NEXT>(m, table);
-  }
   // The normal model with this file; outputs: room for those of compute pair/local. What was there before is not
   // deleted.
-  static Table *set_table(Model *m, void *lmp, void *error, const std::string &file, bool outputs) {
+  static Table *set_table(Model *m, void *lmp, const std::string &file, bool outputs) {
     Table *made;
     try {
-      made = make_table<0>(m, demlaws::load_table(Ranks(lmp, error), file));
+      made = new Table(m, demlaws::load_table(Ranks(lmp), file));
     } catch (const std::runtime_error &problem) {
-      raise(error, true, std::string("demlaws/table: ") + problem.what());
+      raise(lmp, true, std::string("demlaws/table: ") + problem.what());
     }
     if (!outputs) made->nsvector = 0;
     m->normal_model = made;
@@ -547,13 +507,13 @@ template <class ABI> struct Granular {
       this->name = "demlaws/table";
     }
     void coeffs_to_local() {
-      Table *const made = set_table(this->gm, this->of.lmp, *this->of.error, Table::file_of(this->coeffs), outputs_);
+      Table *const made = set_table(this->gm, this->lmp, Table::file_of(this->coeffs), outputs_);
       std::copy(this->coeffs, this->coeffs + Table::NUMBERS, made->coeffs);
       made->coeffs_to_local();
       delete this;
     }
     void mix_coeffs(double *a, double *b) {
-      set_mixed(this->gm, this->of.lmp, *this->of.error, a, b, outputs_);
+      set_mixed(this->gm, this->lmp, a, b, outputs_);
       delete this;
     }
     double calculate_forces() { return 0.; }
@@ -561,13 +521,13 @@ template <class ABI> struct Granular {
   private:
     const bool outputs_;
   };
-  static void set_mixed(Model *m, void *lmp, void *error, double *a, double *b, bool outputs) {
+  static void set_mixed(Model *m, void *lmp, double *a, double *b, bool outputs) {
     const std::string file = Table::file_of(a), other = Table::file_of(b);
     if (file != other)
-      raise(error, true,
+      raise(lmp, true,
             "demlaws/table: particle types with the tables " + file + " and " + other +
                 " cannot be mixed: write the pair_coeff line of the two types");
-    set_table(m, lmp, error, file, outputs)->mix_coeffs(a, b);
+    set_table(m, lmp, file, outputs)->mix_coeffs(a, b);
   }
 };
 

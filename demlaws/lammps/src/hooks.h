@@ -10,24 +10,6 @@ namespace {
 __attribute__((noinline)) bool check_elsewhere(void *m) { return Stock::get().check(m); }
 __attribute__((noinline)) void compute_elsewhere(void *m) { Stock::get().compute(m); }
 
-// GranularModel::calculate_forces for a pair of particles, where Table::choose_path() found that it can be done here.
-template <bool LATE> template <class RULED> struct Abi<LATE>::DirectPairs : public RULED {
-  template <class... ARGUMENTS> explicit DirectPairs(ARGUMENTS &&...given) : RULED(given...) {}
-  __attribute__((flatten)) void compute_pair() {
-    Model *const m = this->gm;
-    if (__builtin_expect(this->ledger_.busy | m->calculate_svector, 0)) return compute_elsewhere(m);
-    geometry(m, this->speed_);
-    m->Fnormal = this->force();
-    DampingMod *const damped = m->damping_model;
-    if (this->damped_ != RULED::OTHERWISE) {
-      const bool by_tangent = this->damped_ == RULED::BY_TANGENT;
-      damped->damp_prefactor =
-          damped->damp * (by_tangent ? sqrt(m->meff * this->stiffness_) : m->meff * m->contact_radius);
-      sum(m, m->Fnormal - damped->damp_prefactor * m->vnnr);
-    } else sum(m, m->Fnormal + call<double>(damped, FORCES));
-  }
-};
-
 template <class ABI> struct Hooks {
   typedef Granular<ABI> Models;
   typedef typename Models::Model Model;
@@ -40,7 +22,7 @@ template <class ABI> struct Hooks {
     const typename Models::NormalMod *const normal = m->normal_model;
     if (__builtin_expect(normal == Table::latest, 1)) return true;
     if (!this_object.holds(*(const void *const *)normal)) return false; // where the table of virtual functions stands
-    if (!((const Table *)normal)->computes_pairs()) return false;
+    if (!((const Table *)normal)->computes_pairs) return false;
     Table::latest = (Table *)normal;
     return true;
   }
@@ -50,12 +32,35 @@ template <class ABI> struct Hooks {
   }
   static void compute(void *model) {
     Model *const m = (Model *)model;
-    if (in_pairs(m)) return ((Table *)m->normal_model)->compute_pair();
+    if (in_pairs(m)) return compute_pair((Table *)m->normal_model, m);
     if (m->contact_type != PAIR && !this_object.holds(*(const void *const *)m->normal_model)) look_at_wall(m);
     compute_elsewhere(m);
   }
+  // GranularModel::calculate_forces where nothing but a law of ours, a damping and a tangential model are at work.
+  __attribute__((flatten)) static void compute_pair(Table *table, Model *m) {
+    if (__builtin_expect(table->is_watched(), 0)) return compute_elsewhere(m);
+    geometry(m, table->speed);
+    m->Fnormal = table->force();
+    typename Models::DampingMod *const damping = m->damping_model;
+    if (table->damped == Table::OTHERWISE) return sum(m, m->Fnormal + call<double>(damping, FORCES));
+    const bool by_tangent = table->damped == Table::BY_TANGENT;
+    damping->damp_prefactor =
+        damping->damp * (by_tangent ? sqrt(m->meff * table->stiffness()) : m->meff * m->contact_radius);
+    sum(m, m->Fnormal - damping->damp_prefactor * m->vnnr);
+  }
+  static void choose_path(Table *table, const Model *m, bool proved) {
+    Table::latest = NULL;
+    const std::string &tangential = m->sub_models[TANGENTIAL]->name, &damping = m->damping_model->name;
+    table->computes_pairs = proved && !m->beyond_contact && tangential != "none";
+    for (int k = ROLLING; k <= HEAT; k++)
+      table->computes_pairs = table->computes_pairs && m->sub_models[k]->name == "none";
+    table->speed = tangential != "demlaws" && tangential.compare(0, 7, "mindlin") != 0;
+    table->damped = damping == "demlaws/tangent" ? Table::BY_TANGENT
+                    : damping == "viscoelastic"  ? Table::BY_RADIUS
+                                                 : Table::OTHERWISE;
+  }
   __attribute__((noinline)) static void look_at_wall(Model *m) {
-    Range::of(m->of.lmp).look_at_wall(m->of.lmp, *m->of.error, m->normal_model->name);
+    Range::of(m->of.lmp).look_at_wall(m->normal_model->name);
   }
 
   // GranularModel::construct_sub_model for names of demlaws.
@@ -72,22 +77,22 @@ template <class ABI> struct Hooks {
   static int add(void *model, char **arg, int at, int count, int type, bool outputs) {
     Model *const m = (Model *)model;
     const std::string name = arg[at++];
-    void *const error = *m->of.error;
+    void *const lmp = m->of.lmp;
     if (type == NORMAL) {
       double c[3];
-      const std::string file = Words<typename Models::Table>::read_material(error, arg, at, count, c);
+      const std::string file = Words<typename Models::Table>::read_material(lmp, arg, at, count, c);
       delete m->sub_models[type];
       m->sub_models[type] = NULL;
-      Table *const made = Models::set_table(m, m->of.lmp, error, file, outputs);
+      Table *const made = Models::set_table(m, lmp, file, outputs);
       std::copy(c, c + 3, made->coeffs);
       made->check_order();
-      at = Words<typename Models::Table>::read_options(error, arg, at, count, made->coeffs);
+      at = Words<typename Models::Table>::read_options(lmp, arg, at, count, made->coeffs);
       made->coeffs_to_local();
       return at;
     }
     construct(m, name, type, outputs);
     if (type != TANGENTIAL) return at;
-    ShearModel::read(error, arg, at, count, m->sub_models[type]->coeffs);
+    ShearModel::read(lmp, arg, at, count, m->sub_models[type]->coeffs);
     m->sub_models[type]->coeffs_to_local();
     return at + ShearModel::COEFFICIENTS;
   }
@@ -103,7 +108,7 @@ template <class ABI> struct Hooks {
   static bool after_init(void *model, bool proved, std::vector<int> &sizes) {
     Model *const m = (Model *)model;
     Table *const table = dynamic_cast<Table *>(m->normal_model);
-    if (table) table->choose_path(proved);
+    if (table) choose_path(table, m, proved);
     for (const typename Models::SubMod *const sub : m->sub_models) sizes.push_back(sub->size_history);
     return table != NULL;
   }

@@ -51,6 +51,7 @@ inline TypePairs pairs_of(const char *first, const char *second, int most) {
 
 // Of one instance of LAMMPS.
 struct Range {
+  void *lmp = NULL;
   demlaws::Counts counts;
   int tables = 0;            // of this instance, pairs' and walls'
   bool has_contacts = false; // forces were computed, or a restart file was read
@@ -58,7 +59,9 @@ struct Range {
 
   static Range &of(void *lmp) {
     static std::map<void *, Range> &all = *new std::map<void *, Range>; // models may outlive what is static
-    return all[lmp];
+    Range &one = all[lmp];
+    one.lmp = lmp;
+    return one;
   }
   bool used() const { return tables > 0; }
   // Where the last table goes, as with `clear`: nothing that was kept is of what follows.
@@ -72,59 +75,58 @@ struct Range {
     tables = kept;
   }
   // On whatever rank the contact is: LAMMPS shows only what rank 0 warns of.
-  static void warn(void *lmp, void *error, const std::string &text) {
+  void warn(const std::string &text) const {
     const Stock &stock = Stock::get();
-    if (stock.setting(lmp, "world_rank") == 0 && stock.warn) stock.warn(error, "demlaws", 0, text);
+    if (stock.setting(lmp, "world_rank") == 0 && stock.warn) stock.warn(error_of(lmp), "demlaws", 0, text);
     else fprintf(stderr, "WARNING: %s\n", text.c_str());
   }
   // Once, of what all ranks know: rank 0 says it.
-  void announce(void *lmp, void *error, const std::string &what, const std::string &text) {
-    if (counts.reported.insert(what).second && Stock::get().setting(lmp, "world_rank") == 0) warn(lmp, error, text);
+  void announce(const std::string &what, const std::string &text) {
+    if (counts.reported.insert(what).second && Stock::get().setting(lmp, "world_rank") == 0) warn(text);
   }
   // At the end of a run, on all ranks: the sums.
-  void print_counts(void *lmp, void *error) {
+  void print_counts() {
     if (!used()) return;
-    const Ranks ranks(lmp, error);
+    const Ranks ranks(lmp);
     for (const std::string &line : counts.summaries(ranks))
-      if (ranks.me == 0) warn(lmp, error, line);
+      if (ranks.me == 0) warn(line);
   }
 
   // A wall whose line has this normal model.
-  void look_at_wall(void *lmp, void *error, const std::string &model) {
+  void look_at_wall(const std::string &model) {
     if (used() && model != "demlaws/table" && counts.reported.insert("wall " + model).second)
-      warn(lmp, error,
-           "a fix wall/gran has the stock model " + model +
-               ", other contacts demlaws/table: contacts with this wall do not follow the law; write "
-               "'granular demlaws/table FILE E eta nu ...' at the wall, too (`demlaws lammps convert`)");
+      warn("a fix wall/gran has the stock model " + model +
+           ", other contacts demlaws/table: contacts with this wall do not follow the law; write "
+           "'granular demlaws/table FILE E eta nu ...' at the wall, too (`demlaws lammps convert`)");
   }
 
   // A pair style of granular models without one of ours.
-  void look_at_pairs(void *lmp, void *error) {
+  void look_at_pairs() {
     if (used())
       announce(
-          lmp, error, "stock pairs",
+          "stock pairs",
           "a fix wall/gran has demlaws/table, the pairs stock models: contacts between particles do not follow the "
           "law; write 'pair_coeff * * demlaws/table FILE E eta nu ...', too (models of a restart file are those of "
           "the run that wrote it)");
   }
   // rerun: LAMMPS computes each frame as the set-up of a run, which leaves histories as they are.
-  void look_at_frames(void *lmp, void *error) {
+  void look_at_frames() {
     if (used())
-      announce(lmp, error, "rerun",
+      announce("rerun",
                "rerun: contacts of every frame have the plastic overlap and shear that they have now, before the first "
                "frame (none in an input without a run: first loading), not those of the frame: dump forces and p13, "
                "p14 in the run itself");
   }
 
   // run_style respa: LAMMPS computes displacements of shear with the step of the outermost level.
-  static void refuse_respa(void *lmp, void *error) {
+  void refuse_respa() const {
     const int *const levels = (const int *)Stock::get().global(lmp, "respa_levels");
     if (levels && *levels > 1)
-      raise(error, true, "demlaws/table: run_style respa would multiply shear by its steps: write run_style verlet");
+      raise(lmp, true, "demlaws/table: run_style respa would multiply shear by its steps: write run_style verlet");
   }
 
   // A position that is not a number touches nothing: a particle with one would drop out of the model silently.
-  void check_positions(void *lmp, void *error) {
+  void check_positions() {
     const Stock &stock = Stock::get();
     const void *const now = used() ? stock.global(lmp, "ntimestep") : NULL;
     if (!now || *(const long long *)now == checked) return;
@@ -138,33 +140,33 @@ struct Range {
       std::ostringstream what;
       what << "demlaws/table: particle " << tag_of(lmp, k) << " is at (" << p[0] << ", " << p[1] << ", " << p[2]
            << ") m, which is not finite; take a smaller time step, look at what was done to this particle";
-      raise(error, false, what.str());
+      raise(lmp, false, what.str());
     }
   }
 
   // LAMMPS finds the history of a contact by the number of the partner: with new numbers contacts would begin anew,
   // or go on with the history of others.
-  void keep_numbers(void *error) const {
+  void keep_numbers() const {
     if (has_contacts)
-      raise(error, true,
+      raise(lmp, true,
             "demlaws/table: contacts would lose their histories, which LAMMPS finds by the numbers of the particles: "
             "write 'delete_atoms ... compress no', and 'reset_atoms id' before the first run");
   }
 
-  void warn_of_thin_box(void *lmp, void *error) {
+  void warn_of_thin_box() {
     const Stock &stock = Stock::get();
     const int *const periodic = (const int *)stock.global(lmp, "periodicity");
     if (!periodic) return;
     const double *const radius = (const double *)stock.atom(lmp, "radius");
     const int local = radius ? stock.setting(lmp, "nlocal") : 0;
-    const std::vector<double> all = Ranks(lmp, error).gather(local ? *std::max_element(radius, radius + local) : 0.);
+    const std::vector<double> all = Ranks(lmp).gather(local ? *std::max_element(radius, radius + local) : 0.);
     const double reach = 2. * *std::max_element(all.begin(), all.end());
     static const char *const ends[3][2] = {{"boxxlo", "boxxhi"}, {"boxylo", "boxyhi"}, {"boxzlo", "boxzhi"}};
     for (int k = 0; k < stock.setting(lmp, "dimension"); k++) {
       const double *const low = (const double *)stock.global(lmp, ends[k][0]);
       const double *const high = (const double *)stock.global(lmp, ends[k][1]);
       if (!periodic[k] || !low || !high || *high - *low >= 2. * reach) continue;
-      return announce(lmp, error, "thin box", demlaws::thin_box(k, *high - *low, 2. * reach, "LAMMPS"));
+      return announce("thin box", demlaws::thin_box(k, *high - *low, 2. * reach, "LAMMPS"));
     }
   }
 };

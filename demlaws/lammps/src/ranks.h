@@ -10,7 +10,7 @@ namespace {
 
 class Ranks : public demlaws::Ranks {
 public:
-  Ranks(void *lmp, void *error) : error_(error) {
+  explicit Ranks(void *lmp) : lmp_(lmp) {
     const Stock &stock = Stock::get();
     count = std::max(1, stock.setting(lmp, "world_size"));
     if (count == 1) return;
@@ -24,13 +24,13 @@ public:
     stock.look_for("ompi_mpi_byte", byte_);
     if (!byte_) byte_ = (void *)0x4c00010d; // MPICH's MPI_BYTE, and of all that share its binary interface
     if (!broadcast_ || !gather_ || !barrier_ || !test_ || !stock.communicator)
-      raise(error, true, "demlaws/table: the MPI of this LAMMPS is not one that demlaws can reach; run on one rank");
+      raise(lmp, true, "demlaws/table: the MPI of this LAMMPS is not one that demlaws can reach; run on one rank");
     const int handle = stock.communicator(lmp);
     comm_ = convert ? convert(handle) : (void *)(long)handle;
   }
 
 private:
-  void *const error_;
+  void *const lmp_;
   void *comm_ = NULL, *byte_ = NULL;
   mutable void *request_ = NULL; // MPICH's is a number, which has room in it
   int (*broadcast_)(void *, int, void *, int, void *) = NULL;
@@ -47,7 +47,7 @@ private:
   void end(const std::string &why) const {
     fprintf(stderr, "%s\n", why.c_str()); // of what a rank writes just before MPI_Abort mpiexec may lose all
     usleep(500000);
-    raise(error_, false, why);
+    raise(lmp_, false, why);
   }
   void broadcast(void *bytes, int size) const { broadcast_(bytes, size, byte_, 0, comm_); }
   void collect(const void *mine, int size, void *all) const { gather_(mine, size, byte_, all, size, byte_, comm_); }

@@ -157,11 +157,14 @@ private:
   }
 };
 
-inline void *error_of(void *object) { return *((void ***)object)[3]; }
+// Objects of an instance, which begins with pointers to them: Abi::fits() checks it.
+inline void *error_of(void *lmp) { return ((void **)lmp)[1]; }
+inline void *modify_of(void *lmp) { return ((void **)lmp)[10]; }
 
 // Error::all (every rank comes here) or Error::one; they throw.
-__attribute__((noinline, cold, noreturn)) void raise(void *error, bool every_rank, const std::string &what) {
+__attribute__((noinline, cold, noreturn)) void raise(void *lmp, bool every_rank, const std::string &what) {
   const Stock &stock = Stock::get();
+  void *const error = error_of(lmp);
   const std::string file = "demlaws";
   try {
     if (every_rank && stock.all4) stock.all4(error, file, 0, -2, what);

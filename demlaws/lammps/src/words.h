@@ -8,11 +8,11 @@
 namespace {
 
 // A number of an input line.
-inline double number(void *error, const std::string &of, const char *text) {
+inline double number(void *lmp, const std::string &of, const char *text) {
   char *end;
   const double value = strtod(text, &end);
   if (end == text || *end || !(value - value == 0.))
-    raise(error, true, "demlaws/table: " + of + " is '" + text + "', not a finite number");
+    raise(lmp, true, "demlaws/table: " + of + " is '" + text + "', not a finite number");
   return value;
 }
 
@@ -29,44 +29,44 @@ inline void join(double E1, double nu1, double E2, double nu2, double &E, double
 // TABLE: the normal model, which names the places of its numbers.
 template <class TABLE> struct Words {
   // The words FILE E eta nu from arg[at] on; goes behind them.
-  static std::string read_material(void *error, char **arg, int &at, int count, double *into) {
+  static std::string read_material(void *lmp, char **arg, int &at, int count, double *into) {
     if (at + 4 > count)
-      raise(error, true,
+      raise(lmp, true,
             "demlaws/table needs FILE E eta nu, then [roughness SIGMA] [against E2 nu2] [radius_tolerance X] "
             "[extrapolation on] [shear elastic|loading|slip] [shear_ratio X] [levels N] [springs N] "
             "[friction_pressure C1 C2]");
     const std::string file = arg[at++];
     static const char *const names[3] = {"E", "eta", "nu"};
-    for (int k = 0; k < 3; k++, at++) into[k] = number(error, std::string("(in FILE E eta nu) ") + names[k], arg[at]);
+    for (int k = 0; k < 3; k++, at++) into[k] = number(lmp, std::string("(in FILE E eta nu) ") + names[k], arg[at]);
     return file;
   }
   // The keywords from arg[at] on, which may change E and nu; returns the place behind them.
-  static int read_options(void *error, char **arg, int at, int count, double *into) {
+  static int read_options(void *lmp, char **arg, int at, int count, double *into) {
     bool levels = false;
     for (int values; at < count; at += values + 1) {
       const std::string word = arg[at], value = at + 1 < count ? arg[at + 1] : "nothing";
       values = word == "against" || word == "friction_pressure" ? 2 : 1;
       const auto given = [&](int n) {
         if (at + values >= count)
-          raise(error, true, "demlaws/table: " + word + (values == 2 ? " needs two numbers" : " needs a number"));
-        return number(error, word, arg[at + n]);
+          raise(lmp, true, "demlaws/table: " + word + (values == 2 ? " needs two numbers" : " needs a number"));
+        return number(lmp, word, arg[at + n]);
       };
       demlaws::Shear shear;
       if (word == "extrapolation") {
         if (value != "on" && value != "off")
-          raise(error, true, "demlaws/table: extrapolation is on or off, not " + value);
+          raise(lmp, true, "demlaws/table: extrapolation is on or off, not " + value);
         into[TABLE::EXTRAPOLATION] = value == "on";
       } else if (word == "shear") {
         if (!demlaws::shear_from_name(value, shear))
-          raise(error, true, "demlaws/table: shear is elastic, loading or slip, not " + value);
+          raise(lmp, true, "demlaws/table: shear is elastic, loading or slip, not " + value);
         into[TABLE::SHEAR] = shear;
       } else if (word == "roughness") {
         into[TABLE::ROUGHNESS] = given(1);
-        if (!(given(1) > 0.)) raise(error, true, "demlaws/table: roughness " + value + " m: must be positive");
+        if (!(given(1) > 0.)) raise(lmp, true, "demlaws/table: roughness " + value + " m: must be positive");
       } else if (word == "shear_ratio") {
         into[TABLE::RATIO] = given(1);
         if (!(given(1) > 0.))
-          raise(error, true, "demlaws/table: shear_ratio " + value + ": K_t/K is above 0, at most 4/3");
+          raise(lmp, true, "demlaws/table: shear_ratio " + value + ": K_t/K is above 0, at most 4/3");
       } else if (word == "springs") into[TABLE::SPRINGS] = given(1);
       else if (word == "levels") {
         into[TABLE::LEVELS] = given(1);
@@ -78,7 +78,7 @@ template <class TABLE> struct Words {
       else if (word == "against") {
         const double E = given(1), nu = given(2);
         if (!(E > 0.) || !(nu > -1. && nu <= 0.5) || !(into[0] > 0.) || !(into[2] > -1. && into[2] <= 0.5))
-          raise(error, true,
+          raise(lmp, true,
                 std::string("demlaws/table: E ") + std::to_string(into[0]) + " Pa against " + value + " Pa, nu " +
                     std::to_string(into[2]) + " against " + arg[at + 2] +
                     ": Young's moduli must be positive, Poisson's ratios are from -1 to 0.5");
@@ -86,7 +86,7 @@ template <class TABLE> struct Words {
       } else break;
     }
     if (levels && into[TABLE::SHEAR] == demlaws::SLIP_SHEAR)
-      raise(error, true, "demlaws/table: partial slip has springs, not levels: leave 'levels' out");
+      raise(lmp, true, "demlaws/table: partial slip has springs, not levels: leave 'levels' out");
     return at;
   }
 };

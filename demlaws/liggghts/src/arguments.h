@@ -18,39 +18,34 @@ public:
     line = Line();
     for (int i = 0; i < count; i++) {
       const std::string word = arguments[i];
-      if (word == "table") {
-        if (i + 1 >= count) refuse("'table' needs a file name");
-        add(Types(0, 0), arguments[++i]);
-      } else if (word == "pairtable") {
-        if (i + 3 >= count) refuse("'pairtable' needs two types and a file name");
-        add(types_of(type(word, arguments[i + 1]), type(word, arguments[i + 2])), arguments[i + 3]);
-        i += 3;
-      } else if (word == "friction_pressure" || word == "pairfriction_pressure") {
-        const bool pair = word[0] == 'p';
-        const int first = i + (pair ? 3 : 1);
-        if (first + 1 >= count)
-          refuse("'" + word + "' needs " + (pair ? "two types, then " : "") +
-                 "C1 and C2 [1/Pa]: mu is coefficientFriction + C1/(1 + C2 p)");
-        const Types types = pair ? types_of(type(word, arguments[i + 1]), type(word, arguments[i + 2])) : Types(0, 0);
+      const bool pair = word == "pairtable" || word == "pairfriction_pressure";
+      const std::string what = word.substr(pair ? 4 : 0);
+      const int values = what == "table" || what == "shear" ? 1 : what == "friction_pressure" ? 2 : 0;
+      line.given.insert(what);
+      if (!values) {
+        kept_.push_back(arguments[i]);
+        continue;
+      }
+      char **const first = arguments + i + 1, **const value = first + 2 * pair;
+      i += values + 2 * pair;
+      if (i >= count)
+        refuse("'" + word + "' needs " + (pair ? "two types, then " : "") +
+               (what == "table"   ? "a file name"
+                : what == "shear" ? "elastic, loading or slip"
+                                  : "C1 and C2 [1/Pa]: mu is coefficientFriction + C1/(1 + C2 p)"));
+      const Types types = pair ? types_of(type(word, first[0]), type(word, first[1])) : Types(0, 0);
+      if (what == "table") add(types, *value);
+      else if (what == "shear") {
+        if (!shear_from_name(*value, line.shear))
+          refuse(std::string("'shear' must be elastic, loading or slip, got '") + *value + "'");
+      } else {
         PressureFriction friction;
-        friction.c1 = number(word, arguments[first]);
-        friction.c2 = number(word, arguments[first + 1]);
+        friction.c1 = number(word, value[0]);
+        friction.c2 = number(word, value[1]);
         if (!friction.valid())
-          refuse("'" + word + " " + arguments[first] + " " + arguments[first + 1] +
-                 "': C1 and C2 [1/Pa] must not be negative");
+          refuse("'" + word + " " + value[0] + " " + value[1] + "': C1 and C2 [1/Pa] must not be negative");
         if (!line.friction.insert(std::make_pair(types, friction)).second)
           refuse("'" + word + "' is given twice" + (pair ? " for these types" : ""));
-        line.given.insert("friction_pressure");
-        i = first + 1;
-      } else if (word == "shear") {
-        if (i + 1 >= count || !shear_from_name(arguments[i + 1], line.shear))
-          refuse("'shear' must be elastic, loading or slip" +
-                 (i + 1 < count ? std::string(", got '") + arguments[i + 1] + "'" : std::string()));
-        line.given.insert(word);
-        i++;
-      } else {
-        line.given.insert(word);
-        kept_.push_back(arguments[i]);
       }
     }
     count = (int)kept_.size();

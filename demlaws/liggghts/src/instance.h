@@ -25,22 +25,23 @@ inline void refuse_small_pages(LAMMPS *lmp, int values, const std::string &who) 
   lmp->error->all(FLERR, what.str().c_str());
 }
 
-// The words of one pair_style or wall/gran line that are ours, and the settings that were given in so many words.
-struct Line {
+// The words of one pair_style or wall/gran line that are ours.
+struct Words {
   Files files;
+  std::map<Types, PressureFriction> friction; // 'friction_pressure', of which the coefficient is not constant
+  Shear shear = ELASTIC_SHEAR;                // the normal stiffness used to compute K_t
+};
+
+// The line that is read, and the settings that it gives in so many words.
+struct Line : Words {
   std::set<std::string> given;
-  std::map<Types, PressureFriction> friction; // 'friction_pressure'
-  Shear shear = ELASTIC_SHEAR;
 };
 
 // What walls take over from the pair style except for the words of their own line.
-struct PairSettings {
-  Files files;
+struct PairSettings : Words {
   std::map<std::string, const Table *> tables; // as read: since then the folder, or the file, may be another
   bool use_roughness = false, extrapolate = false;
   double radius_tolerance = 0.01, shear_ratio = 0.; // 0: that of Mindlin
-  std::map<Types, PressureFriction> friction;       // of which the coefficient is not constant
-  Shear shear = ELASTIC_SHEAR;                      // the normal stiffness used to compute K_t
 };
 
 // Energy of this rank that no pair contact holds: `taken` is what plastic flow took in pair contacts that have ended

@@ -9,10 +9,6 @@
 
 namespace demlaws {
 
-// Most values that a contact keeps, and what they are called in LIGGGHTS.
-static const char *const HISTORY_NAMES[MOST_STATE] = {"demlaws_maximumOverlap", "demlaws_plasticOverlap",
-                                                      "demlaws_radiusRatio"};
-
 struct TypePair : Law {
   double damping;            // -2 sqrt(5/6) beta
   double tangential;         // kt / K = 4 G* / E*
@@ -65,26 +61,21 @@ public:
   // stands before the pair style, whose tables it will take, keeps room for any.
   void postSettings(IContactHistorySetup *setup, ContactModelBase *base) {
     given_ = instance_->line.given;
-    own_.files = instance_->line.files;
-    own_.shear = instance_->line.shear;
-    own_.friction = instance_->line.friction;
-    if (!own_.friction.empty() && shear_size_ == 0)
-      error->all(FLERR, "model demlaws/table: 'friction_pressure' needs  tangential demlaws");
+    static_cast<demlaws::Words &>(own_) = instance_->line;
+    if (!own_.friction.empty() && shear_size_ == 0) stop("'friction_pressure' needs  tangential demlaws");
     if (given_.count("shear_ratio") && !(own_.shear_ratio > 0. && own_.shear_ratio <= demlaws::LARGEST_SHEAR_RATIO))
-      error->all(FLERR, ("model demlaws/table: shear_ratio " + std::to_string(own_.shear_ratio) +
-                         ": K_t/K is above 0, at most 4/3")
-                            .c_str());
+      stop("shear_ratio " + std::to_string(own_.shear_ratio) + ": K_t/K is above 0, at most 4/3");
     if (!wall_) {
-      if (own_.files.empty())
-        error->all(FLERR, "model demlaws/table: no table; add 'table FILE' to the line (`demlaws table` writes one)");
+      if (own_.files.empty()) stop("no table; add 'table FILE' to the line (`demlaws table` writes one)");
       instance_->pair = own_;
     }
     resolve_settings();
     reserved_ = now_.files.empty() ? demlaws::MOST_STATE : state_size_;
     marked_ = reserved_ + shear_size_ > 0;
     for (int i = 0; i < reserved_; i++) {
-      const int at = setup->add_history_value(demlaws::HISTORY_NAMES[i], "0"); // the same seen from either particle
-      base->add_history_offset(demlaws::HISTORY_NAMES[i], at);
+      const std::string name = std::string("demlaws_") + demlaws::STATE_NAMES[i];
+      const int at = setup->add_history_value(name, "0"); // the same seen from either particle
+      base->add_history_offset(name, at);
       if (i == 0) offset_ = at;
     }
     if (marked_) mark_at_ = setup->add_history_value("demlaws_law", "0");
@@ -94,14 +85,13 @@ public:
     const char *const me = "model demlaws/table";
     resolve_settings();
     if (now_.files.empty())
-      error->all(FLERR,
-                 wall_ ? "model demlaws/table: fix wall/gran has no table, nor has the pair style: add 'table FILE' "
-                         "behind 'primitive ...' or 'mesh ...'"
-                       : "model demlaws/table: repeat the pair_style line after read_restart");
+      stop(wall_
+               ? "fix wall/gran has no table, nor has the pair style: add 'table FILE' behind 'primitive ...' or 'mesh "
+                 "...'"
+               : "repeat the pair_style line after read_restart");
     if (state_size_ > reserved_)
-      error->all(FLERR,
-                 "model demlaws/table: the pair style's tables were changed, and this wall keeps too little history "
-                 "for them: define the wall again (unfix, fix) below the pair_style line");
+      stop("the pair style's tables were changed, and this wall keeps too little history "
+           "for them: define the wall again (unfix, fix) below the pair_style line");
     registry.registerProperty("Yeff", &MODEL_PARAMS::createYeff, me);
     registry.registerProperty("Geff", &MODEL_PARAMS::createGeff, me);
     registry.registerProperty("betaeff", &MODEL_PARAMS::createBetaEff, me);
@@ -114,11 +104,9 @@ public:
     }
     if (force->cg_active()) error->cg(FLERR, me);
     if (atom->shapetype_flag || atom->superquadric_flag)
-      error->all(FLERR, "model demlaws/table: only spheres; superquadric and convex particles are not supported");
+      stop("only spheres; superquadric and convex particles are not supported");
     if (strcmp(update->unit_style, "si"))
-      error->all(FLERR, (std::string("model demlaws/table: units ") + update->unit_style +
-                         ": a table is in metres and pascals; use units si")
-                            .c_str());
+      stop(std::string("units ") + update->unit_style + ": a table is in metres and pascals; use units si");
     if (state_size_ > 0) instance_->see_contacts_end(wall_);
     types_ = registry.max_type() + 1;
     pairs_.assign(types_ * types_, demlaws::TypePair());
@@ -128,8 +116,8 @@ public:
 
   // For `area_correction`, which makes the contact area of the unsoftened grains by one power for all overlaps.
   double stressStrainExponent() {
-    error->all(FLERR, "model demlaws/table: area_correction holds for a force that is a power of the overlap; leave it "
-                      "out and give grains their own Young's modulus");
+    stop("area_correction holds for a force that is a power of the overlap; leave it "
+         "out and give grains their own Young's modulus");
     return 0.;
   }
 
@@ -163,7 +151,8 @@ public:
                                     WALL, data.j, atom->nlocal);
     data.Fn = normal;
     data.kn = data.deltan > 0. ? now.force / data.deltan : 0.;
-    data.kt = type.tangential * demlaws::shear_stiffness(now_.shear, type.pair, radius, data.deltan, now, state);
+    shear_stiffness_ = demlaws::shear_stiffness(now_.shear, type.pair, radius, data.deltan, now, state);
+    data.kt = type.tangential * shear_stiffness_;
     friction_above_ = type.friction.c1 > 0. ? type.friction.above_constant(demlaws::mean_pressure(type.pair, now)) : 0.;
     data.gamman = damping;
     data.gammat = damping * type.tangential_damping;
@@ -211,7 +200,8 @@ public:
         "spheres doubled its energy in 30 ms; use 'tangential demlaws' (" DEMLAWS_PAGE("shear") ")");
   }
 
-  // For the tangential model: K_t / K, and the curve of a contact after its step.
+  // For the tangential model, of the contact whose step came last: K, K_t / K, its curve.
+  double shear_stiffness() const { return shear_stiffness_; }
   demlaws::Shear shear() const { return now_.shear; }
   double shear_ratio(const SurfacesCloseData &data) const { return law_of(data).tangential; }
   // By how much the friction of the contact whose step came last is above coefficientFriction.
@@ -221,6 +211,7 @@ public:
   }
 
 private:
+  void stop(const std::string &what) const { error->all(FLERR, ("model demlaws/table: " + what).c_str()); }
   const demlaws::TypePair &law_of(const SurfacesCloseData &data) const {
     return pairs_[data.itype * types_ + data.jtype];
   }
@@ -270,7 +261,7 @@ private:
       try {
         if (!table) table = &demlaws::load_table(demlaws::Mpi(lmp), file.second);
       } catch (const std::exception &problem) {
-        error->all(FLERR, (std::string("model demlaws/table: ") + problem.what()).c_str());
+        stop(problem.what());
       }
       state_size_ = std::max(state_size_, demlaws::state_size(table->unloading()));
     }
@@ -287,26 +278,23 @@ private:
   // Makes the law of two types.
   void connect(int i, int j) {
     demlaws::TypePair &type = pairs_[i * types_ + j];
-    std::ostringstream who;
-    who << "model demlaws/table: types " << i << " and " << j << ": ";
+    const std::string who = "types " + std::to_string(i) + " and " + std::to_string(j) + ": ";
     const std::string file = of_types(now_.files, i, j);
-    if (file.empty()) error->all(FLERR, (who.str() + "no table; add 'table FILE' or 'pairtable I J FILE'").c_str());
+    if (file.empty()) stop(who + "no table; add 'table FILE' or 'pairtable I J FILE'");
     const demlaws::Table &table = *tables_[file];
     double sigma = 0.; // [m]
     if (now_.use_roughness) {
       sigma = sqrt(roughness_[i] * roughness_[i] + roughness_[j] * roughness_[j]);
-      if (!(sigma > 0.))
-        error->all(FLERR,
-                   (who.str() + "combined surfaceRoughness " + std::to_string(sigma) + " m: must be positive").c_str());
+      if (!(sigma > 0.)) stop(who + "combined surfaceRoughness " + std::to_string(sigma) + " m: must be positive");
     }
     std::string doubt;
     try {
       doubt = type.set(table, effective_modulus_[i][j], sigma, now_.shear);
     } catch (const std::exception &problem) {
-      error->all(FLERR, (who.str() + problem.what()).c_str());
+      stop(who + problem.what());
     }
     type.mark = type.Law::mark(shear_size_);
-    if (!doubt.empty()) instance_->announce(doubt, who.str() + doubt);
+    if (!doubt.empty()) instance_->announce(doubt, "model demlaws/table: " + who + doubt);
     type.friction = of_types(now_.friction, i, j);
     type.damping = -2. * 0.91287092917527685576 * beta_[i][j];
     type.tangential = now_.shear_ratio > 0. ? now_.shear_ratio : 4. * effective_shear_[i][j] / effective_modulus_[i][j];
@@ -367,7 +355,7 @@ private:
   demlaws::PairSettings own_, now_; // as the line says; as they hold
   int offset_ = -1, mark_at_ = -1, state_size_ = 0, reserved_ = 0, shear_size_ = 0, types_ = 0;
   bool marked_ = false; // contacts keep the mark of their law
-  double friction_above_ = 0.;
+  double friction_above_ = 0., shear_stiffness_ = 0.;
   std::vector<demlaws::TypePair> pairs_;
   std::map<std::string, const demlaws::Table *> tables_;
 };

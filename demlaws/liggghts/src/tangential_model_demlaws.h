@@ -28,29 +28,23 @@ public:
   void postSettings(IContactHistorySetup *setup, ContactModelBase *) {
     const demlaws::Line &line = instance_->line;
     const bool own = !wall_ || line.given.count("shear");
-    slips_ = (own ? line.shear : instance_->pair.shear) == demlaws::SLIP_SHEAR;
+    const bool slips = (own ? line.shear : instance_->pair.shear) == demlaws::SLIP_SHEAR;
     if (wall_ && !line.given.count("springs")) springs_ = instance_->springs;
     own_levels_ = line.given.count("levels");
     if (wall_ && !own_levels_) levels_ = instance_->levels;
-    if (!wall_) instance_->springs = springs_;
-    if (!wall_) instance_->levels = levels_;
-    if (!demlaws::SpringRow::may_have(springs_))
-      error->all(FLERR, "tangential model demlaws: 'springs' must be a whole number from 2 to 22");
-    if (!demlaws::may_have_levels(levels_))
-      error->all(FLERR, "tangential model demlaws: 'levels' must be a whole number from 1 to 8");
-    if (slips_ && line.given.count("levels"))
-      error->all(FLERR, "tangential model demlaws: partial slip has springs, not levels: leave 'levels' out");
-    normal_->shear_keeps(size());
-    for (int i = 0; i < size(); i++) {
-      std::ostringstream name;
-      name << "demlaws_shear" << i;
-      const int at = setup->add_history_value(name.str(), changes_sign(i) ? "1" : "0");
+    if (!wall_) instance_->springs = springs_, instance_->levels = levels_;
+    if (!demlaws::SpringRow::may_have(springs_)) stop("'springs' must be a whole number from 2 to 22");
+    if (!demlaws::may_have_levels(levels_)) stop("'levels' must be a whole number from 1 to 8");
+    if (slips && own_levels_) stop("partial slip has springs, not levels: leave 'levels' out");
+    row_.levels = (int)levels_;
+    row_.springs = slips ? (int)springs_ : 0;
+    size_ = row_.size();
+    normal_->shear_keeps(size_);
+    // At a wall also the normal of the step before: nothing else tells how it turns.
+    for (int i = 0; i < size_ + 3 * wall_; i++) {
+      const bool turns = i >= size_ || row_.changes_sign(i);
+      const int at = setup->add_history_value("demlaws_shear" + std::to_string(i), turns ? "1" : "0");
       if (i == 0) offset_ = at;
-    }
-    // The normal of the step before: nothing else tells how that of a wall turns.
-    for (int i = 0; wall_ && i < 3; i++) {
-      const int at = setup->add_history_value(std::string("demlaws_normal") + "xyz"[i], "1");
-      if (i == 0) normal_at_ = at;
     }
   }
   void connectToProperties(PropertyRegistry &registry) {
@@ -59,15 +53,13 @@ public:
     const int types = registry.max_type(); // the matrix has no row for a type that no particle or wall has
     for (int i = 1; i <= types; ++i)
       for (int j = 1; j <= types; ++j)
-        if (!(friction_[i][j] >= 0.))
-          error->all(FLERR, "tangential model demlaws: coefficientFriction must not be negative");
+        if (!(friction_[i][j] >= 0.)) stop("coefficientFriction must not be negative");
     instance_->see_contacts_end(wall_);
-    if (slips_ != (normal_->shear() == demlaws::SLIP_SHEAR))
-      error->all(FLERR, "tangential model demlaws: this wall was defined before the pair style's 'shear' was known: "
-                        "define it below the pair_style line");
-    if (wall_ && !slips_ && !own_levels_ && levels_ != instance_->levels)
-      error->all(FLERR, "tangential model demlaws: this wall was defined before the pair style's 'levels' was known: "
-                        "define it below the pair_style line");
+    const bool other_shear = (row_.springs > 0) != (normal_->shear() == demlaws::SLIP_SHEAR),
+               other_levels = wall_ && !row_.springs && !own_levels_ && levels_ != instance_->levels;
+    if (other_shear || other_levels)
+      stop(std::string("this wall was defined before the pair style's '") + (other_shear ? "shear" : "levels") +
+           "' was known: define it below the pair_style line");
     PairGran *const pair = static_cast<PairGran *>(force->pair_match("gran", 0));
     if (pair && !wall_) demlaws::refuse_small_pages(lmp, pair->dnum(), "tangential model demlaws: a contact");
   }
@@ -80,22 +72,21 @@ public:
     if (data.contact_flags) *data.contact_flags |= CONTACT_TANGENTIAL_MODEL;
     const bool keep = data.computeflag && data.shearupdate;
     const double limit = (friction_[data.itype][data.jtype] + normal_->friction_above()) * fabs(data.Fn);
-    double copy[demlaws::SpringRow::MOST_SIZE], *const kept = data.contact_history + offset_;
-    if (!keep) std::copy(kept, kept + size(), copy);
+    double copy[demlaws::ShearRow::MOST_SIZE], *const kept = data.contact_history + offset_;
+    if (!keep) std::copy(kept, kept + size_, copy);
     double *const numbers = keep ? kept : copy;
-    const demlaws::Motion motion = motion_of<WALL>(data, keep ? update->dt : 0., demlaws::unit_vector(numbers, size()));
+    const demlaws::Motion motion = motion_of<WALL>(data, keep ? update->dt : 0., demlaws::unit_vector(numbers, size_));
     const bool counts = keep && instance_->ledger.readers;
     if (__builtin_expect(counts && instance_->ledger.adds_stored, 0)) add_work(energy(kept, data), data);
     demlaws::ShearStep step;
-    if (slips_) {
-      const double ratio = normal_->shear_ratio(data);
-      step = demlaws::SpringRow(numbers, (int)springs_)
-                 .step(data.kt / ratio, normal_->unloading_curve(data), ratio, limit, motion);
-      if (counts) add_work(step.work, data);
-    } else if (counts) {
-      step = demlaws::shear_step((int)levels_, data.kt, limit, motion, numbers);
+    const auto move = [&] {
+      step = row_.step(normal_->shear_stiffness(), normal_->unloading_curve(data), normal_->shear_ratio(data), limit,
+                       motion, numbers);
+    };
+    if (counts) {
+      move();
       add_work(step.work, data);
-    } else step = demlaws::shear_step((int)levels_, data.kt, limit, motion, numbers); // less: no work
+    } else move(); // less: no work
     if (WALL && data.computeflag && instance_->ledger.readers) {
       const double stored = energy(numbers, data);
       instance_->ledger.add_wall(update->ntimestep, stored, -instance_->ledger.booked(stored));
@@ -124,9 +115,7 @@ public:
     if (data.contact_flags) *data.contact_flags &= ~CONTACT_TANGENTIAL_MODEL;
     if (!data.contact_history) return;
     double *const kept = data.contact_history + offset_;
-    if (wall_) std::fill_n(data.contact_history + normal_at_, 3, 0.);
-    if (kept[(slips_ ? (int)springs_ : (int)levels_) - 1] == 0.) return; // its stiffness
-    std::fill(kept, kept + size(), 0.);
+    if (wall_ || kept[row_.top()] != 0.) std::fill(kept, kept + size_ + 3 * wall_, 0.);
   }
   void beginPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
   void endPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
@@ -137,6 +126,7 @@ public:
   }
 
 private:
+  void stop(const std::string &what) const { error->all(FLERR, ("tangential model demlaws: " + what).c_str()); }
   // dt: 0 where nothing is to be kept. unit_vector: that of the contact.
   template <bool WALL>
   __attribute__((noinline)) demlaws::Motion motion_of(const SurfacesIntersectData &data, double dt,
@@ -144,7 +134,7 @@ private:
     const double *const n = data.en, *const w = data.omega_i, wr[3] = {data.wr1, data.wr2, data.wr3};
     double apart[3], spin[3], arms[3], change[3];
     for (int k = 0; k < 3; k++) apart[k] = data.v_i[k] - data.v_j[k];
-    if (WALL) demlaws::Motion::change_of_kept(n, data.contact_history + normal_at_, dt > 0., change);
+    if (WALL) demlaws::Motion::change_of_kept(n, data.contact_history + offset_ + size_, dt > 0., change);
     else demlaws::Motion::change_of_spheres(n, apart, data.vn, data.rinv, dt, change);
     // The lever of each body, radius - overlap/2, was dt/4 times the velocity of parting shorter at the half step.
     const double parting = demlaws::Motion::parting(n, apart, change);
@@ -196,28 +186,23 @@ private:
     return true;
   }
   double energy(double *numbers, const SurfacesCloseData &data) const {
-    if (!slips_) return demlaws::Levels<0>(numbers, (int)levels_).energy();
-    return demlaws::SpringRow(numbers, (int)springs_).energy(normal_->shear_ratio(data));
+    return row_.energy(numbers, normal_->shear_ratio(data));
   }
   void add_work(double work, const SurfacesCloseData &data) {
     if (data.is_wall) instance_->ledger.taken += work;
     else instance_->ledger.add_dissipated(work, data.j, atom->nlocal);
   }
-  bool changes_sign(int number) const {
-    return slips_ ? demlaws::SpringRow::changes_sign(number, (int)springs_)
-                  : demlaws::changes_sign(number, (int)levels_, (int)levels_);
-  }
-  int size() const { return slips_ ? demlaws::SpringRow::size((int)springs_) : demlaws::levels_size((int)levels_); }
 
   const std::shared_ptr<demlaws::Instance> instance_;
   const bool wall_;
   NormalModel<DEMLAWS_TABLE> *normal_ = NULL;
-  double **friction_ = NULL, springs_ = demlaws::SPRINGS, levels_ = demlaws::LEVELS;
-  int offset_ = -1, normal_at_ = -1;
-  TriMesh *mesh_ = NULL; // of the contact before, its step and the velocities of its nodes
+  double **friction_ = NULL, springs_ = demlaws::SPRINGS, levels_ = demlaws::LEVELS; // as the line says
+  demlaws::ShearRow row_;
+  int offset_ = -1, size_ = 0; // of the row
+  TriMesh *mesh_ = NULL;       // of the contact before, its step and the velocities of its nodes
   bigint mesh_step_ = -1;
   MultiVectorContainer<double, 3, 3> *node_velocities_ = NULL;
-  bool slips_ = false, own_levels_ = false; // own_levels_: the line has the word
+  bool own_levels_ = false; // the line has the word
 };
 
 } // namespace ContactModels

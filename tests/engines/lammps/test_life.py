@@ -388,3 +388,38 @@ def test_energies_are_those_of_this_instance(folder, in_python):
     assert len(found) == 5 and all(energies == found[0] for energies in found)
     other = [energies for name, *energies in lines if name == "other"]
     assert other[0] == other[1] != found[0]
+
+
+ABORTS = f"""\
+{HEAD}newton          off
+boundary        p p f
+region          b block 0 1 0 0.1 0 0.1
+create_box      1 b
+create_atoms    1 single 0.05 0.05 0.0046
+create_atoms    1 single 0.95 0.05 0.0055
+set             group all diameter 0.01 density 2500
+group           second id 2
+pair_style      granular
+pair_coeff      * * {{words}}
+fix             wall all wall/gran granular {{words}} zplane 0 NULL
+fix             move all nve/sphere
+velocity        all set 0 0 -1
+velocity        second set 0 0 -2.5
+timestep        5e-7
+thermo          100000
+run             2000
+"""
+
+
+def test_warnings_before_an_abort_are_shown_in_their_order(tmp_path):
+    """Each rank warns of its own sphere; then the second one ends the run, whose output is a pipe."""
+    contact = dl.Contact(radius=5e-3, modulus=1e7 / 2 / (1 - 0.3**2))
+    with pytest.warns(dl.ValidityWarning):
+        save(dl.law("hertz", contact), tmp_path / "law.tbl", max_force=8.0)
+    words = "demlaws/table law.tbl 1e7 0.5 0.3 tangential demlaws 1.0 0.05 damping demlaws/tangent"
+    done = started(tmp_path, ABORTS.format(words=words), ranks=2)
+    assert done.returncode
+    warned, ended = (done.stdout.find(text) for text in ("particle 1 and the wall: overlap", "ERROR on proc 1"))
+    assert 0 < done.stdout.find("WARNING") < warned < ended, done.stdout[-1000:]
+    assert "particle 2 and the wall: overlap" in done.stdout[ended:] and "beyond the last row" in done.stdout[ended:]
+    assert "WARNING" in done.stderr and "particle 2 and the wall: overlap" in done.stderr

@@ -290,6 +290,27 @@ def test_friction_limits_a_damped_contact_that_slides():
         assert 0.95 < spin / (2.5 * job["friction"] * (5.0 + away)) < 1.005
 
 
+@pytest.mark.parametrize("calc_energy", [False, True])  # True: YADE's own function acts
+@pytest.mark.parametrize("shear", ["elastic", "slip"])
+def test_springs_and_dashpot_together_stay_within_the_limit(omega, shear, calc_energy):
+    """A ball that is pressed on and dragged sideways, with a large dashpot: YADE's own law reaches some times μN."""
+    omega.reset()
+    stone = material(friction=math.atan(0.3))
+    omega.bodies.append([sphere((0, 0, z), RADIUS, fixed=True, material=stone) for z in (0.0, 2 * RADIUS - 1e-7)])
+    physics = yade.Ip2_FrictMat_FrictMat_MindlinPhys(betan=0.1, betas=0.9)
+    set_engines(functor(shear=shear, calcEnergy=calc_energy), 1e-7, physics=physics)
+    omega.bodies[1].state.vel = (0.03, 0, -0.5)
+    ratios, shares = [], []
+    for _ in range(60):
+        omega.step()
+        phys = omega.interactions[0, 1].phys
+        limit = phys.tangensOfFrictionAngle * phys.normalForce.norm()
+        ratios.append(phys.shearForce.norm() / limit)
+        shares.append(phys.shearViscous.norm() / limit)
+    assert max(ratios) <= 1.0 + 1e-9
+    assert sum(share > 0.05 and ratio > 1.0 - 1e-9 for share, ratio in zip(shares, ratios, strict=True)) > 5
+
+
 # --- partial slip
 
 
