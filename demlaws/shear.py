@@ -18,7 +18,7 @@ from demlaws.core.shear import (
     friction_at,
     pressure_loop,
 )
-from demlaws.core.slip import SAMPLES, ladder_of, slip_loop
+from demlaws.core.slip import SAMPLES, slip_loop
 from demlaws.errors import DemlawsError, warn
 from demlaws.law import Law, as_law
 from demlaws.units import as_float, number, unmasked, whole
@@ -182,9 +182,8 @@ def sheared(
     law.shear_stiffness(depth, 1.0, DEFAULT if shear == SLIP else shear)  # checks law and range
     limit = _friction_along(law, depth, friction)
     if shear == SLIP:
-        ladder = ladder_of(whole(springs, "springs", low=2, high=100_000))
-        rows = np.zeros((9, ladder.size)), np.empty((2, SAMPLES))
-        slip_loop(law.rule_tag, law.shape, law.params, depth, first, second, ratio, limit, ladder, state.arrays, *rows, results)
+        rows = np.zeros((6, whole(springs, "springs", low=2, high=100_000))), np.empty((2, SAMPLES))
+        slip_loop(law.rule_tag, law.shape, law.params, depth, first, second, ratio, limit, state.arrays, *rows, results)
     else:
         tag = CHOICES[shear].tag
         count = DEFAULT_LEVELS if levels is None else whole(levels, "levels", high=MOST_LEVELS)

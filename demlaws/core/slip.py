@@ -11,12 +11,15 @@ keep their place when the unloading curve moves [our derivation]:
 - Its tangential stiffness is ratio dκ, its stretch at most μ c/ratio (Coulomb).
 - A spring that touches is not stretched. A spring that opens loses its energy.
 
-Springs between two bounds of κ are one spring: its stretch and its limit are means. The bounds are a ladder, graded towards the
-springs that touched last, which slip first [our derivation]: bound i is at ladder[i] K in a contact that grows.
+Springs between two bounds of κ are one spring, with their mean stretch [our derivation]:
 
-- K rises: a bound below its step of the ladder moves there. The springs that it passes change to the spring inside of it, with
-  the mean of their stretches: the force remains, the energy cannot rise. Bounds above their steps remain in place.
-- K falls: springs above K open. The bounds that they leave divide the springs that contain the most steps of the ladder.
+- K rises: the outermost spring grows until it has the share THIN of K; then a new one begins. If all are in use, the two
+  neighbours whose union errs least are joined, with the mean of their stretches: the force remains, the energy cannot rise.
+- K falls: springs above K open. Their places are used to divide the outermost spring, and others that err much more than a
+  union of neighbours would. Both parts have the stretch of the whole.
+- The springs between two bounds slip one after the other, from the outer bound on. With the limit taken as a straight line from
+  its value `onset` there through its mean m, a displacement s gives the mean stretch s - (s - onset)²/(4 (m - onset)).
+  A stretch above `onset` is taken as one that came about so; below, and on the way back to it, all of them stick.
 
 The mean overlap at which the springs of a pair of bounds touched, `rest`, needs no unloading curve: ∫ δ(κ) dκ up to K is
 K δ - P in each step, and the outermost spring has the difference to the others. Where the curve is Hertz's, δ(κ) = δ (κ/K)².
@@ -26,128 +29,134 @@ the forces before and after it times the displacement, no step dissipates less t
 Twin: demlaws/cpp/demlaws_slip.h.
 """
 
-import math
-
 import numpy as np
 
 from demlaws.core.dispatch import gather, generic, scatter, step, unloaded
 from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import kernel, loop
-from demlaws.core.shear import SPRINGS, unloading_stiffness
+from demlaws.core.shear import unloading_stiffness
 from demlaws.core.unloading import rule_of
 
 SAMPLES = 512
 """Points at which `slip_loop` reads the unloading curve of a rule that has no springs of its own."""
-STEPS = (0.4093, 0.6484, 0.7924, 0.8732, 0.9262, 0.9605, 0.9786, 0.9892, 0.9958, 1.0)
-"""Ladder of `SPRINGS`: the largest error of the loss of a cycle of Hertz's law from 0.05 μP on, or a third of that at 0.02, is
-least."""
-SLACK = 1.3
-"""The ladder is laid again where the outermost spring has this share of its step."""
-FARTHEST = 3.0
+THIN = 1.0 / 20.0
+"""Share of K at which the outermost of n springs is complete, times n: what a cycle of 0.02 μP needs with ten."""
+WIDE = 1.5
+"""The outermost spring is divided where it has this multiple of that share."""
+LARGE_CYCLES = 4.0
+"""Weight of large cycles against small ones in the error of a spring."""
+SPARE = 4.0
+"""A spring is divided where it errs this many times more than the best union of two would."""
+FARTHEST = 1.6
 """Largest ratio of the outermost spring's compression to that of a straight line from its neighbour, and its inverse."""
 TINY = 1e-300
-
-
-def ladder_of(springs):
-    """Bounds of so many springs over the stiffness of the contact."""
-    if springs == SPRINGS:
-        return np.array(STEPS)
-    growth = 1.0 + 6.4 / springs
-    return (growth**springs - growth ** np.arange(springs - 1, -1, -1.0)) / (growth**springs - 1.0)
 
 
 # --- bounds
 
 
-@loop
-def begin(ladder, top, force, depth, bound, rest, stretch):
-    """Lay the ladder of a new contact whose unloading curve is taken as a power law."""
-    power = force / max(top * depth - force, 1e-12 * force)
-    below = integral_below = 0.0
-    for i in range(bound.size):
-        integral = depth * top * ladder[i] ** (power + 1.0) / (power + 1.0)
-        bound[i] = ladder[i] * top
-        rest[i] = (integral - integral_below) / (bound[i] - below)
-        below, integral_below = bound[i], integral
-        stretch[0, i] = stretch[1, i] = 0.0
-
-
-@loop
-def lift(ladder, top, depth, bound, rest, stretch, old):
-    """Move the bounds that are below their steps of the ladder; old: (4, springs), overwritten."""
-    last = bound.size - 1
-    for i in range(bound.size):
-        old[0, i], old[1, i], old[2, i], old[3, i] = bound[i], rest[i], stretch[0, i], stretch[1, i]
-    j, start, low = 0, 0.0, 0.0  # start: lower bound of the old spring j
-    for i in range(bound.size):
-        high = max(ladder[i] * top, old[0, i])
-        below, sums, first, second = low, 0.0, 0.0, 0.0
-        while low < high:
-            end = min(old[0, j], high)
-            if end > low:
-                width = old[0, j] - start
-                if j == last:
-                    slope = 2.0 * (depth - old[1, j]) / width
-                else:
-                    before = start - (old[0, j - 2] if j > 1 else 0.0) if j > 0 else -width
-                    slope = (old[1, j + 1] - old[1, max(j - 1, 0)]) / (0.5 * (before + old[0, j + 1] - old[0, j]) + width)
-                sums += (end - low) * (old[1, j] + 0.5 * slope * (low + end - start - old[0, j]))
-                first += (end - low) * old[2, j]
-                second += (end - low) * old[3, j]
-                low = end
-            if low < high:
-                start = old[0, j]
-                j += 1
-        width = high - below
-        bound[i] = high
-        rest[i] = sums / width if width > 0.0 else old[1, j]
-        stretch[0, i] = first / width if width > 0.0 else old[2, j]
-        stretch[1, i] = second / width if width > 0.0 else old[3, j]
+@kernel
+def spring_error(low, high, top):
+    """Error of the loss that one spring from `low` to `high` makes: in small cycles and in large ones."""
+    width = high - low
+    small, large = width / (top - low), width / top
+    return small * small + LARGE_CYCLES * large * large
 
 
 @kernel
-def split_integral(at, place, low, high, inside, whole, depth, top, bound, rest):
-    """∫ δ(κ) dκ from `low` to `place`, of which `whole` lies from `low` to `high`, and `inside` below `low`.
+def join(bound, rest, stretch):
+    """Join the two neighbours whose union errs least; the outermost spring is free then."""
+    last, least, at, low = bound.size - 1, np.inf, 0, 0.0
+    for i in range(last - 1):
+        union = spring_error(low, bound[i + 1], bound[last])
+        if union < least:
+            least, at = union, i
+        low = bound[i]
+    low = bound[at - 1] if at > 0 else 0.0
+    share = (bound[at] - low) / (bound[at + 1] - low)
+    rest[at] = share * rest[at] + (1.0 - share) * rest[at + 1]
+    for k in range(2):
+        stretch[k, at] = share * stretch[k, at] + (1.0 - share) * stretch[k, at + 1]
+    bound[at] = bound[at + 1]
+    for i in range(at + 1, last):
+        bound[i], rest[i], stretch[0, i], stretch[1, i] = bound[i + 1], rest[i + 1], stretch[0, i + 1], stretch[1, i + 1]
 
-    ∫ δ(κ) dκ from 0 on is taken as a power of κ.
-    """
-    if inside > 0.0:
-        part = inside * (place / low) ** (math.log1p(whole / inside) / math.log(high / low)) - inside
-    elif not whole > 0.0:
-        return 0.0
-    elif high < top:
-        next_whole = (bound[at + 1] - high) * rest[at + 1]
-        part = whole * (place / high) ** (math.log1p(next_whole / whole) / math.log(bound[at + 1] / high))
-    else:
-        part = whole * (place / high) ** (depth * top / whole)
-    return min(max(part, 0.0), whole)
+
+@kernel
+def widest(edge, bound):
+    """The spring inside the outermost one, `edge`, that is worth a division; -1: none."""
+    low, most, at, least = 0.0, 0.0, -1, np.inf
+    for i in range(edge):
+        error = spring_error(low, bound[i], bound[edge])
+        if error > most:
+            most, at = error, i
+        least = min(least, spring_error(low, bound[i + 1], bound[edge]))
+        low = bound[i]
+    return at if most > SPARE * least else -1
+
+
+@kernel
+def fall_within(at, depth, edge, bound, rest):
+    """Fall of the compression [m] from the inner to the outer bound of spring `at`, if that is a square function of κ with the
+    means of the springs there, `depth` at κ = 0 and 0 at the outermost bound (Colella & Woodward 1984, Eq. 1.7)."""
+    if edge == 0:
+        return depth
+    before = bound[at - 1] - (bound[at - 2] if at > 1 else 0.0) if at > 0 else 0.0
+    width = bound[at] - (bound[at - 1] if at > 0 else 0.0)
+    after = bound[at + 1] - bound[at] if at < edge else 0.0
+    if at == 0:
+        return (rest[1] * width * width + rest[0] * after * (2.0 * after + 3.0 * width)) / (width + after) ** 2
+    mean = depth - rest[at]
+    if at == edge:
+        return ((depth - rest[at - 1]) * width * width + mean * before * (2.0 * before + 3.0 * width)) / (width + before) ** 2
+    outside = (2.0 * before + width) / (after + width) * (rest[at + 1] - rest[at])
+    inside = (2.0 * after + width) / (before + width) * (rest[at] - rest[at - 1])
+    return width / (before + width + after) * (outside + inside)
+
+
+@kernel
+def divide(at, depth, edge, bound, rest, stretch):
+    """Divide spring `at` in the middle."""
+    mean = depth - rest[at]
+    quarter = 0.25 * min(max(fall_within(at, depth, edge, bound, rest), 0.0), 3.0 * mean)
+    for i in range(edge, at - 1, -1):
+        bound[i + 1], rest[i + 1], stretch[0, i + 1], stretch[1, i + 1] = bound[i], rest[i], stretch[0, i], stretch[1, i]
+    bound[at] = 0.5 * ((bound[at - 1] if at > 0 else 0.0) + bound[at])
+    rest[at], rest[at + 1] = depth - mean - quarter, depth - mean + quarter
 
 
 @loop
-def divide(ladder, top, depth, edge, bound, rest, stretch):
-    """Divide springs that contain the most steps of the ladder, while there are empty ones behind `edge`, the outermost."""
-    last = bound.size - 1
-    while edge < last:
-        most, at, place, step_number = 0, -1, 0.0, last - 1
-        for j in range(edge, -1, -1):
-            low, highest = bound[j - 1] if j > 0 else 0.0, step_number
-            while step_number >= 0 and ladder[step_number] * top > low:
-                step_number -= 1
-            if highest - step_number > most:
-                most, at, place = highest - step_number, j, ladder[(highest + step_number + 1) // 2] * top
-        if at < 0:
-            break
-        low, high, inside = bound[at - 1] if at > 0 else 0.0, bound[at], 0.0
-        for j in range(at):
-            inside += (bound[j] - (bound[j - 1] if j > 0 else 0.0)) * rest[j]
-        whole = (high - low) * rest[at]
-        part = split_integral(at, place, low, high, inside, whole, depth, top, bound, rest)
-        for j in range(edge + 1, at, -1):
-            bound[j], rest[j], stretch[0, j], stretch[1, j] = bound[j - 1], rest[j - 1], stretch[0, j - 1], stretch[1, j - 1]
-        bound[at], rest[at], rest[at + 1] = place, part / (place - low), (whole - part) / (high - place)
+def begin(top, force, depth, bound, rest):
+    """Bounds of a new contact, whose unloading curve is taken as a power law; returns the outermost spring."""
+    power = force / max(top * depth - force, 1e-12 * force)
+    last, open_share, below, integral_below, edge = bound.size - 1, 1.0, 0.0, 0.0, 0
+    while edge < last and open_share > WIDE * THIN / bound.size:
+        open_share *= 0.5
+        bound[edge] = (1.0 - open_share) * top
+        integral = depth * top * (1.0 - open_share) ** (power + 1.0) / (power + 1.0)
+        rest[edge] = (integral - integral_below) / (bound[edge] - below)
+        below, integral_below = bound[edge], integral
         edge += 1
-    for j in range(edge + 1, bound.size):
-        bound[j], rest[j], stretch[0, j], stretch[1, j] = top, depth, stretch[0, edge], stretch[1, edge]
+    return edge
+
+
+@loop
+def grade(edge, depth, bound, rest, stretch):
+    """Divide springs, the outermost one `edge` first, and join others for it where none is free; returns the outermost."""
+    last, top = bound.size - 1, bound[bound.size - 1]
+    while True:
+        wide = top - (bound[edge - 1] if edge > 0 else 0.0) > WIDE * THIN / bound.size * top
+        if wide and (edge < last or last > 1):  # of two springs none is left to be joined
+            if edge == last:
+                join(bound, rest, stretch)
+                edge -= 1
+            at = edge
+        else:
+            at = widest(edge, bound) if edge < last else -1
+        if at < 0:
+            return edge
+        divide(at, depth, edge, bound, rest, stretch)
+        edge += 1
 
 
 @kernel
@@ -167,40 +176,41 @@ def outermost(force, top, depth, edge, bound, rest):
 
 
 @kernel
-def set_springs(hertzian, ladder, top, force, depth, bound, rest, stretch, scratch):
+def set_springs(hertzian, top, force, depth, bound, rest, stretch):
     """The contact unloads with the stiffness `top` [N/m] now, along a curve that began `depth` [m] before.
 
-    hertzian: along Hertz's curve. bound [N/m], rest [m], stretch (2, springs) [m]: of the springs, updated. scratch: (4,
-    springs).
+    hertzian: along Hertz's curve. bound [N/m], rest [m], stretch (2, springs) [m]: of the springs, updated. Bounds that are not
+    in use are `top`, the stretches there 0.
     """
     last = bound.size - 1
     held = bound[last]
+    lowest, edge = min(top, held), last
+    while edge > 0 and bound[edge - 1] >= lowest:
+        edge -= 1
+    opened = held == 0.0 or (edge < last and top < held)
+    if held > 0.0 and top > held:
+        low = bound[edge - 1] if edge > 0 else 0.0
+        if top - low <= THIN / bound.size * top:
+            stretch[0, edge] *= (held - low) / (top - low)
+            stretch[1, edge] *= (held - low) / (top - low)
+        else:
+            if edge == last:
+                join(bound, rest, stretch)
+            else:
+                edge += 1
+            stretch[0, edge] = stretch[1, edge] = 0.0
     if held == 0.0:
-        begin(ladder, top, force, depth, bound, rest, stretch)
-        return
-    edge = last
-    if top < held:
-        if top <= bound[last - 1]:
-            edge = 0
-            for i in range(last):
-                edge += bound[i] < top
-            for i in range(edge, last):
-                bound[i] = top
-        bound[last] = top
-    elif top > held:
-        below = bound[last - 1]
-        share = (held - below) / (top - below)
-        bound[last] = top
-        stretch[0, last] *= share
-        stretch[1, last] *= share
+        edge = begin(top, force, depth, bound, rest)
+    for i in range(edge, last + 1):
+        bound[i] = top
     if not hertzian:
         rest[edge] = depth - outermost(force, top, depth, edge, bound, rest)
-    if edge < last:
+    if opened or top - (bound[edge - 1] if edge > 0 else 0.0) > WIDE * THIN / bound.size * top:
         if hertzian:
             set_rest(top, depth, bound, rest)
-        divide(ladder, top, depth, edge, bound, rest, stretch)
-    elif top > held and bound[last - 1] < top - SLACK * (1.0 - ladder[last - 1]) * top:
-        lift(ladder, top, depth, bound, rest, stretch, scratch)
+        edge = grade(edge, depth, bound, rest, stretch)
+    for i in range(edge + 1, last + 1):
+        rest[i], stretch[0, i], stretch[1, i] = depth, 0.0, 0.0
 
 
 @kernel
@@ -217,17 +227,43 @@ def set_rest(top, depth, bound, rest):
 
 @kernel
 def shorten(stretch, limit):
-    """Shorten the stretches to at most their limits, without a branch: one vector of the processor has several springs.
-
-    Returns how many were longer.
-    """
+    """Shorten the stretches to at most their limits."""
     longer = 0
     for i in range(limit.size):
+        longer += stretch[0, i] * stretch[0, i] + stretch[1, i] * stretch[1, i] > limit[i] * limit[i]
+    if longer == 0:
+        return
+    for i in range(limit.size):  # without a branch: one vector of the processor has several springs
         u, v, most = stretch[0, i], stretch[1, i], limit[i]
         share = most / sqrt(max(max(u * u + v * v, most * most), TINY))
         stretch[0, i], stretch[1, i] = u * share, v * share
-        longer += share < 1.0
-    return longer
+
+
+@kernel
+def displace(du, dv, onset, limit, stretch):
+    """Displace the springs by (du, dv) [m]: one that is stretched beyond `onset` [m] follows less and less, up to `limit` [m].
+
+    Returns whether all of them slip.
+    """
+    yields = 0
+    for i in range(limit.size):
+        u, v = stretch[0, i], stretch[1, i]
+        before = max(u * u + v * v, onset[i] * onset[i])
+        stretch[0, i], stretch[1, i] = u + du, v + dv
+        yields += (u + du) * (u + du) + (v + dv) * (v + dv) > before
+    if yields == 0:
+        return False
+    slips = 0
+    for i in range(limit.size):
+        u, v = stretch[0, i], stretch[1, i]
+        before = max(sqrt((u - du) * (u - du) + (v - dv) * (v - dv)), onset[i])
+        length, wide = sqrt(u * u + v * v), max(limit[i] - onset[i], TINY)
+        stuck = sqrt(max(1.0 - (before - onset[i]) / wide, 0.0))
+        stuck = max(stuck - 0.5 * max(length - before, 0.0) / wide, 0.0)
+        share = (onset[i] + wide * (1.0 - stuck * stuck)) / max(length, TINY) if length > before else 1.0
+        stretch[0, i], stretch[1, i] = u * share, v * share
+        slips += length > before and stuck < 1e-7
+    return slips == limit.size
 
 
 @kernel
@@ -244,8 +280,9 @@ def force_of_springs(bound, stretch):
 
 
 @kernel
-def compressions(hertzian, depth, bound, rest, limit):
-    """Fill `limit` with the springs' compressions over the force [N] that they carry [m/N]; their share of Coulomb's limit."""
+def compressions(hertzian, depth, bound, rest, onset, limit):
+    """Fill `limit` with the springs' mean compressions over the force [N] that they carry [m/N], their share of Coulomb's
+    limit, and `onset` with those at their outer bounds."""
     if hertzian:
         set_rest(bound[bound.size - 1], depth, bound, rest)
     carried, below = 0.0, 0.0
@@ -253,27 +290,30 @@ def compressions(hertzian, depth, bound, rest, limit):
         limit[i] = max(depth - rest[i], 0.0)
         carried += (bound[i] - below) * limit[i]
         below = bound[i]
-    scale = 1.0 / carried if carried > 0.0 else 0.0
+    scale, last, below = 1.0 / carried if carried > 0.0 else 0.0, bound.size - 1, 0.0
     for i in range(bound.size):
         limit[i] *= scale
+    for i in range(last):
+        inner, outer = bound[i] - below, bound[i + 1] - bound[i]
+        onset[i] = (limit[i] * outer + limit[i + 1] * inner) / max(inner + outer, TINY)
+        below = bound[i]
+    onset[last] = 0.0
 
 
 @kernel
-def slip(most, ratio, du, dv, bound, stretch, limit):
+def slip(most, ratio, du, dv, bound, stretch, onset, limit):
     """Displace the springs by (du, dv) [m] under Coulomb's limit `most` [N] of the contact.
 
-    limit: of `compressions`, overwritten. Returns both shear forces [N], work and stored energy [J], the share of the contact's
-    stiffness that sticks, from 0 to 1, and whether all springs slip.
+    onset, limit: of `compressions`, overwritten. Returns both shear forces [N], work and stored energy [J], the share of the
+    contact's stiffness that sticks, from 0 to 1, and whether all springs slip.
     """
     top = bound[bound.size - 1]
     for i in range(bound.size):
         limit[i] *= most / ratio
+        onset[i] = min(onset[i] * (most / ratio), limit[i])
     shorten(stretch, limit)  # the compression fell: slip without displacement
     before_u, before_v, _ = force_of_springs(bound, stretch)
-    for i in range(bound.size):
-        stretch[0, i] += du
-        stretch[1, i] += dv
-    slides = shorten(stretch, limit) == bound.size
+    slides = displace(du, dv, onset, limit, stretch)
     first, second, energy = force_of_springs(bound, stretch)
     work = 0.5 * ratio * ((before_u + first) * du + (before_v + second) * dv)
     moved = top * (du * du + dv * dv)
@@ -354,14 +394,14 @@ def compress(curve, depth, bound, rest):
 
 
 @loop
-def slip_loop(rule, shape, p, overlap, along, across, ratio, friction, ladder, state, row, curve, results):
+def slip_loop(rule, shape, p, overlap, along, across, ratio, friction, state, row, curve, results):
     """`levels.levels_loop` with a row of springs, by the stiffness with which the contact would unload.
 
-    ladder: of `ladder_of`. row: (9, springs) zeros: bounds, `rest`, stretches in two rows, and memory for steps. curve: (2,
-    SAMPLES) for the unloading curve.
+    row: (6, springs) zeros: bounds, `rest`, stretches in two rows, and memory for steps. curve: (2, SAMPLES) for the unloading
+    curve.
     """
     work = 0.0
-    bound, rest, stretch, scratch, limit = row[0], row[1], row[2:4], row[4:8], row[8]
+    bound, rest, stretch, onset, limit = row[0], row[1], row[2:4], row[4], row[5]
     for n in range(overlap.size):
         force, tangent, new = step(rule, shape, p, overlap[n], gather(state, 0))
         scatter(state, 0, new)
@@ -369,14 +409,14 @@ def slip_loop(rule, shape, p, overlap, along, across, ratio, friction, ladder, s
         first, second, stored = 0.0, 0.0, 0.0
         if top > 0.0 and force > 0.0:
             hertzian, depth = unloads_by_hertz(rule), depth_of(rule, overlap[n], new)
-            set_springs(hertzian, ladder, top, force, depth, bound, rest, stretch, scratch)
+            set_springs(hertzian, top, force, depth, bound, rest, stretch)
             if not has_springs(rule):
                 read_unloading_curve(rule, shape, p, overlap[n], new, top, curve)
                 compress(curve, depth, bound, rest)
             du = along[n] - along[n - 1] if n > 0 else 0.0
             dv = across[n] - across[n - 1] if n > 0 else 0.0
-            compressions(hertzian, depth, bound, rest, limit)
-            first, second, step_work, stored, _, _ = slip(friction[n] * force, ratio, du, dv, bound, stretch, limit)
+            compressions(hertzian, depth, bound, rest, onset, limit)
+            first, second, step_work, stored, _, _ = slip(friction[n] * force, ratio, du, dv, bound, stretch, onset, limit)
             work += step_work
         else:
             row[:] = 0.0

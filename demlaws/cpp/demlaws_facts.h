@@ -27,9 +27,10 @@ constexpr const char *const SHEAR_NAMES[] = {"", "elastic", "loading", "slip"};
 constexpr int LEVELS = 3, MOST_LEVELS = 8; // by default; at most
 constexpr double EMPTY_LEVEL = 1e-09; // of K_t: a level of less stiffness counts as empty
 constexpr double LARGEST_SHEAR_RATIO = 1.3333333333333333; // K_t/K
-// Partial slip: springs by default, their ladder; see core/slip.py.
+// Partial slip: springs by default, and where they are divided or joined; see core/slip.py.
 constexpr int SPRINGS = 10;
-constexpr double LADDER[] = {0.4093, 0.6484, 0.7924, 0.8732, 0.9262, 0.9605, 0.9786, 0.9892, 0.9958, 1.0}, LADDER_SLACK = 1.3, LADDER_FARTHEST = 3.0;
+constexpr double SPRING_THIN = 0.05, SPRING_WIDE = 1.5, SPRING_LARGE_CYCLES = 4.0,
+                 SPRING_SPARE = 4.0, SPRING_FARTHEST = 1.6;
 
 // First line of a table file, and its keys. need: "always", "" (optional), or a rule or key with which it is needed.
 // words: a blank between, "number", "triples" of numbers, "" for any text. both: of an unloading curve, too.

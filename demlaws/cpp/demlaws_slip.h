@@ -78,21 +78,6 @@ private:
   double *const bound_, *const rest_, *const u_, *const v_;
   const int springs_, last_;
 
-  // Bounds over the stiffness of the contact.
-  static const double *ladder(int springs) {
-    if (springs == SPRINGS) return LADDER;
-    struct Ladders {
-      double values[MOST + 1][MOST];
-      Ladders() {
-        for (int n = 2; n <= MOST; n++) {
-          const double growth = 1. + 6.4 / n, whole = pow(growth, n);
-          for (int i = 0; i < n; i++) values[n][i] = (whole - pow(growth, n - 1 - i)) / (whole - 1.);
-        }
-      }
-    };
-    static const Ladders ladders;
-    return ladders.values[springs];
-  }
   double below(int i) const { return i > 0 ? bound_[i - 1] : 0.; }
 
   // Force [N] and energy [J] for K_t / K = 1.
@@ -115,29 +100,58 @@ private:
                             double *most, double *kept, double *force, double &energy) {
     const int n = springs_;
     const double depth = curve.depth, du = d[0], dv = d[1];
+    double onset[MOST], width[MOST];
     if (curve.hertzian) set_rest(top, depth, rest);
     double carried = 0., low = 0.;
     for (int i = 0; i < n; i++) most[i] = std::max(depth - rest[i], 0.);
     for (int i = 0; i < n; i++) {
-      carried += (bound_[i] - low) * most[i];
+      width[i] = bound_[i] - low;
+      carried += width[i] * most[i];
       low = bound_[i];
     }
     const double scale = carried > 0. ? limit / carried : 0.;
     for (int i = 0; i < n; i++) most[i] *= scale;
+    for (int i = 0; i < n - 1; i++)
+      onset[i] = std::min((most[i] * width[i + 1] + most[i + 1] * width[i]) / std::max(width[i] + width[i + 1], 1e-300),
+                          most[i]);
+    onset[n - 1] = 0.;
     shorten(n, most, u_, v_); // the compression fell: slip without displacement
     sum(kept);
-    for (int i = 0; i < n; i++) {
-      u_[i] += du;
-      v_[i] += dv;
-    }
-    shorten(n, most, u_, v_);
+    displace(n, du, dv, onset, most, u_, v_);
     energy = sum(force);
   }
-  // Without a branch.
+  // Loops without a branch, where there is anything to do.
   DEMLAWS_INLINE static void shorten(int n, const double *most, double *u, double *v) {
+    int longer = 0;
+    for (int i = 0; i < n; i++) longer += u[i] * u[i] + v[i] * v[i] > most[i] * most[i];
+    if (longer == 0) return;
     for (int i = 0; i < n; i++) {
       const double square = std::max(u[i] * u[i] + v[i] * v[i], most[i] * most[i]),
                    share = most[i] / std::sqrt(std::max(square, 1e-300));
+      u[i] *= share;
+      v[i] *= share;
+    }
+  }
+  // A spring stretched beyond `onset` follows less and less, up to its limit.
+  DEMLAWS_INLINE static void displace(int n, double du, double dv, const double *onset, const double *most, double *u,
+                                      double *v) {
+    double before[MOST];
+    int yields = 0;
+    for (int i = 0; i < n; i++) {
+      before[i] = std::max(u[i] * u[i] + v[i] * v[i], onset[i] * onset[i]);
+      u[i] += du;
+      v[i] += dv;
+      yields += u[i] * u[i] + v[i] * v[i] > before[i];
+    }
+    if (yields == 0) return;
+    for (int i = 0; i < n; i++) {
+      const double from = std::sqrt(before[i]), length = std::sqrt(u[i] * u[i] + v[i] * v[i]),
+                   wide = std::max(most[i] - onset[i], 1e-300),
+                   stuck = std::max(std::sqrt(std::max(1. - (from - onset[i]) / wide, 0.)) -
+                                        0.5 * std::max(length - from, 0.) / wide,
+                                    0.),
+                   reached = (onset[i] + wide * (1. - stuck * stuck)) / std::max(length, 1e-300),
+                   share = length > from ? reached : 1.;
       u[i] *= share;
       v[i] *= share;
     }
@@ -151,40 +165,47 @@ private:
 
   // The contact has the stiffness `top` now.
   DEMLAWS_INLINE void set(double top, const UnloadingCurve &curve, double *rest) {
-    const double held = bound_[last_], *const steps = ladder(springs_);
+    const double held = bound_[last_], lowest = std::min(top, held), thin = SPRING_THIN / springs_ * top;
     int edge = last_;
-    if (!(held > 0.)) return begin(top, curve, steps, rest);
-    if (top < held) {
-      if (top <= bound_[last_ - 1]) {
-        edge = 0;
-        for (int i = 0; i < last_; i++) edge += bound_[i] < top;
-        for (int i = edge; i < last_; i++) bound_[i] = top;
+    while (edge > 0 && bound_[edge - 1] >= lowest) edge--;
+    const bool opened = held == 0. || (edge < last_ && top < held);
+    if (held > 0. && top > held) {
+      const double low = below(edge);
+      if (top - low <= thin) {
+        u_[edge] *= (held - low) / (top - low);
+        v_[edge] *= (held - low) / (top - low);
+      } else {
+        if (edge == last_) join(rest);
+        else edge++;
+        u_[edge] = v_[edge] = 0.;
       }
-      bound_[last_] = top;
-    } else if (top > held) {
-      const double low = bound_[last_ - 1], share = (held - low) / (top - low);
-      bound_[last_] = top;
-      u_[last_] *= share;
-      v_[last_] *= share;
     }
+    if (held == 0.) edge = begin(top, curve, rest);
+    for (int i = edge; i < springs_; i++) bound_[i] = top;
     if (!curve.hertzian) rest[edge] = curve.depth - outermost(top, curve, edge, rest);
-    if (edge < last_) divide(top, curve, steps, edge, rest);
-    else if (top > held && bound_[last_ - 1] < top - LADDER_SLACK * (1. - steps[last_ - 1]) * top)
-      lift(top, curve, steps, rest);
-  }
-  // A new contact: its curve is taken as a power law.
-  __attribute__((noinline, cold)) void begin(double top, const UnloadingCurve &curve, const double *steps,
-                                             double *rest) {
-    const double power = curve.force / std::max(top * curve.depth - curve.force, 1e-12 * curve.force);
-    double low = 0., integral_below = 0.;
-    for (int i = 0; i < springs_; i++) {
-      const double integral = curve.depth * top * pow(steps[i], power + 1.) / (power + 1.);
-      bound_[i] = steps[i] * top;
-      rest[i] = (integral - integral_below) / (bound_[i] - low);
-      low = bound_[i];
-      integral_below = integral;
+    if (opened || top - below(edge) > SPRING_WIDE * thin) {
+      if (curve.hertzian) set_rest(top, curve.depth, rest);
+      edge = grade(edge, curve.depth, rest);
+    }
+    for (int i = edge + 1; i < springs_; i++) {
+      rest[i] = curve.depth;
       u_[i] = v_[i] = 0.;
     }
+  }
+  // A new contact: its curve is taken as a power law. Returns the outermost spring.
+  __attribute__((noinline, cold)) int begin(double top, const UnloadingCurve &curve, double *rest) {
+    const double power = curve.force / std::max(top * curve.depth - curve.force, 1e-12 * curve.force);
+    double share = 1., low = 0., integral_below = 0.;
+    int edge = 0;
+    for (; edge < last_ && share > SPRING_WIDE * SPRING_THIN / springs_; edge++) {
+      share *= 0.5;
+      bound_[edge] = (1. - share) * top;
+      const double integral = curve.depth * top * pow(1. - share, power + 1.) / (power + 1.);
+      rest[edge] = (integral - integral_below) / (bound_[edge] - low);
+      low = bound_[edge];
+      integral_below = integral;
+    }
+    return edge;
   }
   // Mean compression of the outermost spring: what the others leave of the force.
   __attribute__((noinline)) double outermost(double top, const UnloadingCurve &curve, int edge,
@@ -198,95 +219,87 @@ private:
     if (edge == 0) return mean;
     const double straight =
         std::max(curve.depth - rest[edge - 1], 0.) * 0.5 * width / (top - 0.5 * (low + below(edge - 1)));
-    return std::min(std::max(mean, straight / LADDER_FARTHEST), straight * LADDER_FARTHEST);
+    return std::min(std::max(mean, straight / SPRING_FARTHEST), straight * SPRING_FARTHEST);
   }
-  // Moves the bounds that are below their steps.
-  __attribute__((noinline)) void lift(double top, const UnloadingCurve &curve, const double *steps, double *rest) {
-    double bound[MOST], touched[MOST], u[MOST], v[MOST], start = 0., low = 0.;
-    std::copy(bound_, bound_ + springs_, bound);
-    if (!curve.hertzian) std::copy(rest, rest + springs_, touched);
-    std::copy(u_, u_ + springs_, u);
-    std::copy(v_, v_ + springs_, v);
-    for (int i = 0, j = 0; i < springs_; i++) {
-      const double high = std::max(steps[i] * top, bound[i]), from = low;
-      double sums = 0., first = 0., second = 0.;
-      while (low < high) {
-        const double end = std::min(bound[j], high);
-        if (end > low) {
-          if (!curve.hertzian)
-            sums += (end - low) *
-                    (touched[j] + 0.5 * slope(curve.depth, bound, touched, start, j) * (low + end - start - bound[j]));
-          first += (end - low) * u[j];
-          second += (end - low) * v[j];
-          low = end;
-        }
-        if (low < high) start = bound[j++];
+  // Error of the loss that one spring makes: in small cycles and in large ones.
+  static double error(double low, double high, double top) {
+    const double width = high - low, small = width / (top - low), large = width / top;
+    return small * small + SPRING_LARGE_CYCLES * large * large;
+  }
+  // Joins the two neighbours whose union errs least; the outermost spring is free then.
+  __attribute__((noinline)) void join(double *rest) {
+    double least = HUGE_VAL;
+    int at = 0;
+    for (int i = 0; i < last_ - 1; i++) {
+      const double one = error(below(i), bound_[i + 1], bound_[last_]);
+      if (one < least) {
+        least = one;
+        at = i;
       }
-      const double width = high - from;
-      bound_[i] = high;
-      u_[i] = width > 0. ? first / width : u[j];
-      v_[i] = width > 0. ? second / width : v[j];
-      if (!curve.hertzian) rest[i] = width > 0. ? sums / width : touched[j];
     }
+    const double share = (bound_[at] - below(at)) / (bound_[at + 1] - below(at)), other = 1. - share;
+    rest[at] = share * rest[at] + other * rest[at + 1];
+    u_[at] = share * u_[at] + other * u_[at + 1];
+    v_[at] = share * v_[at] + other * v_[at + 1];
+    bound_[at] = bound_[at + 1];
+    for (int i = at + 1; i < last_; i++) copy(i + 1, i, rest);
   }
-  // Of the overlap at touch over the stiffness, in spring j above `start`.
-  double slope(double depth, const double *bound, const double *touched, double start, int j) const {
-    const double width = bound[j] - start;
-    if (j == last_) return 2. * (depth - touched[j]) / width;
-    const double before = j > 0 ? start - (j > 1 ? bound[j - 2] : 0.) : -width;
-    return (touched[j + 1] - touched[std::max(j - 1, 0)]) / (0.5 * (before + bound[j + 1] - bound[j]) + width);
+  void copy(int from, int to, double *rest) {
+    bound_[to] = bound_[from];
+    rest[to] = rest[from];
+    u_[to] = u_[from];
+    v_[to] = v_[from];
   }
-  // Divides springs that contain the most steps of the ladder, while there are empty ones behind `edge`, the outermost.
-  __attribute__((noinline)) void divide(double top, const UnloadingCurve &curve, const double *steps, int edge,
-                                        double *rest) {
-    while (edge < last_) {
-      int most = 0, at = -1, step = last_ - 1;
-      double place = 0.;
-      for (int j = edge; j >= 0; j--) {
-        const int highest = step;
-        while (step >= 0 && steps[step] * top > below(j)) step--;
-        if (highest - step > most) {
-          most = highest - step;
-          at = j;
-          place = steps[(highest + step + 1) / 2] * top;
+  // The spring inside the outermost one that is worth a division; -1: none.
+  int widest(int edge) const {
+    double most = 0., least = HUGE_VAL;
+    int at = -1;
+    for (int i = 0; i < edge; i++) {
+      const double one = error(below(i), bound_[i], bound_[edge]);
+      if (one > most) {
+        most = one;
+        at = i;
+      }
+      least = std::min(least, error(below(i), bound_[i + 1], bound_[edge]));
+    }
+    return most > SPRING_SPARE * least ? at : -1;
+  }
+  // Divides springs, the outermost one first, and joins others for it where none is free; returns the outermost.
+  __attribute__((noinline)) int grade(int edge, double depth, double *rest) {
+    const double top = bound_[last_];
+    while (true) {
+      int at = edge;
+      const bool wide = top - below(edge) > SPRING_WIDE * SPRING_THIN / springs_ * top;
+      if (wide && (edge < last_ || last_ > 1)) { // of two springs none is left to be joined
+        if (edge == last_) {
+          join(rest);
+          at = --edge;
         }
-      }
-      if (at < 0) break;
-      const double low = below(at), high = bound_[at];
-      if (!curve.hertzian) {
-        const double whole = (high - low) * rest[at],
-                     part = integral(at, place, low, high, whole, curve.depth, top, rest);
-        for (int j = edge + 1; j > at; j--) rest[j] = rest[j - 1];
-        rest[at] = part / (place - low);
-        rest[at + 1] = (whole - part) / (high - place);
-      }
-      for (int j = edge + 1; j > at; j--) {
-        bound_[j] = bound_[j - 1];
-        u_[j] = u_[j - 1];
-        v_[j] = v_[j - 1];
-      }
-      bound_[at] = place;
+      } else at = edge < last_ ? widest(edge) : -1;
+      if (at < 0) return edge;
+      const double mean = depth - rest[at],
+                   quarter = 0.25 * std::min(std::max(fall_within(at, depth, edge, rest), 0.), 3. * mean);
+      for (int i = edge; i >= at; i--) copy(i, i + 1, rest);
+      bound_[at] = 0.5 * (below(at) + bound_[at]);
+      rest[at] = depth - mean - quarter;
+      rest[at + 1] = depth - mean + quarter;
       edge++;
     }
-    for (int j = edge + 1; j < springs_; j++) {
-      bound_[j] = top;
-      rest[j] = curve.depth;
-      u_[j] = u_[edge];
-      v_[j] = v_[edge];
-    }
   }
-  // Of the overlap at touch over the stiffness from `low` to `place`, taken as a power from 0 on; whole: to `high`.
-  double integral(int at, double place, double low, double high, double whole, double depth, double top,
-                  const double *rest) const {
-    double inside = 0., part;
-    for (int j = 0; j < at; j++) inside += (bound_[j] - below(j)) * rest[j];
-    if (inside > 0.) part = inside * pow(place / low, log1p(whole / inside) / log(high / low)) - inside;
-    else if (!(whole > 0.)) return 0.;
-    else if (high < top)
-      part =
-          whole * pow(place / high, log1p((bound_[at + 1] - high) * rest[at + 1] / whole) / log(bound_[at + 1] / high));
-    else part = whole * pow(place / high, depth * top / whole);
-    return std::min(std::max(part, 0.), whole);
+  // Fall of the compression from the inner to the outer bound of a spring.
+  double fall_within(int at, double depth, int edge, const double *rest) const {
+    if (edge == 0) return depth;
+    const double before = at > 0 ? bound_[at - 1] - below(at - 1) : 0., width = bound_[at] - below(at),
+                 after = at < edge ? bound_[at + 1] - bound_[at] : 0., mean = depth - rest[at];
+    if (at == 0)
+      return (rest[1] * width * width + rest[0] * after * (2. * after + 3. * width)) /
+             ((width + after) * (width + after));
+    if (at == edge)
+      return ((depth - rest[at - 1]) * width * width + mean * before * (2. * before + 3. * width)) /
+             ((width + before) * (width + before));
+    const double outside = (2. * before + width) / (after + width) * (rest[at + 1] - rest[at]),
+                 inside = (2. * after + width) / (before + width) * (rest[at] - rest[at - 1]);
+    return width / (before + width + after) * (outside + inside);
   }
 };
 

@@ -130,8 +130,8 @@ def row_dtype(levels, floats, springs):
     if levels:
         fields += [("bound", "f8", (levels,)), ("stretch", "f8", (levels, 3))]
     if springs:
-        fields += [("tangent", "f8", (2, 3)), *[(name, "f8", (springs,)) for name in ("bound", "rest", "limit")]]
-        fields += [("spring", "f8", (2, springs)), ("scratch", "f8", (4, springs))]
+        fields += [("tangent", "f8", (2, 3)), *[(name, "f8", (springs,)) for name in ("bound", "rest", "onset", "limit")]]
+        fields += [("spring", "f8", (2, springs))]
     return np.dtype([*fields, ("hertz", "f8")])
 
 

@@ -4,7 +4,7 @@ Compiled code, loaded for shear="slip" only."""
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import kernel
-from demlaws.core.slip import SPRINGS, compressions, depth_of, ladder_of, set_springs, slip, unloads_by_hertz
+from demlaws.core.slip import compressions, depth_of, set_springs, slip, unloads_by_hertz
 from demlaws.yade import layout, objects
 from demlaws.yade.mindlin import advance, limit_of_native_step, reduce_dashpot, supports_options, turned
 from demlaws.yade.records import (
@@ -21,16 +21,14 @@ from demlaws.yade.records import (
 )
 from demlaws.yade.shear import Slip, account, is_changed
 
-LADDER = ladder_of(SPRINGS)
-
 
 @kernel
 def place_springs(mode, rule, shape, p, row, overlap, force, stiffness, state):
     """`shear.compress` with springs: their bounds and compressions."""
     if stiffness > 0.0 and overlap > 0.0 and force > 0.0:
         hertzian, depth = unloads_by_hertz(rule), depth_of(rule, overlap, state)
-        set_springs(hertzian, LADDER, stiffness, force, depth, row.bound, row.rest, row.spring, row.scratch)
-        compressions(hertzian, depth, row.bound, row.rest, row.limit)
+        set_springs(hertzian, stiffness, force, depth, row.bound, row.rest, row.spring)
+        compressions(hertzian, depth, row.bound, row.rest, row.onset, row.limit)
 
 
 @kernel
@@ -50,7 +48,7 @@ def step_of_springs(geom, row, stiffness, limit):
     displacement = scaled(-1.0, vector(geom.shearInc))  # positive along the force that it makes
     first, second = vector(row.tangent[0]), vector(row.tangent[1])
     du, dv = dot(displacement, first), dot(displacement, second)
-    along, across, work, stored, stuck, slides = slip(limit, row.ratio, du, dv, row.bound, row.spring, row.limit)
+    along, across, work, stored, stuck, slides = slip(limit, row.ratio, du, dv, row.bound, row.spring, row.onset, row.limit)
     account(row, stiffness, stored, work - (stored - row.held))
     return minus_scaled(scaled(along, first), -across, second), stuck, slides
 

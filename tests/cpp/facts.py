@@ -44,9 +44,10 @@ constexpr const char *const SHEAR_NAMES[] = {{{shear_names}}};
 constexpr int LEVELS = {shear.DEFAULT_LEVELS}, MOST_LEVELS = {shear.MOST_LEVELS}; // by default; at most
 constexpr double EMPTY_LEVEL = {shear.EMPTY}; // of K_t: a level of less stiffness counts as empty
 constexpr double LARGEST_SHEAR_RATIO = {shear.LARGEST_SHEAR_RATIO!r}; // K_t/K
-// Partial slip: springs by default, their ladder; see core/slip.py.
-constexpr int SPRINGS = {slip.SPRINGS};
-constexpr double LADDER[] = {{{ladder}}}, LADDER_SLACK = {slip.SLACK}, LADDER_FARTHEST = {slip.FARTHEST};
+// Partial slip: springs by default, and where they are divided or joined; see core/slip.py.
+constexpr int SPRINGS = {shear.SPRINGS};
+constexpr double SPRING_THIN = {slip.THIN}, SPRING_WIDE = {slip.WIDE}, SPRING_LARGE_CYCLES = {slip.LARGE_CYCLES},
+                 SPRING_SPARE = {slip.SPARE}, SPRING_FARTHEST = {slip.FARTHEST};
 
 // First line of a table file, and its keys. need: "always", "" (optional), or a rule or key with which it is needed.
 // words: a blank between, "number", "triples" of numbers, "" for any text. both: of an unloading curve, too.
@@ -126,7 +127,6 @@ def header():
         modulus=units.RANGES["modulus"].low,
         shear=shear,
         slip=slip,
-        ladder=", ".join(map(repr, slip.STEPS)),
         grid=grid,
         file=table_grammar,
         units=units,
