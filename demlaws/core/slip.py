@@ -29,6 +29,8 @@ the forces before and after it times the displacement, no step dissipates less t
 Twin: demlaws/cpp/demlaws_slip.h.
 """
 
+import math
+
 import numpy as np
 
 from demlaws.core.dispatch import gather, generic, scatter, step, unloaded
@@ -47,6 +49,8 @@ LARGE_CYCLES = 4.0
 """Weight of large cycles against small ones in the error of a spring."""
 SPARE = 4.0
 """A spring is divided where it errs this many times more than the best union of two would."""
+COARSE = 2.0
+"""It is also divided where it is this many times wider than a row of so many springs needs."""
 FARTHEST = 1.6
 """Largest ratio of the outermost spring's compression to that of a straight line from its neighbour, and its inverse."""
 TINY = 1e-300
@@ -92,7 +96,7 @@ def widest(edge, bound):
             most, at = error, i
         least = min(least, spring_error(low, bound[i + 1], bound[edge]))
         low = bound[i]
-    return at if most > SPARE * least else -1
+    return at if most > min(SPARE * least, (COARSE * math.log(bound.size / THIN) / bound.size) ** 2) else -1
 
 
 @kernel

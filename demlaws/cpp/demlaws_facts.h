@@ -30,7 +30,8 @@ constexpr double LARGEST_SHEAR_RATIO = 1.3333333333333333; // K_t/K
 // Partial slip: springs by default, and where they are divided or joined; see core/slip.py.
 constexpr int SPRINGS = 10;
 constexpr double SPRING_THIN = 0.05, SPRING_WIDE = 1.5, SPRING_LARGE_CYCLES = 4.0,
-                 SPRING_SPARE = 4.0, SPRING_FARTHEST = 1.6;
+                 SPRING_SPARE = 4.0, SPRING_COARSE = 2.0,
+                 SPRING_FARTHEST = 1.6;
 
 // First line of a table file, and its keys. need: "always", "" (optional), or a rule or key with which it is needed.
 // words: a blank between, "number", "triples" of numbers, "" for any text. both: of an unloading curve, too.

@@ -25,18 +25,18 @@ struct UnloadingCurve {
 };
 
 // What a contact keeps: the bounds of the springs' stiffnesses [N/m], rising, the last one the contact's own; the mean
-// overlaps at which they touched [m], but for the last one; their stretches [m], the first components, then the second
+// overlaps at which they touched [m]; their stretches [m], the first components, then the second
 // ones; the first unit vector (Motion). All zeros: no shear force. The numbers are the caller's.
 class SpringRow {
 public:
   static const int MOST = 22; // LIGGGHTS has room for 99 values per contact
-  static int size(int springs) { return 4 * springs + 2; }
-  static const int MOST_SIZE = 4 * MOST + 2;
+  static int size(int springs) { return 4 * springs + 3; }
+  static const int MOST_SIZE = 4 * MOST + 3;
   static bool may_have(double springs) { return springs == (int)springs && springs >= 2. && springs <= MOST; }
   // Whether a number has the other sign seen from the other body: see Motion.
-  static bool changes_sign(int number, int springs) { return number >= 2 * springs - 1 && number < 3 * springs - 1; }
+  static bool changes_sign(int number, int springs) { return number >= 2 * springs && number < 3 * springs; }
   SpringRow(double *numbers, int springs)
-      : bound_(numbers), rest_(numbers + springs), u_(numbers + 2 * springs - 1), v_(numbers + 3 * springs - 1),
+      : bound_(numbers), rest_(numbers + springs), u_(numbers + 2 * springs), v_(numbers + 3 * springs),
         springs_(springs), last_(springs - 1) {}
 
   double energy(double ratio) const {
@@ -57,9 +57,9 @@ public:
       return step;
     }
     double rest[MOST], most[MOST];
-    if (!curve.hertzian) std::copy(rest_, rest_ + last_, rest);
+    if (!curve.hertzian) std::copy(rest_, rest_ + springs_, rest);
     set(stiffness, curve, rest);
-    if (!curve.hertzian) std::copy(rest, rest + last_, rest_);
+    if (!curve.hertzian) std::copy(rest, rest + springs_, rest_);
     slip(stiffness, curve, limit / ratio, d, rest, most, kept, after, step.energy);
     step.energy *= ratio;
     step.work = 0.;
@@ -262,7 +262,8 @@ private:
       }
       least = std::min(least, error(below(i), bound_[i + 1], bound_[edge]));
     }
-    return most > SPRING_SPARE * least ? at : -1;
+    const double coarse = SPRING_COARSE * log(springs_ / SPRING_THIN) / springs_;
+    return most > std::min(SPRING_SPARE * least, coarse * coarse) ? at : -1;
   }
   // Divides springs, the outermost one first, and joins others for it where none is free; returns the outermost.
   __attribute__((noinline)) int grade(int edge, double depth, double *rest) {

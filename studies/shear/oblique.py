@@ -14,7 +14,7 @@ from demlaws.core.dispatch import step
 from demlaws.core.levels import move
 from demlaws.core.numba_compat import loop
 from demlaws.core.shear import DEFAULT_LEVELS
-from demlaws.core.slip import compressions, ladder_of, set_springs, slip
+from demlaws.core.slip import compressions, set_springs, slip
 
 ANGLE = np.array([1.84, 3.7, 9.5, 20.0, 30.1, 39.4, 49.7, 60.0])
 """Angles of impact from the normal [degrees]."""
@@ -40,7 +40,7 @@ class Impact(NamedTuple):
 
 
 @loop
-def oblique_loop(rule, shape, p, mass, normal, sideways, ratio, friction, dt, model, levels, ladder):
+def oblique_loop(rule, shape, p, mass, normal, sideways, ratio, friction, dt, model, levels, springs):
     """Velocity Verlet from touch to separation: tangential velocity of the centre and ω R afterwards [m/s].
 
     model: 0 displacement kept, 1 force kept, 2 levels, 3 springs.
@@ -48,7 +48,7 @@ def oblique_loop(rule, shape, p, mass, normal, sideways, ratio, friction, dt, mo
     overlap, approach, velocity, spin = 0.0, normal, sideways, 0.0
     force, shear, stretch = 0.0, 0.0, 0.0
     bound, stretches = np.zeros(levels), np.zeros((2, levels))
-    row = np.zeros((9, ladder.size))
+    row = np.zeros((6, springs))
     for _ in range(10_000_000):
         approach -= 0.5 * dt * force / mass
         velocity -= 0.5 * dt * shear / mass
@@ -59,9 +59,9 @@ def oblique_loop(rule, shape, p, mass, normal, sideways, ratio, friction, dt, mo
             break
         force, stiffness, _ = step(rule, shape, p, overlap, ())
         if model == 3:
-            set_springs(False, ladder, stiffness, force, overlap, row[0], row[1], row[2:4], row[4:8])
-            compressions(False, overlap, row[0], row[1], row[8])
-            shear = slip(friction * force, ratio, moved, 0.0, row[0], row[2:4], row[8])[0]
+            set_springs(False, stiffness, force, overlap, row[0], row[1], row[2:4])
+            compressions(False, overlap, row[0], row[1], row[4], row[5])
+            shear = slip(friction * force, ratio, moved, 0.0, row[0], row[2:4], row[4], row[5])[0]
         elif model == 2:
             shear = move(bound, stretches, ratio * stiffness, moved, 0.0, friction * force)[0]
         else:
@@ -95,7 +95,7 @@ def rebound(law, mass, friction, *, ratio, velocity, model, steps=2000, springs=
         duration / steps,
         number,
         levels if number == 2 else 1,
-        ladder_of(springs),
+        springs,
     )
 
 

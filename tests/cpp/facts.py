@@ -47,7 +47,8 @@ constexpr double LARGEST_SHEAR_RATIO = {shear.LARGEST_SHEAR_RATIO!r}; // K_t/K
 // Partial slip: springs by default, and where they are divided or joined; see core/slip.py.
 constexpr int SPRINGS = {shear.SPRINGS};
 constexpr double SPRING_THIN = {slip.THIN}, SPRING_WIDE = {slip.WIDE}, SPRING_LARGE_CYCLES = {slip.LARGE_CYCLES},
-                 SPRING_SPARE = {slip.SPARE}, SPRING_FARTHEST = {slip.FARTHEST};
+                 SPRING_SPARE = {slip.SPARE}, SPRING_COARSE = {slip.COARSE},
+                 SPRING_FARTHEST = {slip.FARTHEST};
 
 // First line of a table file, and its keys. need: "always", "" (optional), or a rule or key with which it is needed.
 // words: a blank between, "number", "triples" of numbers, "" for any text. both: of an unloading curve, too.
