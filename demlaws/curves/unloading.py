@@ -113,6 +113,16 @@ def refuse_unless_passive(law: Any) -> None:
         )
 
 
+def unloading_curve_at(law: Any, p: Any, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Overlap [m] and stiffness [N/m] at loads [N] of the curve along which a contact of Params `p` unloads: Hertz's or a given
+    one."""
+    if not isinstance(p, JoinedParams):
+        overlap = np.cbrt(force / p.hertz_coefficient) ** 2
+        return overlap, 1.5 * p.hertz_coefficient ** (2 / 3) * np.cbrt(force)
+    overlap = inverse_loop(law.shape.unloading, p.unloading, force)
+    return overlap, force_loop(law.shape.unloading, p.unloading, overlap)[1]
+
+
 def largest_stiffness_ratio(law: Any) -> tuple[float, float]:
     """Largest K(P)/K_U(P) of first loading over 1e-12 to 0.1 of the radius, and the force [N] where it occurs.
 
@@ -129,14 +139,10 @@ def largest_stiffness_ratio(law: Any) -> tuple[float, float]:
         overlap = np.sort(np.append(overlap, [step * (1.0 + 1e-12) for step in steps if step < 0.1 * radius]))
         force, stiffness = force_loop(law.shape, p, overlap)
         usable = np.isfinite(force) & (force > 0)
-        if isinstance(p, JoinedParams):
-            elastic = inverse_loop(law.shape.unloading, p.unloading, force)
-            _, other = force_loop(law.shape.unloading, p.unloading, elastic)
-            usable &= elastic > 0.0  # at a seating load the curve is a step; beyond its end there is none
-            if not np.any(usable):
-                raise DemlawsError("the unloading curve has no load in common with the law: is it for another contact?")
-        else:
-            other = 1.5 * p.hertz_coefficient ** (2 / 3) * np.cbrt(force)
+        elastic, other = unloading_curve_at(law, p, force)
+        usable &= elastic > 0.0  # at a seating load the curve is a step; beyond its end there is none
+        if not np.any(usable):
+            raise DemlawsError("the unloading curve has no load in common with the law: is it for another contact?")
         ratio = stiffness[usable] / other[usable]
         k = int(np.argmax(ratio))
         if ratio[k] > largest:
