@@ -90,8 +90,8 @@ def limited(curve: MeasuredCurve, along: Callable, rtol: float, whose: str) -> t
     by = f"{change[worst]:.2g} N at {force[worst]:.3g} N"
     if excess[worst] > 1.0:
         raise NotPassive(
-            f"points: {at}, so that unloading would return more work than loading took; a curve that is nowhere stiffer is off by "
-            f"{by}, where the standard uncertainty of the force is {sigma[worst]:.2g} N (at most {WIDEST:g} times that is "
+            f"points: {at}, so that unloading would return more work than loading took; a curve that is nowhere stiffer is off "
+            f"by {by}, where the standard uncertainty of the force is {sigma[worst]:.2g} N (at most {WIDEST:g} times that is "
             "allowed): use unloading 'elastic', or check the modulus, the radius and the zero of the overlap"
         )
     text = f"stiffness limited to that of {whose}"

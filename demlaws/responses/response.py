@@ -118,6 +118,9 @@ class Response(Bound):
 
     def _out_of_range(self, overlap):
         radius = float(np.max(self.contact.radius))
+        last = self.curve.largest_force(loading_part(self.params))
+        if overlap > float(np.min(self.curve.end(loading_part(self.params)))):
+            return f"overlap {overlap:g} m is beyond that of max_force = {last:g} N, up to which law {self.name!r} is defined"
         text = f"overlap up to {overlap:g} m gives a force that is not finite: the contact's radius is {radius:g} m"
         end = self._largest_unloading_force()
         return text if end == math.inf else f"{text}, and its unloading curve is a table that ends at {end:g} N"
@@ -174,7 +177,9 @@ class Response(Bound):
         return as_given(result.reshape(shape))
 
     def _force_out_of_range(self, force):
-        return f"force up to {force:g} N has no finite overlap"
+        last = self.curve.largest_force(loading_part(self.params))
+        beyond = f": law {self.name!r} is defined up to max_force = {last:g} N" if force > last else ""
+        return f"force up to {force:g} N has no finite overlap{beyond}"
 
     def energy(self, overlap: ArrayLike) -> Any:
         """Work ∫P dδ of first loading.
