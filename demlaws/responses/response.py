@@ -384,11 +384,14 @@ class Response(Bound):
         -------
         Path
         """
+        state = self.new_state(1) if state is None else state
         values, _, arrays = self._path_of(overlap, state)
         columns = [np.empty(values.size) for _ in range(4)]
         history = tuple(np.zeros(values.size) for _ in self.state_names)
-        follow_loop(self.rule_tag, self.shape, self.params, values, arrays, history, *columns)
+        banked = follow_loop(self.rule_tag, self.shape, self.params, values, arrays, history, *columns)
         force, stiffness, stored, dissipated = columns
+        dissipated += state.banked
+        state.banked += banked
         if not np.all(np.isfinite(force)):
             raise DemlawsError(self._out_of_range(float(values.max())))
         self._warn_of_limits(force)

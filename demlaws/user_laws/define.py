@@ -271,7 +271,7 @@ def _finder(force, stiffness):
 
 
 def _end_of(force, stiffness):
-    """Kernel: the overlap [m], at most R, at which a contact carries `max_force`, found from below: beyond it forces may fall."""
+    """Kernel: the overlap [m], at most R, at which a contact carries `max_force`, found from below: beyond it may fall."""
     find = _finder(force, stiffness)
 
     @kernel
