@@ -125,7 +125,7 @@ class Response(Bound):
         end = self._largest_unloading_force()
         return text if end == math.inf else f"{text}, and its unloading curve is a table that ends at {end:g} N"
 
-    def force(self, overlap: ArrayLike) -> Any:
+    def force(self, overlap: ArrayLike) -> float | np.ndarray:
         """Force P of first loading.
 
         Parameters
@@ -140,7 +140,7 @@ class Response(Bound):
         """
         return as_given(self._force_and_stiffness(overlap)[0])
 
-    def stiffness(self, overlap: ArrayLike) -> Any:
+    def stiffness(self, overlap: ArrayLike) -> float | np.ndarray:
         """Tangent stiffness K = dP/dδ of first loading.
 
         Parameters
@@ -155,7 +155,7 @@ class Response(Bound):
         """
         return as_given(self._force_and_stiffness(overlap)[1])
 
-    def overlap(self, force: ArrayLike) -> Any:
+    def overlap(self, force: ArrayLike) -> float | np.ndarray:
         """Overlap δ at which first loading carries a force.
 
         Parameters
@@ -181,7 +181,7 @@ class Response(Bound):
         beyond = f": law {self.name!r} is defined up to max_force = {last:g} N" if force > last else ""
         return f"force up to {force:g} N has no finite overlap{beyond}"
 
-    def energy(self, overlap: ArrayLike) -> Any:
+    def energy(self, overlap: ArrayLike) -> float | np.ndarray:
         """Work ∫P dδ of first loading.
 
         Parameters
