@@ -25,6 +25,8 @@ UNEVEN = (
 )
 MOST_UNEVEN = 50.0
 """Ratio of the largest weight's scatter to the smallest above which the law does not describe the points."""
+OUTLIER = 6.0
+"""Distance from the law, over the robust scatter, from which on a point is named: of normal noise one in 5e8."""
 FEW_POINTS = 15
 """Points beyond the number of quantities from which on their scatter shows where it is larger."""
 _IMPROBABLE = 1e-3  # probability of a larger χ², with the given noise, below which a misfit is systematic
@@ -102,6 +104,18 @@ def fitted(model, displacement_noise, force_noise):
                 "if known"
             )
     return _report(model, x, squares, displacement_noise is not None, notes)
+
+
+def _outliers(model, residual):
+    """A note that names the points whose residual is far above the scatter of the others (1.48 times the median)."""
+    size = np.abs(residual)
+    far = np.flatnonzero(size > OUTLIER * 1.4826 * np.median(size))
+    if not 0 < far.size < 0.1 * size.size or not np.median(size) * model.scale > 1e-9 * np.ptp(model.measured):
+        return []
+    places = ", ".join(f"{model.force[k]:.4g} N at {1e6 * model.measured[k]:.4g} µm" for k in far[:3])
+    more = ", ..." if far.size > 3 else ""
+    what = "1 point is" if far.size == 1 else f"{far.size} points are"
+    return [f"{what} far from the law ({places}{more}), above {OUTLIER:g} times the scatter: outliers? Leave them out"]
 
 
 def _correlation(residual, significance=2.0):
@@ -182,6 +196,8 @@ def _report(model, x, squares, absolute, notes):
         notes.append(SYSTEMATIC)
     if systematic and correlation < 0.0:
         notes.append(ALTERNATING)
+    if not systematic:
+        notes += _outliers(model, residual)
     solution = _Solution(x, squares, jacobian, variance, widening, at_bound, idle, weak)
     errors, ends, covariance = _intervals(model, solution, width, absolute)
     estimates = _estimates(model, solution, errors, ends)

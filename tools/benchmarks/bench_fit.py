@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 import demlaws as dl
-from demlaws.advice.fit_model import APPARATUS, COMPLIANCE, FORCE_ZERO, ZERO, parameters
+from demlaws.advice.fit_model import APPARATUS, COMPLIANCE, DRIFT, FORCE_ZERO, ZERO, parameters
 from demlaws.core.history import history as history_loop
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import quiet
@@ -88,6 +88,11 @@ CASES = (
         )
         for kind, value, maker in (("yields", YIELD[name], ()), ("never yields", math.inf, made_by))
     ),
+    *(
+        Case(f"drift by {1e6 * drift:g} µm, {law}", law, "hertz", PAIR, {**truth, DRIFT: drift}, (), CYCLE, 2e-8)
+        for law, truth in (("rms", {"sigma": 2.4e-6}), ("pohrt-popov", FRACTAL))
+        for drift in (0.0, 4e-7)
+    ),
     Case("ten points", "rms", "hertz", PAIR, {"sigma": 2.4e-6}, ("sigma",), CYCLE[::7], 3e-8),
 )
 
@@ -110,6 +115,7 @@ def made(case, seed):
     before = np.flatnonzero(~touching)
     overlap[before] = -np.linspace(8e-6, 0.0, before.size)
     displacement = overlap + MEET + case.truth.get(COMPLIANCE, 0.0) * case.force
+    displacement += case.truth.get(DRIFT, 0.0) * np.linspace(0.0, 1.0, case.force.size)
     displacement += case.noise * random.standard_normal(case.force.size)
     force = case.force + case.truth.get(FORCE_ZERO, 0.0)
     return np.column_stack([displacement, force + case.force_noise * random.standard_normal(case.force.size)])
