@@ -25,6 +25,10 @@ UNEVEN = (
 )
 MOST_UNEVEN = 50.0
 """Ratio of the largest weight's scatter to the smallest above which the law does not describe the points."""
+SORTED = (
+    "the displacement never falls, while the force falls in {} of {} rows: if these are sorted by displacement, do not trust "
+    "the fit; give them in the order of the test"
+)
 OUTLIER = 6.0
 """Distance from the law, over the robust scatter, from which on a point is named: of normal noise one in 5e8."""
 FEW_POINTS = 15
@@ -104,6 +108,12 @@ def fitted(model, displacement_noise, force_noise):
                 "if known"
             )
     return _report(model, x, squares, displacement_noise is not None, notes)
+
+
+def _falls_of_sorted(displacement, force):
+    """Rows in which the force falls, of rows in the order of their displacement; 0 where these are fewer than a tenth."""
+    falls = int(np.sum(np.diff(force) < 0.0))
+    return falls if np.all(np.diff(displacement) >= 0.0) and 10 * falls >= force.size else 0
 
 
 def _outliers(model, residual):
@@ -192,6 +202,8 @@ def _report(model, x, squares, absolute, notes):
     misfit = float(np.sqrt(np.mean((model.measured - predicted) ** 2)))
     systematic &= misfit > 1e-9 * np.ptp(model.measured)  # below it is rounding: a law of points without noise
     variance, widening = (1.0, 1.0) if absolute else (squares / (n - k), widening)
+    if falls := _falls_of_sorted(model.measured, model.force):
+        notes.append(SORTED.format(falls, n - 1))
     if systematic:
         notes.append(SYSTEMATIC)
     if systematic and correlation < 0.0:
