@@ -503,7 +503,8 @@ def as_contact(value: Any) -> Contact:
 
 def contact_at(contact: Contact, index: int) -> Contact:
     """The contact at this place in an array; a single one is at every place."""
-    values = {name: np.broadcast_to(getattr(contact, name), contact.size or index + 1)[index] for name in PER_CONTACT}
+    given = {name: value for name in PER_CONTACT if (value := getattr(contact, name)) is not None}
+    values = {name: np.broadcast_to(value, contact.size or index + 1)[index] for name, value in given.items()}
     return replace(contact, **values)
 
 

@@ -15,7 +15,7 @@ from demlaws.core.loops import equal_params, loading_part, params_at
 from demlaws.core.unloading import GIVEN
 from demlaws.curves.closed import FormulaCurve
 from demlaws.curves.unloading import ELASTIC, Unloading, beside_table, refuse_unless_passive
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, NotPassive
 from demlaws.files import names_a_file, write_atomically
 from demlaws.laws.definition import HERTZ_CURVE
 from demlaws.responses.response import Response
@@ -194,14 +194,19 @@ def composed(contact: Contact, curve: "FormulaCurve | TableCurve", unloading: Un
 
 def join(contact: Contact, curve: "FormulaCurve | TableCurve", unloading: "str | os.PathLike | Law") -> Any:
     """A curve of first loading joined with the unloading that a user named; NotPassive where the pair returns work."""
+    law = join_unchecked(contact, curve, unloading)
+    refuse_unless_passive(law)
+    return law
+
+
+def join_unchecked(contact: Contact, curve: "ClosedForm | TableCurve", unloading: "str | os.PathLike | Law") -> Any:
+    """A curve of first loading joined with the unloading that a user named, whether the pair returns work or not."""
     named = read_unloading(unloading)
     if isinstance(named, Law):
         parts = Unloading(curve.definition.rule(GIVEN), named.curve, named.contact)
     else:
         parts = Unloading(curve.definition.rule(named))
-    law = composed(contact, curve, _adapted(parts, contact, curve))
-    refuse_unless_passive(law)
-    return law
+    return composed(contact, curve, _adapted(parts, contact, curve))
 
 
 def _adapted(unloading, contact, curve):
@@ -476,9 +481,9 @@ class Table(Law):
         DemlawsError
             If points do not follow a rising curve, or are fewer than six; with overlap and force.
         """
-        from demlaws.curves.user_curves import curve_of_points
+        from demlaws.curves.user_curves import curve_of_points, limited_by_unloading
 
-        curve = curve_of_points(
+        curve, measured = curve_of_points(
             points,
             contact,
             uncertainty=uncertainty,
@@ -487,4 +492,9 @@ class Table(Law):
             name=name,
             description=description,
         )
-        return join(contact, curve, unloading)
+        law = join_unchecked(contact, curve, unloading)
+        try:
+            refuse_unless_passive(law)
+        except NotPassive:
+            return join(contact, limited_by_unloading(curve, measured, law), unloading)
+        return law

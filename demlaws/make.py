@@ -8,12 +8,20 @@ import numpy as np
 from demlaws.contact import Contact, as_contact
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.curves.closed import FormulaCurve
+from demlaws.curves.unloading import refuse_unless_passive
 from demlaws.errors import DemlawsError, did_you_mean
-from demlaws.law import Law, join, read_unloading
+from demlaws.law import Law, join, join_unchecked, read_unloading
 from demlaws.laws.registry import find, registry
 
 
-def law(name: str, contact: Contact, unloading: str | os.PathLike | Law | None = None, **options: Any) -> Law:
+def law(
+    name: str,
+    contact: Contact,
+    unloading: str | os.PathLike | Law | None = None,
+    *,
+    max_force: float | str | None = None,
+    **options: Any,
+) -> Law:
     """Bind a law to a contact and join it with an unloading rule.
 
     Parameters
@@ -27,6 +35,9 @@ def law(name: str, contact: Contact, unloading: str | os.PathLike | Law | None =
         `Table` or the path of a saved table, along which the contact unloads through its largest overlap. The contact of
         that curve is this one, or one in a constant ratio to it. Default: that of the law, "hertz" for rough contacts, its
         own rule for a law that has one, else "elastic".
+    max_force : float, optional
+        Largest force [N] of the contacts. The law is then a `Table` within 1e-5 that ends there (in the engines, too), and only
+        up to its end must the pair return no work. Of a law with an option of this name, that option.
     **options : float or str
         Options of the law, for instance ``yield_pressure=1.66e9``; `demlaws laws NAME` lists them.
 
@@ -53,8 +64,16 @@ def law(name: str, contact: Contact, unloading: str | os.PathLike | Law | None =
     """
     definition = find(name)
     as_contact(contact)
+    if max_force is not None and "max_force" in definition.options:
+        options, max_force = options | {"max_force": max_force}, None
     curve = FormulaCurve(definition, contact, options)
-    return join(contact, curve, definition.default_rule(**curve.options) if unloading is None else unloading)
+    unloading = definition.default_rule(**curve.options) if unloading is None else unloading
+    if max_force is None:
+        return join(contact, curve, unloading)
+    bound = join_unchecked(contact, curve, unloading)
+    table = bound.tabulate(max_force=max_force)
+    refuse_unless_passive(bound, table.largest_force)
+    return table
 
 
 def check_unloading(unloading: Any) -> "str | Law":

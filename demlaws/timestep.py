@@ -263,8 +263,8 @@ def stiffest_now(law: Law, force: np.ndarray, largest_overlap: np.ndarray | None
     ndarray
         Stiffness [N/m].
     """
-    loaded = law.overlap(force)
-    largest = law.stiffness(loaded)
+    loaded = np.asarray(law.overlap(force))
+    largest = np.asarray(law.stiffness(loaded))
     if not law.state_size:
         return largest
     state, highest = law.new_state(force.size), loaded if largest_overlap is None else np.maximum(largest_overlap, loaded)

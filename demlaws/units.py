@@ -158,9 +158,15 @@ def number(value, name, unit="", low=0.0, high=math.inf, allow_low=False):
     if math.isfinite(result) and (low < result or (allow_low and low == result)) and result <= high:
         return result
     end = "" if high == math.inf else f" and at most {high:g}"
-    raise DemlawsError(
-        f"{name} = {result:g} {unit}".rstrip() + f": must be {'at least' if allow_low else 'above'} {low:g}{end}"
-    )
+    text = as_typed(value, unit)
+    unit = "" if text.endswith(unit and f" {unit}") else f" {unit}"
+    raise DemlawsError(f"{name} = {text}: must be {'at least' if allow_low else 'above'} {low:g}{end}{unit}")
+
+
+def as_typed(value, unit=""):
+    """A number with its unit in words: as the user typed it, in Python or at the command line, else in SI."""
+    typed = value if isinstance(value, str) else getattr(value, "typed", "")
+    return typed.strip() or f"{float(value):g} {unit}".rstrip()
 
 
 def positive(value, name, unit):

@@ -8,7 +8,7 @@ import pytest
 
 import demlaws as dl
 from demlaws.errors import LONGEST_TEXT
-from demlaws.units import quantity
+from demlaws.units import number, quantity
 
 PAIR = dl.Contact(4e-3, 32e9)
 
@@ -51,3 +51,13 @@ def test_an_overlap_beyond_all_numbers_is_one_error(use):
         getattr(law, use)(np.array([1e308]))
     with pytest.raises(dl.DemlawsError, match="not enough memory"):
         law.joined("hertz").new_state(10**15)
+
+
+def test_a_number_that_is_refused_is_shown_as_typed():
+    """In the unit of the text, and the bounds with theirs."""
+    with pytest.raises(dl.DemlawsError, match=r"^width = 5cm: must be above 0 and at most 0\.01 m$"):
+        number("5cm", "width", "m", 0.0, 0.01)
+    with pytest.raises(dl.DemlawsError, match=r"^width = 0\.05 m: must be above 0 and at most 0\.01$"):
+        number(0.05, "width", "m", 0.0, 0.01)
+    with pytest.raises(dl.DemlawsError, match=r"^count = 0: must be above 0$"):
+        number("0", "count")

@@ -82,7 +82,8 @@ def fit(
     free : sequence of str, optional
         Quantities to fit: of the contact, of the laws (`Fitting.parameters`), of the apparatus ("compliance",
         "drift": displacement [m] in proportion to the rows, "force_zero"). An empty list fits none.
-        Default: `Fitting.free` and "force_zero", which may be left out if the load cell was tared in air.
+        Default: `Fitting.free`, "force_zero", which may be left out if the load cell was tared in air, and, if the points
+        unload, "drift", which may be left out of a test without creep and at constant temperature.
     options : dict, optional
         Name of the law → fixed options.
     displacement_noise : float, optional
@@ -185,8 +186,10 @@ class _TestData(NamedTuple):
         }
         model = Model(name, rule, free, contact=self.contact, options=self.options.get(name, {}), **points)
         one = fitted(model, self.displacement_noise, self.force_noise)
-        if self.free is None and FORCE_ZERO in free and one.parameters[FORCE_ZERO].cause == WEAK:
-            return self.fit(name, rule, [n for n in free if n != FORCE_ZERO])  # a straight line has one zero
+        # a straight line has one zero; the displacement of a cycle of few points may drift in many ways
+        for quantity in (DRIFT, FORCE_ZERO) if self.free is None else ():
+            if quantity in free and one.parameters[quantity].cause == WEAK:
+                return self.fit(name, rule, [n for n in free if n != quantity])
         return one
 
 
@@ -209,6 +212,8 @@ def _models_to_fit(names, rules, free, force, distinct):
             raise DemlawsError(f"{few}: at least {len(variables) + 4} are needed for {name}")
         if free is None and distinct >= len(variables) + 5:
             variables.append(FORCE_ZERO)
+        if free is None and unloads and distinct >= len(variables) + 6:
+            variables.append(DRIFT)  # loading alone does not tell it from the law
         for rule in rules or (definition.unloading if unloads else ("elastic",)):
             # first loading alone does not show a quantity of the unloading curve
             yield name, rule, [n for n in variables if rule != "elastic" or n not in fields or not fields[n].unloading]

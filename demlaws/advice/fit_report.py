@@ -25,6 +25,12 @@ UNEVEN = (
 )
 MOST_UNEVEN = 50.0
 """Ratio of the largest weight's scatter to the smallest above which the law does not describe the points."""
+SORTED = (
+    "the displacement never falls, while the force falls in {} of {} rows: if these are sorted by displacement, do not trust "
+    "the fit; give them in the order of the test"
+)
+OUTLIER = 6.0
+"""Distance from the law, over the robust scatter, from which on a point is named: of normal noise one in 5e8."""
 FEW_POINTS = 15
 """Points beyond the number of quantities from which on their scatter shows where it is larger."""
 _IMPROBABLE = 1e-3  # probability of a larger χ², with the given noise, below which a misfit is systematic
@@ -104,6 +110,24 @@ def fitted(model, displacement_noise, force_noise):
     return _report(model, x, squares, displacement_noise is not None, notes)
 
 
+def _falls_of_sorted(displacement, force):
+    """Rows in which the force falls, of rows in the order of their displacement; 0 where these are fewer than a tenth."""
+    falls = int(np.sum(np.diff(force) < 0.0))
+    return falls if np.all(np.diff(displacement) >= 0.0) and 10 * falls >= force.size else 0
+
+
+def _outliers(model, residual):
+    """A note that names the points whose residual is far above the scatter of the others (1.48 times the median)."""
+    size = np.abs(residual)
+    far = np.flatnonzero(size > OUTLIER * 1.4826 * np.median(size))
+    if not 0 < far.size < 0.1 * size.size or not np.median(size) * model.scale > 1e-9 * np.ptp(model.measured):
+        return []
+    places = ", ".join(f"{model.force[k]:.4g} N at {1e6 * model.measured[k]:.4g} µm" for k in far[:3])
+    more = ", ..." if far.size > 3 else ""
+    what = "1 point is" if far.size == 1 else f"{far.size} points are"
+    return [f"{what} far from the law ({places}{more}), above {OUTLIER:g} times the scatter: outliers? Leave them out"]
+
+
 def _correlation(residual, significance=2.0):
     """Correlation of neighbouring residuals; 0 unless it is significant (2.5 % to each side; 0.1 % with 3 deviations)."""
     spread = float(np.sum(residual**2))
@@ -178,10 +202,14 @@ def _report(model, x, squares, absolute, notes):
     misfit = float(np.sqrt(np.mean((model.measured - predicted) ** 2)))
     systematic &= misfit > 1e-9 * np.ptp(model.measured)  # below it is rounding: a law of points without noise
     variance, widening = (1.0, 1.0) if absolute else (squares / (n - k), widening)
+    if falls := _falls_of_sorted(model.measured, model.force):
+        notes.append(SORTED.format(falls, n - 1))
     if systematic:
         notes.append(SYSTEMATIC)
     if systematic and correlation < 0.0:
         notes.append(ALTERNATING)
+    if not systematic:
+        notes += _outliers(model, residual)
     solution = _Solution(x, squares, jacobian, variance, widening, at_bound, idle, weak)
     errors, ends, covariance = _intervals(model, solution, width, absolute)
     estimates = _estimates(model, solution, errors, ends)

@@ -122,7 +122,7 @@ def contact_from(arguments, base=None, **measured):
     """
     from demlaws import granite
     from demlaws.contact import Contact, combined_roughness, effective_radius, refuse_rough
-    from demlaws.units import refuse_plain_radius
+    from demlaws.units import as_typed, refuse_plain_radius
 
     bodies = bodies_from(arguments)
     pair = bodies and Contact.between(*bodies, radius1=1.0, radius2=1.0)
@@ -137,7 +137,7 @@ def contact_from(arguments, base=None, **measured):
     }
     if (radii := _pair(arguments, "radius", "effective_radius")) is not None:
         if len(arguments.radius) < 2:
-            one = f"{arguments.radius[0]:g}"
+            one = as_typed(arguments.radius[0])
             raise DemlawsError(
                 f"--radius {one}: give both bodies, --radius {one} flat for a sphere on a flat, --radius {one} {one} for two "
                 "equal spheres (or --effective-radius)"
@@ -145,7 +145,7 @@ def contact_from(arguments, base=None, **measured):
         for value in radii:
             refuse_plain_radius("--radius", value)
             if not value > 0.0:
-                raise DemlawsError(f"--radius = {value:g} m: a radius must be positive (flat for a flat)")
+                raise DemlawsError(f"--radius = {as_typed(value, 'm')}: a radius must be positive (flat for a flat)")
         if radii == (math.inf, math.inf):
             raise DemlawsError("--radius flat flat: two flats have no Hertz contact; give one a radius in m")
         given["radius"] = effective_radius(*radii)

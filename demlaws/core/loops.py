@@ -92,7 +92,10 @@ def energies_loop(rule, shape, params, overlap, state):
 
 @loop
 def follow_loop(rule, shape, p, overlap, state, history, force, stiffness, stored, dissipated):
-    """One contact along a path; `state` (arrays of length 1) goes in as it is and comes out as the path leaves it."""
+    """One contact along a path; `state` (arrays of length 1) goes in as it is and comes out as the path leaves it.
+
+    Returns what the contact has dissipated [J] before it opened, over all its openings.
+    """
     banked = 0.0
     for i in range(overlap.size):
         old = gather(state, 0)
@@ -104,6 +107,7 @@ def follow_loop(rule, shape, p, overlap, state, history, force, stiffness, store
         energies = stored_and_dissipated(rule, shape, p, overlap[i], new)
         stored[i] = energies[0]
         dissipated[i] = banked + energies[1]
+    return banked
 
 
 # --- params

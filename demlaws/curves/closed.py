@@ -3,6 +3,8 @@
 import math
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from demlaws.contact import Contact
 from demlaws.core.table_types import NO_YIELD, BulkYield, TableShape
 from demlaws.laws.definition import Definition
@@ -37,13 +39,13 @@ class FormulaCurve:
         """Overlaps [m] at which the stiffness of one contact's curve jumps or has a kink."""
         return list(self.definition.loading.kinks(p, **self.options))
 
-    def end(self, params: Any) -> float:
-        """Overlap [m] at which the curve ends."""
-        return math.inf
+    def end(self, params: Any) -> Any:
+        """Overlap [m] at which the curve ends, one per contact: that of the Params of a law with a largest force."""
+        return getattr(params, "largest_overlap", math.inf)
 
     def largest_force(self, params: Any) -> float:
         """Force [N] at the end of the curve."""
-        return math.inf
+        return float(np.min(getattr(params, "max_force", math.inf)))
 
     def bulk(self, p: Any, hertz_coefficient: float, length: float, highest: float) -> BulkYield:
         """`BulkYield` in units of `length` [m], where the bulk yields below the dimensionless overlap `highest`."""

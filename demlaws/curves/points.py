@@ -56,7 +56,8 @@ class MeasuredCurve:
         departure = np.abs(self.evaluate(overlap)[0] - force)
         self._refuse_departures(overlap, force, sigma, without, departure, fit.noise)
         curve, text = np.exp(fit.curve), "smoothing spline by restricted likelihood"
-        error = fit.error * curve if self.x.size >= FEWEST_FOR_UNCERTAINTY else np.full(curve.size, np.nan)
+        self.points, self.error = (overlap, force), fit.error * curve
+        error = self.error if self.x.size >= FEWEST_FOR_UNCERTAINTY else np.full(curve.size, np.nan)
         self.knots = Knots(np.exp(fit.at), curve, error, int(sigma.size), float(departure.max()), text)
 
     def _set_curve(self, overlap, force, sigma):

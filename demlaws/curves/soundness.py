@@ -160,8 +160,9 @@ def _panel_errors(rise, integral):
 
 def curve_checks(shape: Any, params: Any, radius: float, solved: bool = False) -> Iterator[Check]:
     """`Check`s of the curve of one contact's params, the cheapest first. solved: read from cells, whose edges are kinks."""
-    overlap = radius * np.geomspace(LOWEST, HIGHEST, _POINTS)
-    dense = radius * np.geomspace(LOWEST, HIGHEST, _DENSE)
+    end = getattr(params, "largest_overlap", math.inf)
+    top = min(HIGHEST * radius, end * (1.0 - 1e-12))
+    overlap, dense = (np.geomspace(LOWEST * radius, top, count) for count in (_POINTS, _DENSE))
     force, stiffness, equivalent, area = curve_loop(shape, params, overlap)
     yield _refusal("force not finite, negative or falling", fault_of_values(overlap, force, stiffness))
     yield _refusal("the same at 200,000 overlaps", fault_of_values(dense, *curve_loop(shape, params, dense)[:2]))
@@ -220,7 +221,8 @@ def refuse_unsound(definition, shape, contact, options) -> None:
 def refuse_unsound_rule(name, rule, shape, params, radius) -> None:
     """Raise DemlawsError where a law's own rule (its `Rule`) is none on one contact."""
     for share in (1e-7, 1e-5, 1e-3, 2e-2):
-        text = _fault_of_rule(rule, shape, params, share * radius)
+        top = min(share * radius, 0.999 * getattr(params, "largest_overlap", math.inf))
+        text = _fault_of_rule(rule, shape, params, top)
         if text is not None:
             raise DemlawsError(f"law {name!r} cannot be used with its rule {rule.name!r} (R = {radius:g} m): {text}")
 

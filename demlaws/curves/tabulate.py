@@ -9,7 +9,7 @@ import numpy as np
 
 from demlaws.contact import Contact, contact_at
 from demlaws.core.dispatch import first_loading
-from demlaws.core.grid import MOST_BITS, Nodes, grid, shape_from_nodes
+from demlaws.core.grid import MOST_BITS, Nodes, grid, node, node_number, shape_from_nodes
 from demlaws.core.loops import bind_params, clamped_roughness, clamped_roughnesses, force_loop, inverse_loop
 from demlaws.core.table_types import NO_YIELD
 from demlaws.curves.closed import Certificate
@@ -125,6 +125,7 @@ def _smallest_table(source, contact, lengths, *, rtol, name, span, first_bits=1,
     )
 
 
+_BITS_TO_AN_END = 5  # cells of at most a 32nd of an octave: so much of the overlap, at most, is lost below the end of a law
 RADII_SERVED = 10.0  # a table that collapses reaches to a tenth of so many times its contact's radius
 
 
@@ -150,6 +151,12 @@ def tabulate(contact: Contact, curve: Any, rtol: float, largest_overlap: float |
     else:
         largest = float(np.max(largest_overlap) / length) * (1.0 + 1e-9)
     params, plain = bind_params(curve.shape, one), plain_params(curve.shape, one)
+    end = math.inf if curve.tabulated else float(np.min(curve.end(params))) / length
+
+    def span(bits):
+        # the last cell ends below the end of a law with a largest force
+        return min(largest, node(node_number(end, bits), bits) * (1.0 - 1e-12)) if end < 1.001 * largest else largest
+
     kinks = [k / length for k in curve.kinks(plain)]
     coefficient = 4.0 * float(one.modulus) * math.sqrt(one.radius) / 3.0  # a law's own may be that of a blunter bulk
     exact, rows = functools.partial(force_loop, curve.shape, params), _interpreted(curve.shape, plain)
@@ -160,7 +167,8 @@ def tabulate(contact: Contact, curve: Any, rtol: float, largest_overlap: float |
         lengths,
         rtol=rtol,
         name=definition.name,
-        span=lambda bits: largest,
+        span=span,
+        first_bits=_BITS_TO_AN_END if end < math.inf else 1,
         bulk=lambda highest: curve.bulk(plain, coefficient, length, highest),
         straight=curve.starts_from_force,
     )

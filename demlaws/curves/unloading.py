@@ -25,6 +25,8 @@ class Unloading(NamedTuple):
 
 
 ELASTIC = Unloading(RULES["elastic"])
+_LOADED = 1e-5
+"""Overlap over R from which on a contact is loaded: below it, `max_force` would leave no use of a law."""
 
 
 def joined_shape(shape: Any, contact: Contact, unloading: Unloading) -> Any:
@@ -91,11 +93,12 @@ def _ratios(contact, other):
     return ratios
 
 
-def refuse_unless_passive(law: Any) -> None:
-    """Raise NotPassive unless at every load K(P) is at most that of the unloading curve; for Hertz-like rules, Hertz's."""
+def refuse_unless_passive(law: Any, max_force: float = math.inf) -> None:
+    """Raise NotPassive unless at every load, up to `max_force` [N], K(P) is at most that of the unloading curve; for Hertz-like
+    rules, Hertz's."""
     if law.unloading_parts.rule.curve not in ("hertz", "given"):
         return
-    excess, force = largest_stiffness_ratio(law)
+    excess, force, first = largest_stiffness_ratio(law, max_force)
     curve = law.unloading_parts.curve
     # the stiffness of a table is as exact as its certificate states
     uncertainty = 0.0 if curve is None else law.curve.certificate.stiffness_error + curve.certificate.stiffness_error
@@ -104,6 +107,8 @@ def refuse_unless_passive(law: Any) -> None:
         ratio = f"{excess:.4g}" if excess > 1.001 else f"1 + {excess - 1.0:.1g}"
         other = law.definition.default_rule(**law.options)
         remedy, more = (other, "") if other != law.unloading else ("elastic", ", or other options of the law")
+        if first > 0.0 and not law.curve.tabulated:
+            more += f", or, if no contact carries more than {first:.3g} N, max_force (demlaws.law)"
         raise NotPassive(
             f"law {law.name!r} cannot take {law.unloading!r} unloading: at {force:.3g} N its stiffness is {ratio} times "
             f"{whose}, so that unloading would return more work than loading took; "
@@ -111,12 +116,23 @@ def refuse_unless_passive(law: Any) -> None:
         )
 
 
-def largest_stiffness_ratio(law: Any) -> tuple[float, float]:
-    """Largest K(P)/K_U(P) of first loading over 1e-12 to 0.1 of the radius, and the force [N] where it occurs.
+def unloading_curve_at(law: Any, p: Any, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Overlap [m] and stiffness [N/m] at loads [N] of the curve along which a contact of Params `p` unloads: Hertz's or a given
+    one."""
+    if not isinstance(p, JoinedParams):
+        overlap = np.cbrt(force / p.hertz_coefficient) ** 2
+        return overlap, 1.5 * p.hertz_coefficient ** (2 / 3) * np.cbrt(force)
+    overlap = inverse_loop(law.shape.unloading, p.unloading, force)
+    return overlap, force_loop(law.shape.unloading, p.unloading, overlap)[1]
+
+
+def largest_stiffness_ratio(law: Any, max_force: float = math.inf) -> tuple[float, float, float]:
+    """Largest K(P)/K_U(P) of first loading over 1e-12 to 0.1 of the radius and up to `max_force` [N], the force [N] where it
+    occurs, and one up to which it is at most 1: 0 where that is no load of a contact.
 
     K_U is the stiffness of the given unloading curve, or else Hertz's.
     """
-    contact, largest, where = law.contact, 0.0, 0.0
+    contact, largest, where, first = law.contact, 0.0, 0.0, math.inf
     for index in contact.representatives():
         p = params_at(law.params, index)
         radius = float(np.broadcast_to(contact.radius, contact.size or 1)[index])
@@ -126,17 +142,16 @@ def largest_stiffness_ratio(law: Any) -> tuple[float, float]:
         steps = [] if isinstance(part, TableParams) else law.curve.kinks(part)
         overlap = np.sort(np.append(overlap, [step * (1.0 + 1e-12) for step in steps if step < 0.1 * radius]))
         force, stiffness = force_loop(law.shape, p, overlap)
-        usable = np.isfinite(force) & (force > 0)
-        if isinstance(p, JoinedParams):
-            elastic = inverse_loop(law.shape.unloading, p.unloading, force)
-            _, other = force_loop(law.shape.unloading, p.unloading, elastic)
-            usable &= elastic > 0.0  # at a seating load the curve is a step; beyond its end there is none
-            if not np.any(usable):
-                raise DemlawsError("the unloading curve has no load in common with the law: is it for another contact?")
-        else:
-            other = 1.5 * p.hertz_coefficient ** (2 / 3) * np.cbrt(force)
+        usable = np.isfinite(force) & (force > 0) & (force <= max_force)
+        elastic, other = unloading_curve_at(law, p, force)
+        usable &= elastic > 0.0  # at a seating load the curve is a step; beyond its end there is none
+        if not np.any(usable):
+            raise DemlawsError("the unloading curve has no load in common with the law: is it for another contact?")
         ratio = stiffness[usable] / other[usable]
         k = int(np.argmax(ratio))
         if ratio[k] > largest:
             largest, where = float(ratio[k]), float(force[usable][k])
-    return largest, where
+        above = int(np.argmax(ratio > 1.0 + 1e-9))  # 0: also where there is none
+        loaded = ratio[above] > 1.0 + 1e-9 and overlap[usable][above] > _LOADED * radius
+        first = min(first, 0.99 * float(force[usable][above]) if loaded else math.inf if ratio[k] <= 1.0 + 1e-9 else 0.0)
+    return largest, where, first

@@ -1,5 +1,6 @@
 """Curves of first loading of a user: a function force(overlap), or measured points, as the parts of a `Table`."""
 
+import functools
 import itertools
 import math
 import re
@@ -10,13 +11,14 @@ from typing import Any
 import numpy as np
 
 from demlaws.contact import Contact
-from demlaws.core.loops import bind_params
+from demlaws.core.loops import bind_params, params_at
 from demlaws.curves.point_files import columns_of
 from demlaws.curves.points import MeasuredCurve
 from demlaws.curves.soundness import fault_of_slope, fault_of_values
 from demlaws.curves.table import TableCurve
 from demlaws.curves.table_file import definition_of_table
 from demlaws.curves.tabulate import tabulate_given
+from demlaws.curves.unloading import unloading_curve_at
 from demlaws.errors import DemlawsError, warn
 from demlaws.laws.registry import registry
 from demlaws.units import SMALL_OVERLAP, check_overlaps, number, positive
@@ -40,8 +42,8 @@ def curve_of_function(force, contact, largest_overlap, *, stiffness, kinks, scal
     return table
 
 
-def curve_of_points(points, contact, *, uncertainty, scales_with, rtol, name, description) -> TableCurve:
-    """The curve of `Table.from_points`."""
+def curve_of_points(points, contact, *, uncertainty, scales_with, rtol, name, description) -> tuple:
+    """(curve of `Table.from_points`, the `MeasuredCurve` that it is made of)."""
     definition = _definition(contact, name, description, scales_with)
     overlap, force = columns_of(points)
     _check_loading_alone(overlap, force)
@@ -49,7 +51,19 @@ def curve_of_points(points, contact, *, uncertainty, scales_with, rtol, name, de
     check_overlaps(curve.largest, contact.radius)
     table = replace(tabulate_given(curve, definition, contact, rtol), knots=curve.knots)
     _warn_of_other_units(table, contact, curve.largest)
-    return table
+    return table, curve
+
+
+def limited_by_unloading(table: TableCurve, measured: MeasuredCurve, law: Any) -> TableCurve:
+    """A table of measured points that `law` joins with an unloading which it exceeds in stiffness, limited to that stiffness.
+
+    NotPassive where the noise of the points does not explain the excess.
+    """
+    from demlaws.curves.limited import limited
+
+    along = functools.partial(unloading_curve_at, law, params_at(law.params, 0))
+    curve, knots = limited(measured, along, table.rtol, f"unloading {law.unloading!r}")
+    return replace(tabulate_given(curve, table.definition, law.contact, table.rtol), knots=knots)
 
 
 def _check_loading_alone(overlap, force):

@@ -9,15 +9,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.errors import DemlawsError
-from demlaws.units import as_float
+from demlaws.units import as_float, number
 
 
 class State:
     """History of n contacts: one array for each state variable of the unloading rule; all zero before first loading.
 
     `state.maximum_overlap` is that array; `state.maximum_overlap = saved` sets its values. A state can be copied and
-    pickled, to go on later.
+    pickled, to go on later. `state.banked` is what a contact followed by `Law.follow` has dissipated before it last opened [J].
     """
+
+    names: tuple
+    arrays: tuple
+    banked: float
 
     def __init__(self, names, size, dtype=np.float64):
         try:
@@ -30,7 +34,7 @@ class State:
             raise DemlawsError(
                 f"a state of n = {size!r:.60} contacts in {dtype!r:.60}: give a whole number and float64 or float32"
             ) from None
-        self.__dict__.update(names=tuple(names), arrays=arrays)
+        self.__dict__.update(names=tuple(names), arrays=arrays, banked=0.0)
 
     def __getattr__(self, name: str) -> np.ndarray:
         # of an object that pickle or copy has not filled yet there is nothing to look up
@@ -40,6 +44,9 @@ class State:
         raise AttributeError(f"this state has {', '.join(names) or 'no quantities'}, not {name!r}")
 
     def __setattr__(self, name: str, values: ArrayLike) -> None:
+        if name == "banked":
+            self.__dict__[name] = number(values, name, "J", allow_low=True)
+            return
         getattr(self, name)[...] = as_float(values, name, array=True)
 
     def __repr__(self):

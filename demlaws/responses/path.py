@@ -27,8 +27,8 @@ class Path(Tabular):
     stiffness : ndarray
         Tangent stiffness [N/m].
     stored, dissipated : ndarray
-        Recoverable energy of the contact, and energy that it has dissipated along this path, over all its closings [J]. A path
-        that continues a given state includes the dissipation of that contact since it closed, not that of earlier closings.
+        Recoverable energy of the contact, and energy that it has dissipated [J], over all its closings, those along earlier
+        paths of the same state included.
 
     Examples
     --------

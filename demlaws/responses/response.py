@@ -118,11 +118,14 @@ class Response(BoundLaw):
 
     def _out_of_range(self, overlap):
         radius = float(np.max(self.contact.radius))
+        last = self.curve.largest_force(loading_part(self.params))
+        if overlap > float(np.min(self.curve.end(loading_part(self.params)))):
+            return f"overlap {overlap:g} m is beyond that of max_force = {last:g} N, up to which law {self.name!r} is defined"
         text = f"overlap up to {overlap:g} m gives a force that is not finite: the contact's radius is {radius:g} m"
         end = self._largest_unloading_force()
         return text if end == math.inf else f"{text}, and its unloading curve is a table that ends at {end:g} N"
 
-    def force(self, overlap: ArrayLike) -> Any:
+    def force(self, overlap: ArrayLike) -> float | np.ndarray:
         """Force P of first loading.
 
         Parameters
@@ -137,7 +140,7 @@ class Response(BoundLaw):
         """
         return as_given(self._force_and_stiffness(overlap)[0])
 
-    def stiffness(self, overlap: ArrayLike) -> Any:
+    def stiffness(self, overlap: ArrayLike) -> float | np.ndarray:
         """Tangent stiffness K = dP/dδ of first loading.
 
         Parameters
@@ -152,7 +155,7 @@ class Response(BoundLaw):
         """
         return as_given(self._force_and_stiffness(overlap)[1])
 
-    def overlap(self, force: ArrayLike) -> Any:
+    def overlap(self, force: ArrayLike) -> float | np.ndarray:
         """Overlap δ at which first loading carries a force.
 
         Parameters
@@ -174,9 +177,11 @@ class Response(BoundLaw):
         return as_given(result.reshape(shape))
 
     def _force_out_of_range(self, force):
-        return f"force up to {force:g} N has no finite overlap"
+        last = self.curve.largest_force(loading_part(self.params))
+        beyond = f": law {self.name!r} is defined up to max_force = {last:g} N" if force > last else ""
+        return f"force up to {force:g} N has no finite overlap{beyond}"
 
-    def energy(self, overlap: ArrayLike) -> Any:
+    def energy(self, overlap: ArrayLike) -> float | np.ndarray:
         """Work ∫P dδ of first loading.
 
         Parameters
@@ -379,11 +384,14 @@ class Response(BoundLaw):
         -------
         Path
         """
+        state = self.new_state(1) if state is None else state
         values, _, arrays = self._path_of(overlap, state)
         columns = [np.empty(values.size) for _ in range(4)]
         history = tuple(np.zeros(values.size) for _ in self.state_names)
-        follow_loop(self.rule_tag, self.shape, self.params, values, arrays, history, *columns)
+        banked = follow_loop(self.rule_tag, self.shape, self.params, values, arrays, history, *columns)
         force, stiffness, stored, dissipated = columns
+        dissipated += state.banked
+        state.banked += banked
         if not np.all(np.isfinite(force)):
             raise DemlawsError(self._out_of_range(float(values.max())))
         self._warn_of_limits(force)

@@ -29,6 +29,8 @@ from demlaws.units import number
 
 _CONTACT = ("hertz_coefficient", "radius", "modulus", "sigma")
 _OF_CONTACT = ("fractal_dimension", "hardness")
+_END = ("max_force", "largest_overlap")
+"""Fields of the Params of a law that ends at a force [N]; the first is one of its Shape, too."""
 _X, _W = np.polynomial.legendre.leggauss(8)
 _PANELS = 32  # an octave of overlap
 _OCTAVES = 40
@@ -45,6 +47,7 @@ def define(
     overlap: Callable | None = None,
     energy: Callable | None = None,
     options: dict[str, Any] | None = None,
+    max_force: float | str | None = None,
     **facts: Any,
 ) -> Definition:
     """Definition of a law from functions that numba can compile.
@@ -63,6 +66,9 @@ def define(
         energy(p, overlap) → ∫P dδ [J]. Default: integrated numerically.
     options : dict, optional
         Name → default, or (default, unit, meaning); None for a required option.
+    max_force : float, optional
+        Largest force [N] of the law. Only up to there is it checked, also with its unloading; beyond, Python and YADE stop
+        with an error, and its table ends below. Default: none.
     **facts
         Fields of `Definition` or of its `Loading`, `Fitting`, `Advice` and `Drawing`, for instance equation, source, limits,
         kinks, free, colour.
@@ -110,19 +116,20 @@ def define(
     clash = [
         n
         for n in entries
-        if n in (*_CONTACT, *_OF_CONTACT, "contact", "roughness") or not n.isidentifier() or keyword.iskeyword(n)
+        if n in (*_CONTACT, *_OF_CONTACT, *_END, "contact", "roughness") or not n.isidentifier() or keyword.iskeyword(n)
     ]
     if clash or any(n.startswith("_") for n in entries):
         raise DemlawsError(f"law {name!r}: options {', '.join(map(repr, entries))}: {clash or 'one of them'} cannot be a name")
     facts = _grouped(facts)
     if unknown := sorted(facts.keys() - set(Definition._fields) | ({"prepare", "options"} & facts.keys())):
         raise DemlawsError(f"law {name!r}: a Definition has no field {', '.join(unknown)} to be given here")
-    extra = (*[n for n in needs if n in _OF_CONTACT], *entries)
+    end = math.nan if max_force is None else number(max_force, f"law {name!r}: max_force", "N")
+    extra = (*[n for n in needs if n in _OF_CONTACT], *entries, *(() if max_force is None else _END[:1]))
     shape_type = _types(name, functions, extra, old)
     defaults = {n: default for n, (default, _) in entries.items()}
 
     def prepare(contact: Contact, **keywords: Any) -> Any:
-        values = {n: getattr(contact, n) for n in extra if n not in entries}
+        values = {n: end if n in _END else getattr(contact, n) for n in extra if n not in entries}
         values |= {n: keywords.get(n, default) for n, default in defaults.items()}
         return shape_type(*(math.nan if values[n] is None else float(values[n]) for n in extra))
 
@@ -170,22 +177,24 @@ def _types(name, functions, extra, old):
             f"{_MANY} laws of different functions are defined: each one that is used keeps some 10 MB until the process ends; "
         )
         warn(f"{text}give numbers that differ as options of one law", UserWarning)
+    ends = "max_force" in extra
     shape_type, params_type = (
         namedtuple(f"{stem}{kind}_{tag}", fields, module=__name__)
-        for kind, fields in (("Shape", extra), ("Params", (*contact, *extra)))
+        for kind, fields in (("Shape", extra), ("Params", (*contact, *extra, *(_END[1:] if ends else ()))))
     )
     for cls in (shape_type, params_type):
         globals()[cls.__qualname__] = cls  # where pickle and the machine code on disk look for it
     force, stiffness, overlap, energy = (None if f is None else _of_numbers(f) for f in functions)
     values = ", ".join(f"float(shape.{n})" for n in extra)
-    names = {"Params": params_type, "hertz_coefficient": hertz_coefficient}
-    scale = function_of_text(
-        "shape, R, E, s", [f"return Params(hertz_coefficient(R, E), R, E, {'s, s' if old else 's'}, {values})"], names
-    )
+    made = f"Params(hertz_coefficient(R, E), R, E, {'s, s' if old else 's'}, {values}"
+    names = {"Params": params_type, "hertz_coefficient": hertz_coefficient, "end_of": _end_of(force, stiffness)}
+    lines = [f"p = {made}, R)", f"return {made}, end_of(p))"] if ends else [f"return {made})"]
+    scale = function_of_text("shape, R, E, s", lines, names)
+    end = _largest_overlap if ends else _no_end
 
     @kernel
     def first_loading(shape, p, overlap):
-        load = force(p, overlap)
+        load = force(p, overlap) if overlap <= end(p) else math.nan
         equivalent = hertz_overlap(p, load)
         return load, stiffness(p, overlap), equivalent, equivalent
 
@@ -193,8 +202,8 @@ def _types(name, functions, extra, old):
     bind(
         params_type,
         first_loading=first_loading,
-        inverse=_searched(force, stiffness) if overlap is None else _of_contact(overlap),
-        energy=_integrated(force) if energy is None else _of_contact(energy),
+        inverse=_searched(force, stiffness, end) if overlap is None else _inverse_of(overlap, end),
+        energy=_integrated(force, end) if energy is None else _energy_of(energy, end),
     )
     return shape_type
 
@@ -220,40 +229,83 @@ def _of_numbers(function):
     return outer
 
 
-def _of_contact(function):
-    """A user's function of a contact and a number as a kernel."""
+@kernel
+def _largest_overlap(p):
+    return p.largest_overlap
+
+
+@kernel
+def _no_end(p):
+    return math.inf
+
+
+def _inverse_of(overlap, end):
+    """A user's overlap(p, force) as a kernel."""
 
     @kernel
-    def of_contact(shape, p, value):
-        return function(p, value)
+    def inverse(shape, p, load):
+        at = overlap(p, load)
+        return at if at <= end(p) * (1.0 + 1e-12) else math.nan
+
+    return inverse
+
+
+def _energy_of(energy, end):
+    """A user's energy(p, overlap) as a kernel."""
+
+    @kernel
+    def of_contact(shape, p, overlap):
+        return energy(p, overlap) if overlap <= end(p) else math.nan
 
     return of_contact
 
 
-def _searched(force, stiffness):
-    """The inverse of a rising curve, bracketed by doubling."""
+def _finder(force, stiffness):
+    """Kernel that finds the overlap of a force."""
 
     @kernel
     def curve(p, overlap):
         return force(p, overlap), stiffness(p, overlap)
 
-    find = root_finder(curve)
+    return root_finder(curve)
+
+
+def _end_of(force, stiffness):
+    """Kernel: the overlap [m], at most R, at which a contact carries `max_force`, found from below: beyond it may fall."""
+    find = _finder(force, stiffness)
+
+    @kernel
+    def end_of(p):
+        low = 0.0
+        high = 1e-9 * p.radius
+        while high < p.radius and force(p, high) < p.max_force:
+            low, high = high, 1.05 * high
+        return min(find(p, p.max_force, low, high, high, 2e-16), p.radius)
+
+    return end_of
+
+
+def _searched(force, stiffness, end):
+    """The inverse of a rising curve, bracketed by doubling; NaN beyond its end."""
+    find = _finder(force, stiffness)
 
     @kernel
     def inverse(shape, p, load):
-        high = hertz_overlap(p, load)
+        high = min(hertz_overlap(p, load), end(p))
         low = 0.0
         for _ in range(1100):
-            if not force(p, high) < load:
+            if high >= end(p) or not force(p, high) < load:
                 break
-            low, high = high, 2.0 * high
+            low, high = high, min(2.0 * high, end(p))
+        if force(p, high) < load * (1.0 - 1e-12):
+            return math.nan
         return find(p, load, low, high, high, 2e-16)
 
     return inverse
 
 
-def _integrated(force):
-    """∫P dδ by Gauss's rule, panels a 32nd of an octave wide."""
+def _integrated(force, end):
+    """∫P dδ by Gauss's rule, panels a 32nd of an octave wide; NaN beyond the end of the curve."""
 
     @kernel
     def energy(shape, p, overlap):
@@ -265,7 +317,7 @@ def _integrated(force):
                 for k in range(_X.size):
                     total += 0.5 * width * _W[k] * force(p, 0.5 * top + width * (n + 0.5 + 0.5 * _X[k]))
             top *= 0.5
-        return total + 0.5 * top * force(p, top)
+        return total + 0.5 * top * force(p, top) if overlap <= end(p) else math.nan
 
     return energy
 

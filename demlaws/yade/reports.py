@@ -97,9 +97,9 @@ def fault_text(binding, kind, bodies, value):
         places = " and ".join(f"{number} at {tuple(O.bodies[number].state.pos)} m" for number in bodies)
         return f": a position is not finite, bodies {places}: {remedy_of_motion(bodies)}"
     return (
-        f" at overlap {value:g} m: the law gives no finite force there (a table ends, the overlap is infinite, or N_H or μ is "
-        "outside the range of yip-venart or greenwood-tripp): make the table for larger forces, check hardness, roughness and "
-        "modulus, or take a smaller time step"
+        f" at overlap {value:g} m: the law gives no finite force there (a table or law ends, the overlap is infinite, or N_H "
+        "or μ is outside the range of yip-venart or greenwood-tripp): make the table for larger forces, check hardness, "
+        "roughness and modulus, or take a smaller time step"
     )
 
 

@@ -182,6 +182,18 @@ def test_rows_out_of_the_order_of_the_test():
     assert not dl.fit(rows, PAIR, laws="pohrt-popov", unloading="hertz").best.systematic
 
 
+def test_rows_sorted_by_displacement():
+    """2 of 20 fits were wrong without a mark: a cycle with little hysteresis is then a curve with scatter of the force."""
+    law = dl.law("rms", PAIR, "hertz")
+    for seed in range(4):
+        rows = points(law, CYCLE, 3e-8, seed)
+        best = dl.fit(rows[np.argsort(rows[:, 0])], PAIR, laws="rms").best
+        assert any("sorted by displacement" in note for note in best.notes)
+    loading = points(dl.law("rms", PAIR, "elastic"), np.linspace(1.0, 100.0, 60), 3e-8, 0)
+    for honest in (rows, loading):
+        assert not any("sorted" in note for note in dl.fit(honest, PAIR, laws="rms").best.notes)
+
+
 def test_systematic_misfit_is_said():
     law = dl.law("pohrt-popov", PAIR, "elastic")
     force = np.linspace(1, 100, 60)
@@ -335,17 +347,38 @@ def test_scatter_that_no_load_cell_has_is_systematic():
     assert best.systematic and any("order of the test" in note for note in best.notes)
 
 
-def test_a_steady_drift_is_fitted_and_named():
-    """Drift by 0.4 µm over a cycle: the interval of the roughness missed it; no name said why."""
-    law, held = dl.law("rms", PAIR, "hertz"), 0
-    for seed in range(6):
-        rows = points(law, CYCLE, 2e-8, seed) + np.outer(np.linspace(0.0, 4e-7, CYCLE.size), [1.0, 0.0])
-        free = ["sigma", "drift", "force_zero"]
-        best = dl.fit(rows, PAIR.with_values(sigma=4e-6), laws="rms", unloading="hertz", free=free).best
-        held += all(best.parameters[n].low <= v <= best.parameters[n].high for n, v in (("sigma", 2.4e-6), ("drift", 4e-7)))
-    assert held >= 5
-    silent = dl.fit(rows, PAIR, laws="rms", unloading="hertz").best
-    assert any("may drift" in note for note in silent.notes)
+DRIFTS = [case for case in bench_fit.CASES if case.name.startswith("drift")]
+
+
+@pytest.mark.parametrize(
+    "case", shared([(case,) for case in DRIFTS], lambda one: "rms" in one[0].name), ids=lambda case: case.name
+)
+def test_a_steady_drift_is_fitted(case):
+    """By 0.4 µm over a cycle, unless it is left out: intervals of 20 of 40 sets missed the roughness, 10 of them unmarked."""
+    held, _, _ = bench_fit.coverage(case, range(24))
+    assert min(held.values()) >= 0.79, held  # 19 of 24 have probability 1e-2
+    tared = dl.fit(bench_fit.made(case, 0), PAIR, laws=case.law, unloading=case.unloading, free=["sigma", "force_zero"]).best
+    if case.truth["drift"] != 0.0:
+        assert any("may drift" in note for note in tared.notes) or tared.systematic
+
+
+def test_loading_alone_does_not_show_a_drift():
+    rows = points(dl.law("rms", PAIR, "elastic"), np.linspace(1.0, 100.0, 60), 2e-8, 0)
+    assert "drift" not in dl.fit(rows, PAIR, laws="rms").best.parameters
+    few = points(dl.law("rms", PAIR, "hertz"), CYCLE[::11], 2e-8, 0)
+    assert "drift" not in dl.fit(few, PAIR, laws="rms", unloading="hertz").best.parameters
+
+
+def test_outliers_are_named():
+    """Two readings of 64 were off by 0.5 µm: intervals 10 times as wide, without a word."""
+    law = dl.law("rms", PAIR, "hertz")
+    rows = points(law, CYCLE, 2e-8, 0)
+    assert not any("far from" in note for note in dl.fit(rows, PAIR, laws="rms", unloading="hertz").best.notes)
+    rows[[10, 40], 0] += [5e-7, -5e-7]
+    notes = dl.fit(rows, PAIR, laws="rms", unloading="hertz").best.notes
+    text = next(note for note in notes if "far from" in note)
+    assert f"{rows[10, 1]:.4g} N at {1e6 * rows[10, 0]:.4g} µm" in text and f"{rows[40, 1]:.4g} N" in text
+    assert text.startswith("2 points")
 
 
 def test_repeated_readings_are_no_systematic_misfit():

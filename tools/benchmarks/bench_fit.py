@@ -6,6 +6,7 @@ Also the cases of tests/advice/test_fit.py, which asks for the same of fewer set
 """
 
 import argparse
+import math
 import time
 import warnings
 import zlib
@@ -14,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 import demlaws as dl
-from demlaws.advice.fit_model import APPARATUS, COMPLIANCE, FORCE_ZERO, ZERO, parameters
+from demlaws.advice.fit_model import APPARATUS, COMPLIANCE, DRIFT, FORCE_ZERO, ZERO, parameters
 from demlaws.core.history import history as history_loop
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import quiet
@@ -43,11 +44,13 @@ class Case(NamedTuple):
     noise: float  # [m]
     force_noise: float = 0.0  # [N]
     told: bool = False  # whether the fit is given the noise
+    made_by: tuple = ()  # law and rule of the points, where they are not those that are fitted
 
 
 HERTZ, ROUGH, YIELDING = ("hertz", "elastic", PAIR), ("pohrt-popov", "hertz", PAIR), ("rough-plastic", "hertz", CONE)
 MODULUS, FRACTAL = {"modulus": 32.32e9}, {"sigma": 2.4e-6, "fractal_dimension": 2.22}
 PLASTIC = ("sigma", "fractal_dimension", "yield_pressure")
+YIELD = {"yield_pressure": 0.8e9, "yield_strength": 0.25e9}
 CONICAL = {"sigma": 5.04e-6, "fractal_dimension": 2.22}
 CASES = (
     Case("hertz", *HERTZ, MODULUS, ("modulus",), LOADING, 5e-8),
@@ -75,6 +78,21 @@ CASES = (
         )
         for offset in (0.0, 0.5, -0.5)
     ),
+    *(
+        Case(f"{kind}, {law}", law, rule, PAIR, {**surface, name: value}, (), CYCLE, 5e-8, made_by=maker)
+        for law, rule, name, surface, made_by in (
+            ("thornton-ning", "thornton", "yield_pressure", {}, ("hertz", "elastic")),
+            ("kogut-etsion", "etsion", "yield_strength", {}, ("hertz", "elastic")),
+            ("jackson-green", "etsion", "yield_strength", {}, ("hertz", "elastic")),
+            ("rough-plastic", "hertz", "yield_pressure", FRACTAL, ("pohrt-popov", "hertz")),
+        )
+        for kind, value, maker in (("yields", YIELD[name], ()), ("never yields", math.inf, made_by))
+    ),
+    *(
+        Case(f"drift by {1e6 * drift:g} µm, {law}", law, "hertz", PAIR, {**truth, DRIFT: drift}, (), CYCLE, 2e-8)
+        for law, truth in (("rms", {"sigma": 2.4e-6}), ("pohrt-popov", FRACTAL))
+        for drift in (0.0, 4e-7)
+    ),
     Case("ten points", "rms", "hertz", PAIR, {"sigma": 2.4e-6}, ("sigma",), CYCLE[::7], 3e-8),
 )
 
@@ -87,15 +105,17 @@ def history(law, force):
 def made(case, seed):
     """Points of one set: displacement and force, as measured."""
     random = np.random.default_rng(seed)
-    options = {k: v for k, v in case.truth.items() if parameters()[k].option}
+    options = {k: v for k, v in case.truth.items() if parameters()[k].option and math.isfinite(v)}
     fields = {k: v for k, v in case.truth.items() if not parameters()[k].option and k not in APPARATUS}
-    law = dl.law(case.law, case.contact.with_values(**fields), case.unloading, **options)
+    name, rule = case.made_by or (case.law, case.unloading)
+    law = dl.law(name, case.contact.with_values(**fields), rule, **options)
     overlap = np.zeros(case.force.size)
     touching = case.force > 0.0
     overlap[touching] = history(law, case.force[touching])[0]
     before = np.flatnonzero(~touching)
     overlap[before] = -np.linspace(8e-6, 0.0, before.size)
     displacement = overlap + MEET + case.truth.get(COMPLIANCE, 0.0) * case.force
+    displacement += case.truth.get(DRIFT, 0.0) * np.linspace(0.0, 1.0, case.force.size)
     displacement += case.noise * random.standard_normal(case.force.size)
     force = case.force + case.truth.get(FORCE_ZERO, 0.0)
     return np.column_stack([displacement, force + case.force_noise * random.standard_normal(case.force.size)])
@@ -119,8 +139,9 @@ def coverage(case, seeds):
         best = fitted(case, seed)
         for name, truth in {**case.truth, ZERO: MEET}.items():
             estimate = best.parameters[name]
-            inside.setdefault(name, []).append(estimate.low <= truth * (1 + 1e-12) and truth * (1 - 1e-12) <= estimate.high)
-            bias.setdefault(name, []).append(estimate.value / truth - 1.0 if truth else np.nan)
+            held = estimate.low <= truth * (1 + 1e-12) and truth * (1 - 1e-12) <= estimate.high
+            inside.setdefault(name, []).append(held or (truth == math.inf and estimate.open_end in ("upper", "both")))
+            bias.setdefault(name, []).append(estimate.value / truth - 1.0 if 0.0 < truth < math.inf else np.nan)
             spread.setdefault(name, []).append((estimate.value - truth) / estimate.error)
     held, median = ({n: float(mean(v)) for n, v in one.items()} for mean, one in ((np.mean, inside), (np.median, bias)))
     return held, median, {name: float(np.std(values)) for name, values in spread.items()}
