@@ -35,6 +35,7 @@ def test_form_of_its_order_is_removed_and_nothing_else(order, seed, holes):
     left = HeightMap(z, 1e-6).without_form(order)
     assert np.nanmax(np.abs(left.heights)) < 1e-12
     assert left.form_order == order
+    assert HeightMap(z, 1e-6).without_form(np.float64(order)).form_order == order
     # taking form away twice changes nothing
     rough = HeightMap(z + 1e-6 * rng.standard_normal(z.shape), 1e-6).without_form(order)
     np.testing.assert_allclose(rough.without_form(order).heights, rough.heights, atol=1e-15)

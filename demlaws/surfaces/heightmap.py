@@ -140,8 +140,7 @@ class HeightMap:
         Order 2 removes a sphere instead of the paraboloid where the sphere leaves less: at the distance h from the apex of a
         ball of radius R the two differ by h⁴/(8R³).
         """
-        if np.ndim(order) or order not in range(9):
-            raise DemlawsError(f"form order = {order!r}: give a whole number from 0 (mean) to 8")
+        order = units.whole(order, "form order", 0, 8)
         if order == 2:
             return self._second_order()[0]
         y, coefficients, x = self._form(order)
