@@ -51,3 +51,10 @@ def test_an_overlap_beyond_all_numbers_is_one_error(use):
         getattr(law, use)(np.array([1e308]))
     with pytest.raises(dl.DemlawsError, match="not enough memory"):
         law.joined("hertz").new_state(10**15)
+
+
+@pytest.mark.parametrize("n", ["", -1, [2]])
+def test_a_state_has_a_whole_number_of_contacts(n):
+    """An elastic law has no arrays, and took any."""
+    with pytest.raises(dl.DemlawsError, match="whole number"):
+        dl.law("hertz", PAIR).new_state(n)
