@@ -287,6 +287,7 @@ def test_field_of_view():
 HEADERS = {
     "keyence.csv": '"Measured date","2026/05/12"\n"Model","VK-X150"\n"Comment",""\n"XY Calibration","0.500","um"\n'
     '"Horizontal","8"\n"Vertical","6"\n"Unit","um"\n""\n"Height"\n',
+    "keyence_nm.csv": '"Measured date","2026/05/12"\n"XY Calibration","500","nm/pixel"\n"Unit","µm"\n"Vertical","6"\n',
     "mountains.txt": "# File Format = ASCII\n# Created\n# Start Header\n# x-pixels = 8\n# y-pixels = 6\n# x-length = 4\n"
     "# y-length = 3\n# x-unit = um\n# y-unit = um\n# z-unit = um\n# scanspeed = \n# Start Data:\n",
     "esri.asc": "ncols 8\nnrows 6\ncellsize 0.5\n",

@@ -58,8 +58,9 @@ def _keyence(text, header):
     if not header.get("keyence"):
         return False
     if text and not is_number(cells[0]) and not is_missing(cells[0]):
-        if key == "xy calibration" and len(cells) > 2 and cells[2] in UNITS:
-            header["pixel"] = (_value(cells[1], "XY Calibration") * UNITS[cells[2]],) * 2
+        unit = cells[-1].split("/")[0]  # nm/pixel
+        if key == "xy calibration" and unit in UNITS:
+            header["pixel"] = (_value(cells[1], "XY Calibration") * UNITS[unit],) * 2
         elif key == "unit" and cells[-1] in UNITS:
             header["scale"] = UNITS[cells[-1]]
         elif key in ("horizontal", "vertical"):
