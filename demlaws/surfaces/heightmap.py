@@ -212,7 +212,7 @@ class HeightMap:
         rows, columns = round(height / self.pixel_y), round(width / self.pixel_x)
         if not (4 <= rows <= self.shape[0] and 4 <= columns <= self.shape[1]):
             whole = " x ".join(f"{side:g}" for side in self.field_of_view)
-            raise DemlawsError(f"a field of view of {width:g} x {height:g} m is below 4 pixels or beyond the map of {whole} m")
+            raise DemlawsError(f"a field of view of {width:g} m x {height:g} m: below 4 pixels or beyond the map of {whole} m")
         top = round(0.5 * (self.shape[0] - height / self.pixel_y))
         left = round(0.5 * (self.shape[1] - width / self.pixel_x))
         return self.with_heights(self.heights[top : top + rows, left : left + columns])
