@@ -160,7 +160,10 @@ def failing(tree, mutation):
 
 
 def run(mutations, jobs, found=lambda failures: None):
-    """Try the mutations; returns what failed by mutation (None: it survived). found: called with the results of every PART of them."""
+    """Try the mutations; returns what failed by mutation (None: it survived).
+
+    found: called with the results so far after every PART of them.
+    """
     failures, trees = {}, queue.Queue()
     with tempfile.TemporaryDirectory(prefix="mutations-") as folder:
         for n in range(jobs):
