@@ -361,7 +361,7 @@ def many(rows):
         "|---" * 9 + "|",
     ]
     for seed, one in longest(rows).items():
-        last = one[0]["cycles"]
+        last = main_cycles(one)[0][-1]
         for end in (30.0, LONGEST, last):
             law = fit(one, end)
             ends = law.at(last)

@@ -1,15 +1,10 @@
 """Simple shear of 330 spheres between two rough plates at three normal stresses: friction by pressure beside constant friction.
 
-    python -m studies.friction              the table of the stored runs, runs.csv
-    python -m studies.friction --run        make them again (LAMMPS, some ten minutes)
-
 A packing is pressed at each stress once and then sheared with every friction, so that runs of one packing are pairs.
-Frictions: `pressure`: μ0 + c1/(1 + c2 p); `mean`: constant, its value at the mean pressure of the contacts (by force)
-of the pressed packing at this stress; `one`: constant, that of the middle stress at all of them. Grains have a
-hundredth of the modulus of granite; c2 is larger by 100^(2/3), by which Hertz's pressures are smaller at equal force.
+Frictions: `pressure`; `mean`: constant, that of the mean pressure of the contacts (by force) of the pressed packing at this
+stress; `one`: constant, that of the middle stress at all of them. Grains have a hundredth of the modulus of granite.
 """
 
-import argparse
 import csv
 import tempfile
 from pathlib import Path
@@ -18,14 +13,14 @@ import numpy as np
 
 import demlaws as dl
 from demlaws.lammps.run import HEAD, run
+from studies.friction.coefficients import POISSON, SETS, YOUNG, Constant, at_mean, read_forces, softer, words
 from studies.paired import change, clear, interval
 
-RUNS = Path(__file__).with_name("runs.csv")
+RUNS = Path(__file__).with_name("shear.csv")
 RADIUS, SOFT, SIDE, LAYERS = 0.02, 100.0, 6, 9
 STRESSES = (20e3, 60e3, 200e3)  # [Pa]
-REAL = dl.PressureFriction(mu0=0.3, c1=0.6, c2=4e-9)
-"""Of granite's pressures; not measured: from 0.6 to 0.5 over the three stresses."""
-FRICTION = dl.PressureFriction(REAL.mu0, REAL.c1, REAL.c2 * SOFT ** (2 / 3))
+MODULUS = YOUNG / SOFT / (2 * (1 - POISSON**2))
+FRICTION = softer(SETS["assumed"], SOFT)
 FRICTIONS = ("pressure", "mean", "one")
 STEP, SPEED, SETTLE, SHEAR, SLOW = 2e-5, 0.1, 30000, 40000, 20.0
 SCENE = """{head}boundary p p f
@@ -55,11 +50,11 @@ thermo 200
 """
 
 
-def pair(words, friction):
-    model = (
-        f"demlaws/table law.tbl {60.6e9 / SOFT!r} 0.5 0.25 {words} tangential demlaws 1 {friction!r} damping demlaws/tangent"
-    )
-    return f"pair_coeff * * {model}\n"
+def pair(friction):
+    """The line of the contact model."""
+    more, mu = words(friction)
+    table = f"demlaws/table law.tbl {YOUNG / SOFT!r} 0.5 {POISSON}{more}"
+    return f"pair_coeff * * {table} tangential demlaws 1 {mu!r} damping demlaws/tangent\n"
 
 
 def packing(seed):
@@ -78,13 +73,6 @@ def packing(seed):
     return "\n".join(lines), SIDE * pitch
 
 
-def pressure_of(forces):
-    """Mean pressure of contacts, each weighted with its force, of forces [N] by Hertz's law."""
-    law = dl.law("hertz", dl.Contact(RADIUS / 2, 60.6e9 / SOFT / (2 * (1 - 0.25**2))))
-    overlap = law.overlap(forces)
-    return float(np.sum(forces * forces / (np.pi * RADIUS / 2 * overlap)) / np.sum(forces))
-
-
 def sheared(seed, stress):
     """Rows (seed, stress, friction, μ of a constant one, stress ratio, change of height over that of the pressed packing)."""
     atoms, side = packing(seed)
@@ -92,22 +80,16 @@ def sheared(seed, stress):
     common = {"head": HEAD, "side": side, "height": 0.05 + (LAYERS + 2) * 2.2 * RADIUS, "step": STEP}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        contact = dl.Contact(RADIUS / 2, 60.6e9 / SOFT / (2 * (1 - 0.25**2)))
-        dl.law("hertz", contact).tabulate(max_force=3e4).save(folder / "law.tbl")
-        scene = SCENE.format(atoms=atoms, pair=pair("", 0.3), **common)
+        dl.law("hertz", dl.Contact(RADIUS / 2, MODULUS)).tabulate(max_force=3e4).save(folder / "law.tbl")
+        scene = SCENE.format(atoms=atoms, pair=pair(Constant(0.3)), **common)
         moving = MOVE.format(push=push, slow=SLOW)
         dump = "dump d all local 1 contacts.txt c_f\nrun 0 post no\nundump d\n"
         (folder / "in.press").write_text(scene + moving + f"run {SETTLE}\n{dump}write_restart pressed.rst\n")
         run(folder / "in.press")
-        forces = np.loadtxt(folder / "contacts.txt", skiprows=9)
-        forces = np.abs(forces[np.abs(forces) > 1e-9])
-        here = float(FRICTION.coefficient(pressure_of(forces)))
+        mean = at_mean(FRICTION, read_forces(folder / "contacts.txt"), RADIUS / 2, MODULUS)
         rows = []
-        for friction in FRICTIONS:
-            constant = here if friction == "mean" else MIDDLE
-            lines = pair(f"friction_pressure {FRICTION.c1} {FRICTION.c2!r}", FRICTION.mu0)
-            lines = lines if friction == "pressure" else pair("", constant)
-            text = f"comm_modify vel yes\nread_restart pressed.rst\npair_style granular\n{lines}timestep {STEP!r}\n"
+        for friction, chosen in zip(FRICTIONS, (FRICTION, mean, MIDDLE), strict=True):
+            text = f"comm_modify vel yes\nread_restart pressed.rst\npair_style granular\n{pair(chosen)}timestep {STEP!r}\n"
             text += moving + f"velocity top set {SPEED} 0 NULL\nrun {SHEAR}\n"
             (folder / "in.shear").write_text(text)
             log = run(folder / "in.shear")
@@ -115,26 +97,20 @@ def sheared(seed, stress):
             drag = -float(np.mean(log["drag[1]"][late])) - SIDE**2 * SLOW * SPEED  # without that of `fix viscous`
             ratio = drag / (stress * side**2)
             grown = float(log["height"][-1] / log["height"][0] - 1.0)
-            rows.append((seed, stress, friction, here, ratio, grown))
+            rows.append((seed, stress, friction, mean.mu, ratio, grown))
             print(*rows[-1], flush=True)
         return rows
 
 
-MIDDLE = float(FRICTION.coefficient(pressure_of(np.array([STRESSES[1] * (2.2 * RADIUS) ** 2]))))
+MIDDLE = at_mean(FRICTION, np.array([STRESSES[1] * (2.2 * RADIUS) ** 2]), RADIUS / 2, MODULUS)
 """Constant friction `one`: of a contact that carries what a grain of the plate carries at the middle stress."""
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--run", type=int, metavar="PACKINGS", help="make runs of so many packings again")
-    arguments = parser.parse_args()
-    if arguments.run:
-        rows = [row for seed in range(arguments.run) for stress in STRESSES for row in sheared(seed, stress)]
-        with open(RUNS, "w", newline="") as file:
-            csv.writer(file, lineterminator="\n").writerows(
-                [("seed", "stress", "friction", "mean_mu", "ratio", "dilation"), *rows]
-            )
-    print(table())
+def make(packings):
+    """Make the runs of so many packings again."""
+    rows = [row for seed in range(packings) for stress in STRESSES for row in sheared(seed, stress)]
+    with open(RUNS, "w", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerows([("seed", "stress", "friction", "mean_mu", "ratio", "dilation"), *rows])
 
 
 def read():
@@ -173,7 +149,3 @@ def table():
             f"{1e-3 * stress:8.0f} {mu:12.3f} {mean.mean:10.3f} ({mean.low:.3f} to {mean.high:.3f})   {'  '.join(parts)}"
         )
     return "\n".join(lines)
-
-
-if __name__ == "__main__":
-    main()
