@@ -41,7 +41,8 @@ def slope_effects(rows):
 def shown(estimate, bold, factor=1.0, unit=""):
     """Text of an effect with its interval."""
     mean, low, high = (f"{factor * value:+.3g}" for value in estimate[:3])
-    return f"{'**' * bold}{mean}{unit}{'**' * bold} ({low} to {high})".translate(MINUS)
+    mark = "**" if bold else ""
+    return f"{mark}{mean}{unit}{mark} ({low} to {high})".translate(MINUS)
 
 
 def bed_table(rows):
