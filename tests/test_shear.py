@@ -117,15 +117,16 @@ def test_no_step_of_any_path_returns_what_was_lost(name, unloading, shear, data)
     assert np.all(np.hypot(*result.shear_force.T) <= FRICTION * result.force * (1.0 + 1e-9))
 
 
+@pytest.mark.parametrize(("springs", "lost"), [(256, 0.01), (10, 0.05)])
 @pytest.mark.parametrize("shear", ["elastic", "slip"])
-def test_oblique_loading_of_constant_direction_does_not_slip(shear):
+def test_oblique_loading_of_constant_direction_does_not_slip(shear, springs, lost):
     """δ and s in proportion, dQ < μ dP: each spring is stretched in proportion to its compression, Q = ratio (s/δ) P."""
     law, overlap, sliding = hertz()
     part = np.linspace(0.0, 1.0, 4000) ** 2
-    path = sheared(law, overlap * part, 0.5 * sliding * part, RATIO, shear, friction=FRICTION, springs=256)
+    path = sheared(law, overlap * part, 0.5 * sliding * part, RATIO, shear, friction=FRICTION, springs=springs)
     assert path.shear_force[-1] == pytest.approx(0.5 * FRICTION * LOAD, rel=1e-3)
     # what is not stretched at all but slips is what enters beside stretched springs
-    assert path.dissipated[-1] < (0.01 if shear == "slip" else 1.0) * path.stored[-1]
+    assert path.dissipated[-1] < (lost if shear == "slip" else 1.0) * path.stored[-1]
 
 
 def test_direction_does_not_matter():
