@@ -6,7 +6,7 @@ from examples import GRANITE, each_law_and_rule, make, pairs, quiet, telling
 from hypothesis import given, strategies as st
 
 import demlaws as dl
-from demlaws.core.slip import SPRINGS
+from demlaws.core.shear import SPRINGS
 from demlaws.core.unloading import RULES
 from demlaws.shear import _pressure_along, sheared
 from studies.shear.springs import mindlin
