@@ -12,7 +12,7 @@ from yade_scenes import GRANITE, POISSON, YOUNG, functor, material, set_engines,
 
 import demlaws as dl
 from demlaws.core.dispatch import _KERNELS, bind
-from demlaws.core.slip import SPRINGS
+from demlaws.core.shear import SPRINGS
 from demlaws.core.unloading import RULES, Hertz, Rule, own_rule
 from demlaws.driver import sheared
 from demlaws.laws import registry
