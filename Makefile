@@ -15,7 +15,7 @@
 # make dist      build wheels and sdist into dist/ and check each in clean environments outside the checkout
 # make release   what a maintainer uploads, into build/release: wheel, sdist, site, notebooks, notes, checksums
 #                (ADDRESS=https://… of the site, REPOSITORY=https://…: messages and pages then name them)
-# make mutations change one number or condition of the package at a time and check that the tests notice (some ten minutes)
+# make mutations change one number or condition of the package at a time and check that the tests notice (an hour)
 # make readme-check  recompute the numbers that README and docs state (a minute)
 # make size      statements, names and mechanisms of the package, what a YADE script loads, circles: figures with their goals
 # make facts     write the C++ header of rules, keys and limits from the records in Python
@@ -127,8 +127,9 @@ readme-check: $(VENV)/.test
 	$(BIN)/python tools/readme_check.py
 
 # ONLY='hertz rms' for the mutations whose names contain one of these words; TABLE=docs/tables/mutations.csv to keep the results
+# as they come; MISSING=1 for those without a result in the table
 mutations: $(VENV)/.test
-	$(BIN)/python tools/mutations.py --jobs $(CORES) $(foreach word,$(ONLY),--only $(word)) $(if $(TABLE),--table $(TABLE))
+	$(BIN)/python tools/mutations.py --jobs $(CORES) $(foreach word,$(ONLY),--only $(word)) $(if $(TABLE),--table $(TABLE)) $(if $(MISSING),--missing)
 
 stability: engines $(VENV)/.plots
 	$(BIN)/python -m studies.extremes --paths 1e7 --engines

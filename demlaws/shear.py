@@ -50,6 +50,9 @@ class PressureFriction:
     unloading: that of the rule's curve. [our derivation] No step creates energy: a limit that falls below the shear force lets
     the contact slide, a limit that rises does nothing.
 
+    Tables of `jackson-green` and `kogut-etsion` with rule `elastic` have the area of Hertz's contact with the same force, not
+    the law's own: beyond the yield of the bulk their pressure is higher.
+
     Examples
     --------
     >>> friction = dl.PressureFriction(mu0=0.3, c1=0.4, c2=1e-9)

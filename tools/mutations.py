@@ -7,6 +7,7 @@
     python tools/mutations.py --tests "test_report.py -k published_answer"  # is it noticed by the validation report?
     python tools/mutations.py --list                    # the mutations, after a check that each matches its source
     python tools/mutations.py --table docs/tables/mutations.csv   # also write the page's table, with --tests its last column
+    python tools/mutations.py --table docs/tables/mutations.csv --missing  # those that the table has as "not tried"
 
 mutations.txt lists them. Most are 2 % of a coefficient, an exponent or a factor; the last group changes logic. Each names a
 source file, the changed expression in its context and the tests that must fail. Files and tests are looked up by name, so that
@@ -33,6 +34,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 PROJECT = Path(__file__).resolve().parents[1]
+PART = 20
+"""Mutations whose results are kept together."""
+TIMED_OUT = "time limit"
 TIME_LIMIT = 900  # [s] per mutation; a mutation whose tests do not end has been noticed
 CHANGE = re.compile(r"<<(.*?) -> (.*?)>>", re.S)
 
@@ -138,7 +142,7 @@ def pytest(tree, *arguments):
     try:
         ran = subprocess.run(command, cwd=tree, env=os.environ | changes, capture_output=True, text=True, timeout=TIME_LIMIT)
     except subprocess.TimeoutExpired:
-        return ["time limit"]
+        return [TIMED_OUT]
     failed = re.findall(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", ran.stdout, re.M)
     if bool(ran.returncode) != bool(failed):
         raise RuntimeError(f"pytest ended with {ran.returncode}:\n{(ran.stdout + ran.stderr)[-2000:]}")
@@ -156,43 +160,63 @@ def failing(tree, mutation):
         source.write_text(original)
 
 
-def run(mutations, jobs):
-    """Try the mutations; returns what failed by mutation (None: it survived)."""
+def run(mutations, jobs, found=lambda failures: None):
+    """Try the mutations; returns what failed by mutation (None: it survived).
+
+    found: called with the results so far after every PART of them.
+    """
     failures, trees = {}, queue.Queue()
     with tempfile.TemporaryDirectory(prefix="mutations-") as folder:
         for n in range(jobs):
             trees.put(copy_tree(Path(folder, f"tree{n}")))
+        for first in range(0, len(mutations), PART):
+            failures |= run_part(mutations[first : first + PART], jobs, trees)
+            found(failures)
+    return failures
 
-        def work(mutation):
-            tree = trees.get()
-            try:
-                failures[mutation.name] = failed = failing(tree, mutation)
-            finally:
-                trees.put(tree)
-            print(f"{'survived' if failed is None else 'caught':9}{mutation.name:45}{failed or ''}", flush=True)
 
-        with ThreadPoolExecutor(jobs) as pool:
-            list(pool.map(work, mutations))
-        tests = sorted({failed for failed in failures.values() if failed and "::" in failed})
-        for test in pytest(trees.get(), "--maxfail=1000", *tests) if tests else ():  # every one that fails is to be named
-            print(f"fails without a mutation: {test}")
-            failures.update((name, None) for name, failed in failures.items() if failed == test)
+def run_part(mutations, jobs, trees):
+    """The results of some mutations, tried in copies of the tree."""
+    failures = {}
+
+    def work(mutation):
+        tree = trees.get()
+        try:
+            failures[mutation.name] = failed = failing(tree, mutation)
+        finally:
+            trees.put(tree)
+        print(f"{'survived' if failed is None else 'caught':9}{mutation.name:45}{failed or ''}", flush=True)
+
+    with ThreadPoolExecutor(jobs) as pool:
+        list(pool.map(work, mutations))
+    tests = sorted({failed for failed in failures.values() if failed and failed != TIMED_OUT})
+    tree = trees.get()
+    for test in pytest(tree, "--maxfail=1000", *tests) if tests else ():  # every one that fails is to be named
+        print(f"fails without a mutation: {test}")
+        failures.update((name, None) for name, failed in failures.items() if failed == test)
+    trees.put(tree)
     return failures
 
 
 HEADS = ("part", "changed", "from → to", "detected by the test", "by the report")
+UNTRIED = "not tried"
+
+
+def rows_of(path):
+    """{name: row} of the page's table."""
+    with open(path, newline="") as file:
+        return {row["changed"]: row for row in csv.DictReader(file)}
 
 
 def keep(path, known, failures, report):
-    """Write the page's table: a row per known mutation, with the results of this run; the others stay, or are "not tried"."""
-    with open(path, newline="") as file:
-        old = {row["changed"]: row for row in csv.DictReader(file)}
+    """Write the page's table: a row per known mutation, with the results of this run; the others stay, or are UNTRIED."""
+    old = rows_of(path)
     column = HEADS[4 if report else 3]
     with open(path, "w", newline="") as file:
         writer = csv.DictWriter(file, HEADS, lineterminator="\n")
         writer.writeheader()
         for mutation in known:
-            row = dict.fromkeys(HEADS[3:], "not tried") | old.get(mutation.name, {})
+            row = dict.fromkeys(HEADS[3:], UNTRIED) | old.get(mutation.name, {})
             row |= dict(zip(HEADS, (mutation.part, mutation.name, mutation.change), strict=False))
             if mutation.name in failures:
                 failed = failures[mutation.name]
@@ -208,9 +232,15 @@ def main(arguments=None):
     parser.add_argument("--jobs", type=int, default=1, help="mutations tried at the same time (default: 1)")
     parser.add_argument("--list", action="store_true", help="list the mutations and check that each can be made")
     parser.add_argument("--table", type=Path, metavar="FILE", help="CSV file in which the results of this run are written, too")
+    parser.add_argument("--missing", action="store_true", help="only those without a result in the table")
     options = parser.parse_args(arguments)
+    if options.missing and not options.table:
+        parser.error("--missing needs --table FILE")
     known = read_mutations(Path(__file__).with_suffix(".txt"))
     chosen = [m for m in known if not options.only or any(text in m.name for text in options.only)]
+    if options.missing:
+        there = rows_of(options.table)
+        chosen = [m for m in chosen if there.get(m.name, {}).get(HEADS[4 if options.tests else 3], UNTRIED) == UNTRIED]
     if options.tests:
         chosen = [mutation._replace(tests=options.tests) for mutation in chosen]
     problems = []
@@ -220,14 +250,17 @@ def main(arguments=None):
         except LookupError as error:
             problems.append(f"{mutation.name}: {error}")
     if problems or not chosen:
-        print("\n".join(problems) or "no mutation has such a name", file=sys.stderr)
+        print("\n".join(problems) or "no mutation has such a name, or each has its result", file=sys.stderr)
         return 1
     if options.list:
         print("\n".join(f"{mutation.name:45}{mutation.file}" for mutation in chosen))
         return 0
-    failures = run(chosen, max(options.jobs, 1))
-    if options.table:
-        keep(options.table, known, failures, bool(options.tests))
+
+    def found(failures):
+        if options.table:
+            keep(options.table, known, failures, bool(options.tests))
+
+    failures = run(chosen, max(options.jobs, 1), found)
     survivors = [name for name, failed in failures.items() if failed is None]
     print(f"{len(failures) - len(survivors)} of {len(failures)} mutations caught")
     if survivors:

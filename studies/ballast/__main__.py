@@ -51,17 +51,19 @@ def run(arguments, _):
         cycles.run_cases(QUICK if arguments.quick else cycles.wanted(), arguments.results, arguments.store, progress)
         if not arguments.quick:
             cycles.run_cases(cycles.control(), cycles.CONTROL, arguments.store, progress)
+            cycles.run_cases(cycles.long(), cycles.LONG, arguments.store, progress)
     rows = read(arguments.results)
     settings = {"least": QUICK[0].cycles, "count": QUICK[0].count} if arguments.quick else {}
     print(report.table(rows, **settings))
     if not arguments.quick:
         for text in (report.effects, report.many, report.course):
             print("\n" + text(rows))
+        print("\n" + report.many(read(cycles.LONG)))
         print("\n" + report.effects(read(cycles.CONTROL), report.CONTROL, cycles.SPLIT))
     if arguments.table is not None:
         print(report.save(rows, read(cycles.REPEATS), arguments.table))
     if arguments.figure is not None:
-        print(plots.save(picture.draw(rows), arguments.figure))
+        print(plots.save(picture.draw(rows, read(cycles.LONG)), arguments.figure))
 
 
 def main(arguments=None):

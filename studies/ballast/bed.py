@@ -134,14 +134,17 @@ def from_restart(name, clumps):
     return f"read_restart    {name}" + f"\n{MOLECULES}" * clumps
 
 
-def ground(law, start, dt, friction=FRICTION, clumps=False, settled=True):
-    """Input up to the motion of the grains; settled: they move less than NEAR; `start`: lines that read them."""
+def ground(law, start, dt, friction=FRICTION, clumps=False, settled=True, more=""):
+    """Input up to the motion of the grains; settled: they move less than NEAR; `start`: lines that read them.
+
+    more: words of the contact model behind those of the shear model.
+    """
     words, tangential = SHEAR[law.shear]
     return GROUND.format(
         head=HEAD,
         start=start,
         exclude=" exclude molecule/intra all" * clumps,
-        words=words,
+        words=words + more,
         tangential=tangential,
         friction=friction,
         young=YOUNG,

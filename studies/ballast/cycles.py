@@ -25,6 +25,8 @@ REPEATS = HERE / "repeats.csv"
 """Two beds of an earlier version of `bed`, whose formula of the load was equal but for rounding."""
 CONTROL = HERE / "elastic.csv"
 """Beds of `control`; other packings than those of RESULTS, which settled with an earlier version of the default shear."""
+LONG = HERE / "long.csv"
+"""Clumps in more cycles; packings as those of CONTROL."""
 STORE = Path("results") / "ballast"
 LOW, HIGH = 20e3, 200e3  # [Pa]
 STAGES = (35e3, 60e3, 100e3, 200e3)
@@ -262,6 +264,11 @@ def control():
     for seed in range(1, 8):
         for grains in ("spheres", "clumps"):
             yield from (case._replace(grains=grains, seed=seed) for case in (smooth, rough, rough._replace(rule="elastic")))
+
+
+def long():
+    """Cases of clumps in as many cycles as the longest of spheres."""
+    yield Case(grains="clumps", law=POHRT_POPOV, sigma=2.4, cycles=2000)
 
 
 def case_of(row):

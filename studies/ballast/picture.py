@@ -7,15 +7,15 @@ from studies.ballast.report import LONGEST, STOCK, dissipation, fit, longest, ma
 STYLES = {"default": "-", "mindlin": "--", "slip": ":"}
 
 
-def draw(rows):
-    """A figure of three panels, one below the other: readable on a narrow screen."""
+def draw(rows, clumps):
+    """A figure of three panels, one below the other: readable on a narrow screen; `clumps`: rows of `cycles.LONG`."""
     from demlaws.plots import figure
 
     fig, axes = figure(rows=3, width=6.4, height=3.8)
     axes[0].get_gridspec().set_height_ratios((1.15, 0.85, 1.2))
     found = series(rows)
     _settlements(axes[0], found)
-    _many(axes[1], longest(rows))
+    _many(axes[1], longest(rows), longest(clumps))
     _dissipation(axes[2], found)
     return fig
 
@@ -43,22 +43,24 @@ def _settlements(ax, found):
     ax.legend(fontsize=8.5, ncols=2, loc="upper left")
 
 
-def _many(ax, beds):
+def _many(ax, beds, clumps):
     """The longest cases, each with both laws fitted to its first cycles."""
-    for seed, rows in beds.items():
+    labels = set()
+
+    def add(number, values, look, label, **more):
+        ax.plot(number, values, look, label=None if label in labels else label, **more)
+        labels.add(label)
+
+    marked = [("spheres", ".-", one) for one in beds.values()]
+    marked += [("clumps", "x-", one) for one in clumps.values()]
+    for name, mark, rows in marked:
         number, settled = main_cycles(rows)
-        first = seed == min(beds)
-        ax.plot(number, settled, "k.-", ms=4, lw=1, label="beds, σ = 2.4 µm" if first else None)
+        add(number, settled, f"k{mark}", f"{name}, σ = 2.4 µm", ms=4, lw=1)
         way, law = np.geomspace(2, number[-1], 100), fit(rows, LONGEST)
-        for name, values, colour in zip(("a + b log N", "c N^d"), law.at(way), ("C0", "C1"), strict=True):
-            label = f"{name}, fitted to cycles 2 to {LONGEST:.0f}"
-            ax.plot(way, values, color=colour, lw=1.2, label=label if first else None)
-    about = {
-        "xlabel": "cycle",
-        "ylabel": "settlement (µm)",
-        "title": f"{number[-1]:,.0f} cycles: fits to {LONGEST} fall short",
-    }
-    ax.set(xscale="log", yscale="log", ylim=(20.0, None), **about)
+        for formula, values, colour in zip(("a + b log N", "c N^d"), law.at(way), ("C0", "C1"), strict=True):
+            add(way, values, colour, f"{formula}, fitted to cycles 2 to {LONGEST:.0f}", lw=1.2)
+    title = f"{rows[0]['cycles']:,.0f} cycles: fits to {LONGEST} fall short"
+    ax.set(xscale="log", yscale="log", ylim=(20.0, None), xlabel="cycle", ylabel="settlement (µm)", title=title)
     ax.legend(fontsize=8.5)
 
 

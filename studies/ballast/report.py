@@ -61,7 +61,7 @@ def series(rows, least=30, most=LONGEST, **settings):
 
 def longest(rows):
     """Seed → rows in order of the cycle of the beds with the most cycles."""
-    most, found = max(row["cycles"] for row in rows), {}
+    most, found = max((row["cycles"] for row in rows), default=0), {}
     for row in sorted(rows, key=lambda row: (row["seed"], row["cycle"])):
         if row["cycles"] == most:
             found.setdefault(int(row["seed"]), []).append(row)
@@ -361,7 +361,7 @@ def many(rows):
         "|---" * 9 + "|",
     ]
     for seed, one in longest(rows).items():
-        last = one[0]["cycles"]
+        last = main_cycles(one)[0][-1]
         for end in (30.0, LONGEST, last):
             law = fit(one, end)
             ends = law.at(last)

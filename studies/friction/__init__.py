@@ -1,1 +1,1 @@
-"""What friction that falls with the contact pressure changes: simple shear of spheres at three normal stresses, in LAMMPS."""
+"""What friction by pressure changes in simple shear, in a bed of ballast and in a slope, beside constant friction."""

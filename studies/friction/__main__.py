@@ -1,179 +1,34 @@
-"""Simple shear of 330 spheres between two rough plates at three normal stresses: friction by pressure beside constant friction.
+"""Friction by pressure beside constant friction: simple shear, beds of ballast, drained slopes.
 
-    python -m studies.friction              the table of the stored runs, runs.csv
-    python -m studies.friction --run        make them again (LAMMPS, some ten minutes)
-
-A packing is pressed at each stress once and then sheared with every friction, so that runs of one packing are pairs.
-Frictions: `pressure`: μ0 + c1/(1 + c2 p); `mean`: constant, its value at the mean pressure of the contacts (by force)
-of the pressed packing at this stress; `one`: constant, that of the middle stress at all of them. Grains have a
-hundredth of the modulus of granite; c2 is larger by 100^(2/3), by which Hertz's pressures are smaller at equal force.
+python -m studies.friction                the tables of the stored runs
+python -m studies.friction --run          runs of beds and slopes that are missing (LAMMPS, an hour)
+python -m studies.friction --shear 12     the runs of simple shear of so many packings again (some ten minutes)
 """
 
 import argparse
-import csv
-import tempfile
-from pathlib import Path
+import sys
 
-import numpy as np
+from studies.assembly.study import read
+from studies.friction import beds, report, shear, slopes
 
-import demlaws as dl
-from demlaws.lammps.run import HEAD, run
-from studies.paired import change, clear, interval
-
-RUNS = Path(__file__).with_name("runs.csv")
-RADIUS, SOFT, SIDE, LAYERS = 0.02, 100.0, 6, 9
-STRESSES = (20e3, 60e3, 200e3)  # [Pa]
-REAL = dl.PressureFriction(mu0=0.3, c1=0.6, c2=4e-9)
-"""Of granite's pressures; not measured: from 0.6 to 0.5 over the three stresses."""
-FRICTION = dl.PressureFriction(REAL.mu0, REAL.c1, REAL.c2 * SOFT ** (2 / 3))
-FRICTIONS = ("pressure", "mean", "one")
-STEP, SPEED, SETTLE, SHEAR, SLOW = 2e-5, 0.1, 30000, 40000, 20.0
-SCENE = """{head}boundary p p f
-newton off
-region box block 0 {side!r} 0 {side!r} -0.05 {height!r}
-create_box 3 box
-{atoms}
-group bottom type 2
-group top type 3
-group grains type 1
-neighbor 0.004 bin
-pair_style granular
-{pair}
-timestep {step!r}
-"""
-MOVE = """fix walls bottom setforce 0 0 0
-fix slow top viscous {slow!r}
-fix press top aveforce NULL NULL {push!r}
-fix drag top setforce 0 0 NULL
-fix move all nve/sphere
-velocity bottom set 0 0 0
-compute f all pair/local force
-variable height equal xcm(top,z)
-thermo_style custom step f_drag[1] v_height
-thermo_modify format float %.9e norm no lost error
-thermo 200
-"""
-
-
-def pair(words, friction):
-    model = (
-        f"demlaws/table law.tbl {60.6e9 / SOFT!r} 0.5 0.25 {words} tangential demlaws 1 {friction!r} damping demlaws/tangent"
-    )
-    return f"pair_coeff * * {model}\n"
-
-
-def packing(seed):
-    """Lines that create the grains on a loose lattice with frozen plates below and above."""
-    random, pitch = np.random.default_rng(seed), 2.2 * RADIUS
-    lines = []
-    for layer in range(LAYERS + 2):
-        kind = 2 if layer == 0 else 3 if layer == LAYERS + 1 else 1
-        for i in range(SIDE):
-            for j in range(SIDE):
-                jitter = random.uniform(-0.04, 0.04, 3) * pitch * (kind == 1)
-                x, y, z = np.array([i + 0.5, j + 0.5, layer]) * pitch + jitter
-                diameter = 2.0 * RADIUS * (random.uniform(0.9, 1.1) if kind == 1 else 1.0)  # a plate moves as one
-                lines.append(f"create_atoms {kind} single {x:.9g} {y:.9g} {z:.9g}")
-                lines.append(f"set atom {len(lines) // 2 + 1} diameter {diameter:.9g} density 2650")
-    return "\n".join(lines), SIDE * pitch
-
-
-def pressure_of(forces):
-    """Mean pressure of contacts, each weighted with its force, of forces [N] by Hertz's law."""
-    law = dl.law("hertz", dl.Contact(RADIUS / 2, 60.6e9 / SOFT / (2 * (1 - 0.25**2))))
-    overlap = law.overlap(forces)
-    return float(np.sum(forces * forces / (np.pi * RADIUS / 2 * overlap)) / np.sum(forces))
-
-
-def sheared(seed, stress):
-    """Rows (seed, stress, friction, μ of a constant one, stress ratio, change of height over that of the pressed packing)."""
-    atoms, side = packing(seed)
-    push = -stress * side**2 / SIDE**2
-    common = {"head": HEAD, "side": side, "height": 0.05 + (LAYERS + 2) * 2.2 * RADIUS, "step": STEP}
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        contact = dl.Contact(RADIUS / 2, 60.6e9 / SOFT / (2 * (1 - 0.25**2)))
-        dl.law("hertz", contact).tabulate(max_force=3e4).save(folder / "law.tbl")
-        scene = SCENE.format(atoms=atoms, pair=pair("", 0.3), **common)
-        moving = MOVE.format(push=push, slow=SLOW)
-        dump = "dump d all local 1 contacts.txt c_f\nrun 0 post no\nundump d\n"
-        (folder / "in.press").write_text(scene + moving + f"run {SETTLE}\n{dump}write_restart pressed.rst\n")
-        run(folder / "in.press")
-        forces = np.loadtxt(folder / "contacts.txt", skiprows=9)
-        forces = np.abs(forces[np.abs(forces) > 1e-9])
-        here = float(FRICTION.coefficient(pressure_of(forces)))
-        rows = []
-        for friction in FRICTIONS:
-            constant = here if friction == "mean" else MIDDLE
-            lines = pair(f"friction_pressure {FRICTION.c1} {FRICTION.c2!r}", FRICTION.mu0)
-            lines = lines if friction == "pressure" else pair("", constant)
-            text = f"comm_modify vel yes\nread_restart pressed.rst\npair_style granular\n{lines}timestep {STEP!r}\n"
-            text += moving + f"velocity top set {SPEED} 0 NULL\nrun {SHEAR}\n"
-            (folder / "in.shear").write_text(text)
-            log = run(folder / "in.shear")
-            late = log["Step"] > log["Step"][0] + SHEAR // 2
-            drag = -float(np.mean(log["drag[1]"][late])) - SIDE**2 * SLOW * SPEED  # without that of `fix viscous`
-            ratio = drag / (stress * side**2)
-            grown = float(log["height"][-1] / log["height"][0] - 1.0)
-            rows.append((seed, stress, friction, here, ratio, grown))
-            print(*rows[-1], flush=True)
-        return rows
-
-
-MIDDLE = float(FRICTION.coefficient(pressure_of(np.array([STRESSES[1] * (2.2 * RADIUS) ** 2]))))
-"""Constant friction `one`: of a contact that carries what a grain of the plate carries at the middle stress."""
+SEEDS = range(1, 5)
+KINDS = ("spheres", "clumps")
 
 
 def main():
+    """Run with the command line's arguments."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--run", type=int, metavar="PACKINGS", help="make runs of so many packings again")
+    parser.add_argument("--run", action="store_true", help="make the runs of beds and slopes that are missing")
+    parser.add_argument("--shear", type=int, metavar="PACKINGS", help="make runs of simple shear of so many packings again")
     arguments = parser.parse_args()
-    if arguments.run:
-        rows = [row for seed in range(arguments.run) for stress in STRESSES for row in sheared(seed, stress)]
-        with open(RUNS, "w", newline="") as file:
-            csv.writer(file, lineterminator="\n").writerows(
-                [("seed", "stress", "friction", "mean_mu", "ratio", "dilation"), *rows]
-            )
-    print(table())
-
-
-def read():
-    """{(seed, stress, friction): (μ at the mean pressure, stress ratio)} of the stored runs."""
-    with open(RUNS, newline="") as file:
-        rows = list(csv.DictReader(file))
-    return {(int(r["seed"]), float(r["stress"]), r["friction"]): (float(r["mean_mu"]), float(r["ratio"])) for r in rows}
-
-
-def effects():
-    """(stress, former friction) → `Estimate` of the change of the stress ratio to friction by pressure, of pairs."""
-    runs, found = read(), {}
-    seeds = sorted({seed for seed, _, _ in runs})
-    for stress in STRESSES:
-        for former in FRICTIONS[1:]:
-            before, after = ([runs[seed, stress, name][1] for seed in seeds] for name in (former, "pressure"))
-            found[stress, former] = change(before, after)
-    return found
-
-
-def table():
-    """The table as text."""
-    runs, found = read(), effects()
-    which = dict(zip(found, clear(found.values()), strict=True))
-    lines = ["stress (kPa)  μ at mean p  τ/σ of pressure (95 %)      change against mean, one (95 %; *: clear)"]
-    for stress in STRESSES:
-        ratios = [value[1] for (_, at, name), value in runs.items() if at == stress and name == "pressure"]
-        mu = np.mean([value[0] for (_, at, name), value in runs.items() if at == stress and name == "pressure"])
-        mean = interval(ratios)
-        parts = [
-            f"{100 * e.mean:+.1f} % ({100 * e.low:+.1f} to {100 * e.high:+.1f}){'*' if which[stress, name] else ' '}"
-            for (at, name), e in found.items()
-            if at == stress
-        ]
-        lines.append(
-            f"{1e-3 * stress:8.0f} {mu:12.3f} {mean.mean:10.3f} ({mean.low:.3f} to {mean.high:.3f})   {'  '.join(parts)}"
-        )
-    return "\n".join(lines)
+    for seed in SEEDS if arguments.run else ():
+        for grains in KINDS:
+            slopes.run_slope(grains, seed)
+            beds.run_bed(grains, seed)
+    if arguments.shear:
+        shear.make(arguments.shear)
+    print(shear.table(), report.bed_table(read(beds.RUNS)), report.slope_table(read(slopes.RUNS)), sep="\n\n")
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

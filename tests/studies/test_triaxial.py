@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import demlaws as dl
 from studies.assembly.study import read
 from studies.triaxial import cell, cycles, report
 from studies.triaxial.__main__ import QUICK
@@ -34,6 +35,12 @@ def test_grains_have_their_volume_and_mass():
     assert mass.sum() == pytest.approx(cell.DENSITY * grains.solid) and mass.size == 20
     places = grains.rows[:, 3:]
     assert places.min() > 0.0 and places.max() < grains.side
+
+
+@pytest.mark.parametrize("law", dict.fromkeys(case.contact for case, _ in cycles.wanted()), ids=str)
+def test_each_law_has_a_table(tmp_path, law):
+    law.save(tmp_path / "pair.tbl", cell.contact_radius("tetrapods"))
+    assert dl.Table.load(tmp_path / "pair.tbl").largest_force >= 5e3
 
 
 @pytest.fixture(scope="module")

@@ -4,6 +4,7 @@ import csv
 from pathlib import Path
 
 import mutations
+import pytest
 
 
 def test_each_mutation_matches_its_source_once(capsys):
@@ -22,3 +23,27 @@ def test_a_run_of_some_mutations_changes_their_rows_only(tmp_path):
     found = [("test_old", "yes: Granite"), ("test_new[1]", "no"), ("not tried", "yes: Granite")]
     assert rows == [(mutation.name, *cells) for mutation, cells in zip(known, found, strict=True)]
     assert known[2].part == "Contact: sums and parameters" and known[2].change == "1.0 → 1.02"
+
+
+def test_results_are_kept_as_they_come_and_the_rest_can_be_run_later(tmp_path, monkeypatch):
+    """A run that is stopped in its third part; then those that are missing."""
+    known = mutations.read_mutations(Path(mutations.__file__).with_suffix(".txt"))[:5]
+    table, tried = tmp_path / "mutations.csv", []
+    table.write_text(",".join(mutations.HEADS) + "\n")
+
+    def failing(tree, mutation):
+        tried.append(mutation.name)
+        if len(tried) == 5:
+            raise KeyboardInterrupt
+        return "time limit"
+
+    monkeypatch.setattr(mutations, "PART", 2)
+    monkeypatch.setattr(mutations, "failing", failing)
+    monkeypatch.setattr(mutations, "copy_tree", lambda folder: folder)
+    monkeypatch.setattr(mutations, "read_mutations", lambda path: known)
+    with pytest.raises(KeyboardInterrupt):
+        mutations.main(["--table", str(table)])
+    assert tried == [mutation.name for mutation in known]
+    assert mutations.main(["--table", str(table), "--missing"]) == 0
+    assert tried[5:] == [known[4].name]
+    assert {row["detected by the test"] for row in mutations.rows_of(table).values()} == {"time limit"}
