@@ -5,6 +5,7 @@
 # make bench-scale  scaling of a step under MPI, memory of a rank, restart files (some ten minutes)
 # make bench-shear  cost of a step in each engine with passive shear and with partial slip, over stock (some minutes)
 # make lammps-source  build LAMMPS statically from Debian's source with the models in it, engine tests with it (first time 5 to 10 minutes)
+# make yade-source  build YADE from Debian's source, engine tests with it (first time one to two hours of one core)
 # make stability measure every law at the extremes: ten million load paths, and inside the engines (some 20 minutes)
 # make trade      softer grains, faster loading, longer steps: error against time to solution (hours; goes on where it stopped);
 #                then the costs and curves that `demlaws choose` reads
@@ -32,7 +33,7 @@ APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
 # liggghts-doc: LIGGGHTS's own tutorials, which a test converts and runs
 ENGINES := yade liggghts liggghts-doc libliggghts-dev libopenmpi-dev openmpi-bin g++
 
-.PHONY: facts granite test test-all lammps-source bench stability trade validation experiment docs docs-measure dist readme-check mutations lint plugins plugin-liggghts plugin-lammps engines clean bench-scale bench-shear release
+.PHONY: facts granite test test-all lammps-source yade-source bench stability trade validation experiment docs docs-measure dist readme-check mutations lint plugins plugin-liggghts plugin-lammps engines clean bench-scale bench-shear release
 
 granite: $(VENV)/.plots
 	$(BIN)/demlaws granite --out granite
@@ -87,6 +88,10 @@ bench-shear: engines $(VENV)/.test
 # LAMMPS_SOURCE= options of the script, as --shared
 lammps-source: $(VENV)/.test
 	$(BIN)/python tools/machines/lammps_source.py $(LAMMPS_SOURCE)
+
+# YADE_SOURCE= options of the script, as --compiler clang++-14
+yade-source: $(VENV)/.test
+	$(BIN)/python tools/machines/yade_source.py $(YADE_SOURCE)
 
 validation: engines $(VENV)/.plots
 	DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} $(BIN)/python -m studies.validation --out validation

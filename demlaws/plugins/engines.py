@@ -240,14 +240,20 @@ def own_session(environment):
 
 
 @functools.lru_cache
-def open_mpi_run(path):
-    """The first mpirun of Open MPI in the folders of `path`: MPICH's, which pip installs, may come before it."""
+def mpirun_of(program, path):
+    """The first mpirun in the folders of `path` that belongs to the MPI of `program`, and whether that is Open MPI.
+
+    Programs of MPICH and Intel MPI load libmpi.so.12. MPICH's mpirun, which pip installs, may come before Open MPI's.
+    """
+    open_mpi = not re.search(r"\blibmpi(ch)?\.so\.12\b", output_of(["ldd", program]))
+    names = ("mpirun.openmpi", "mpirun") if open_mpi else ("mpiexec.hydra", "mpirun.mpich", "mpirun")
     for folder in path.split(os.pathsep):
-        for name in ("mpirun.openmpi", "mpirun"):
-            program = shutil.which(name, path=folder)
-            if program and re.search("Open MPI|OpenRTE", output_of([program, "--version"])):
-                return program
-    raise DemlawsError("no mpirun of Open MPI on PATH: sudo apt install openmpi-bin")
+        for name in names:
+            found = shutil.which(name, path=folder)
+            if found and re.search("Open MPI|OpenRTE" if open_mpi else "HYDRA|Intel", output_of([found, "--version"])):
+                return found, open_mpi
+    remedy = "Open MPI on PATH: sudo apt install openmpi-bin" if open_mpi else f"MPICH on PATH, with which {program} is linked"
+    raise DemlawsError(f"no mpirun of {remedy}")
 
 
 class Engine:
@@ -278,11 +284,14 @@ class Engine:
         for name, value in (variables or {}).items():
             line += ["-var", name, *(map(str, value) if isinstance(value, (list, tuple)) else [str(value)])]
         line += map(str, arguments)
-        if ranks > 1 and mpiexec:  # MPICH hands the environment on
+        open_mpi = False
+        if ranks > 1 and not mpiexec:
+            mpiexec, open_mpi = mpirun_of(line[0], os.environ.get("PATH", ""))
+        if ranks > 1 and not open_mpi:  # MPICH hands the environment on
             line = [str(mpiexec), "-n", str(ranks), *line]
         elif ranks > 1:
             root = os.geteuid() == 0
-            mpirun = [open_mpi_run(os.environ.get("PATH", "")), "-np", str(ranks), *(["--allow-run-as-root"] if root else [])]
+            mpirun = [mpiexec, "-np", str(ranks), *(["--allow-run-as-root"] if root else [])]
             mpirun += ["--oversubscribe"] if root or ranks > len(os.sched_getaffinity(0)) else []
             for name, value in loading.items():  # for the ranks only, not for mpirun
                 mpirun += ["-x", f"{name}={value}"]

@@ -36,11 +36,14 @@ def executable(name="yade"):
 
 
 def other_builds():
-    """Paths of programs on the path with the names of YADE's own builds and of its daily packages, without `…-batch`."""
+    """Paths of programs on the path with the names of YADE's own builds and of its daily packages.
+
+    `…-batch` is another program, `….py` a link to the first that YADE's cmake installs.
+    """
     found = {}
     for folder in map(Path, os.get_exec_path()):
         for path in sorted((*folder.glob("yade-*"), *folder.glob("yadedaily*"))):
-            if not path.name.endswith("-batch") and os.access(path, os.X_OK) and path.is_file():
+            if not path.name.endswith(("-batch", ".py")) and os.access(path, os.X_OK) and path.is_file():
                 found.setdefault(path.name, str(path))
     return list(found.values())
 

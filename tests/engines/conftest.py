@@ -41,7 +41,7 @@ def _modules():
     if not found:
         raise DemlawsError("YADE's Python modules")
     if found[1] not in sys.path:
-        sys.path.append(found[1])
+        sys.path.insert(1, found[1])  # before a packaged YADE, as the start script does
 
 
 COMPILER = [] if shutil.which("g++") else ["g++"]

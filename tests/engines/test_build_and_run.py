@@ -137,7 +137,27 @@ def test_the_mpirun_of_open_mpi_is_taken(engine, tmp_path, monkeypatch):
     assert Path(found).name.startswith("mpirun") and Path(found) != mpich
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(DemlawsError, match="no mpirun of Open MPI"):
-        engines.open_mpi_run(str(tmp_path))
+        engines.mpirun_of("liggghts", str(tmp_path))
+
+
+@pytest.mark.parametrize("engine", ["lammps"])
+def test_a_program_of_mpich_gets_the_mpirun_of_mpich(engine, tmp_path, monkeypatch):
+    """Open MPI's ends in MPI_Init, or starts as many runs of one rank each."""
+    for name, text in {
+        "lmp": "",
+        "ldd": "echo '\tlibmpi.so.12 => /opt/mpich/lib/libmpi.so.12'",
+        "mpirun.openmpi": "echo mpirun (Open MPI) 4.1.4",
+        "mpirun": "echo HYDRA build details:",
+    }.items():
+        (tmp_path / name).write_text(f"#!/bin/bash\n{text}\n")
+        (tmp_path / name).chmod(0o755)
+    monkeypatch.setenv("DEMLAWS_LAMMPS", str(tmp_path / "lmp"))
+    monkeypatch.setenv("PATH", str(tmp_path))
+    line, _ = part(engine, "run").command("in.case", 2, plugin=False)
+    assert line[:4] == [str(tmp_path / "mpirun"), "-n", "2", str(tmp_path / "lmp")]
+    (tmp_path / "mpirun").unlink()
+    with pytest.raises(DemlawsError, match=r"no mpirun of MPICH on PATH, with which .*lmp is linked"):
+        engines.mpirun_of(str(tmp_path / "lmp"), f"{tmp_path}:")
 
 
 @both

@@ -50,6 +50,7 @@ void take_pairs() {
 #define REMEDIES                                                                                                       \
   "build LAMMPS with BUILD_SHARED_LIBS=on, or with the models in it (`demlaws lammps source`, " CLUSTER ")"
 const char STATIC[] = "it is a static executable, whose functions no plugin can reach: " REMEDIES;
+const char OLD[] = "it has no GranularModel (package GRANULAR of 2023 or later): use LAMMPS 4 Feb 2025 or newer";
 
 // Whether the program of this process has LAMMPS's granular models in itself. Preloaded, this plugin is in every other
 // program that is started, too.
@@ -66,7 +67,7 @@ std::string prove(void *lmp) {
   const Stock &stock = Stock::get();
   if (layout) return "";
   std::string why;
-  if (!stock.add) why = stock.exported() ? "it has no GranularModel (package GRANULAR of 2023 or later)" : STATIC;
+  if (!stock.add) why = stock.exported() ? OLD : STATIC;
   else if (!stock.missing.empty()) why = "it has no function " + stock.missing;
   else if (Abi<false>::fits(lmp, stock)) layout = EARLY;
   else if (Abi<true>::fits(lmp, stock)) layout = LATE;
@@ -200,9 +201,10 @@ void *add_energy(void *modify, int count, char **arg, int suffix) {
 // prove the layout on yet, so that is done when the first name of ours is met.
 __attribute__((constructor)) void start() {
   std::string why;
-  if (Stock::get().add) why = install();
-  else if (!Stock::get().exported() && is_static_lammps())
-    why = std::string("demlaws cannot be added to this LAMMPS: ") + STATIC;
+  const Stock &stock = Stock::get();
+  if (stock.add) why = install();
+  else if (stock.exported() || is_static_lammps())
+    why = std::string("demlaws cannot be added to this LAMMPS: ") + (stock.exported() ? OLD : STATIC);
   if (!why.empty()) fprintf(stderr, "WARNING: %s\n", why.c_str());
 }
 

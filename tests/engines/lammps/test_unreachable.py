@@ -1,4 +1,4 @@
-"""A LAMMPS whose functions no plugin can replace, such as a static executable: the reason and both remedies are reported."""
+"""A LAMMPS whose functions no plugin can replace, such as a static executable: the reason and the remedies are reported."""
 
 import os
 import subprocess
@@ -21,6 +21,7 @@ LAMMPS_NS::Granular_NS::GranularModel model;
 PROGRAMS = {
     "static": ("", 'puts("Illegal model type {}" + (count < 9 ? 21 : 0));', []),
     "symbols that it calls itself": (MODEL, "model.add_sub_model(arg, 0, 0, LAMMPS_NS::Granular_NS::NORMAL);", ["-rdynamic"]),
+    "before GranularModel": ('extern "C" int lammps_version(void *) { return 20210929; }', "", ["-rdynamic"]),
     "another program": ("", "", []),
 }
 REMEDIES = ("BUILD_SHARED_LIBS=on", "demlaws lammps source")
@@ -50,6 +51,16 @@ def test_check_and_run_give_reason_and_remedies(tmp_path, program, name):
             use()
         assert all(remedy in str(caught.value) for remedy in (str(path), *REMEDIES))
     lm.run(tmp_path / "in.case", plugin=False)
+
+
+def test_a_lammps_without_granular_models_is_refused_before_it_runs(program):
+    """The package of Debian 12 is of 2021: with the plugin it ends with a segmentation fault."""
+    path = program("before GranularModel")
+    with pytest.raises(
+        DemlawsError, match=r"no GranularModel \(package GRANULAR of 2023 or later\): use LAMMPS 4 Feb 2025"
+    ) as caught:
+        lm.check()
+    assert str(path) in str(caught.value)
 
 
 @pytest.mark.parametrize("name, lines", [("static", 1), ("another program", 0)])

@@ -97,6 +97,7 @@ def test_builds_of_other_names_are_found(tmp_path, monkeypatch):
     monkeypatch.delenv("YADE", raising=False)
     daily = program(tmp_path / "yadedaily")
     batch = program(tmp_path / "yadedaily-batch")
+    (tmp_path / "yadedaily.py").symlink_to("yadedaily")  # as YADE's cmake installs
     assert (run.executable(), run.executable("yade-batch")) == (daily, batch)
     own = program(tmp_path / "yade-2026.1.0")
     with pytest.raises(dl.DemlawsError, match="set YADE to one of them") as failure:
