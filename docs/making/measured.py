@@ -53,18 +53,17 @@ def claims(folder, out, printed):
     body = [
         (
             prose(f"{row['claim']} ({row['test']}, {row['place']})"),
-            prose(f"{row['run gives']}: {row['verdict']}"),
-            prose(f"{row[given]}: {row[verdict]}" if row[given] and row[verdict] != row["verdict"] else row["verdict"]),
-            prose(row["criterion"]),
+            "no" if row["verdict"] == "not reproduced" else "yes",
+            "no" if (row[verdict] or row["verdict"]) == "not reproduced" else "yes",
         )
         for row in failed
     ]
-    heads = ["claim", "run gives", given.removeprefix("run gives "), "reproduced if"]
+    heads = ["statement", "reproduced", given.removeprefix("run gives ")]
     return (
         f"**{first}.** With E\\* = E/(2(1 - ν)) = 40.4 GPa in place of the text's E/(2(1 - ν²)) = 32.3 GPa: {second}. "
         f"{MODULUS}\n\n[All {len(rows)} statements](claims.csv) of "
-        "Altuhafi, Baudet & Coop (2023), with the place in the paper, the results of runs, and when a claim counts as "
-        f"reproduced; the tolerances are ours. {KINDS} Not reproduced with one of the two E\\*:\n\n"
+        "Altuhafi, Baudet & Coop (2023), with the place in the paper, the results of runs, and the tolerance, which is "
+        f"ours, within which a statement counts as reproduced. {KINDS} Not reproduced with one of the two E\\*:\n\n"
         f"{table(heads, body)}\n\n{CONES}"
     )
 

@@ -20,7 +20,7 @@ DRAWN = sorted(path.stem for path in (DOCS / "gallery").glob("*.py"))
 
 FOLLOWED = {
     "contact-regime": "laws",
-    "scan": "tutorials/liggghts-ballast",
+    "scan": "surfaces",
     "fit": "tutorials/yade-oedometer",
     "quickstart": "tutorials/first",
 }

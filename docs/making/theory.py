@@ -17,7 +17,7 @@ from demlaws.laws.registry import registry
 from demlaws.make import example_curve, example_law
 from making.equations import EQUATIONS
 from making.links import relinked
-from making.symbols import SYMBOLS, meaning
+from making.symbols import COMMON, OF_LAW, meaning
 from making.words import GROUPS, WORDS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -178,8 +178,9 @@ def law_page(name, definition, folder):
         "## Equation\n",
         equation(name),
     ]
-    known = [(s, meaning(name, s)) for s in EQUATIONS[name].symbols.split()]
+    known = [(s, meaning(name, s)) for s in EQUATIONS[name].symbols.split() if s not in COMMON - {*OF_LAW.get(name, ())}]
     rows = [(f"`{s}`", *reversed(match)) for s, match in known if match]
+    text.append("P, K, δ, R, E\\*, σ, Df, H_m: [terms](../../theory/contact.md#terms).\n")
     if rows:
         text.append(table(["symbol", "unit", "meaning"], rows))
     needed = ", ".join(f"`{n}`" for n in ("radius", "modulus", *definition.needed(**law.options)))
@@ -200,11 +201,6 @@ def law_page(name, definition, folder):
     if notes.exists():
         text.append(f"## Notes\n\n{relinked(notes.read_text(), NOTES.format(name), f'made/theory/{name}.md')}")
     return "\n".join(text)
-
-
-def symbol_table():
-    """All symbols with unit and meaning."""
-    return table(["symbol", "unit", "meaning"], [(f"`{s}`", unit, meaning) for s, (meaning, unit) in SYMBOLS.items()])
 
 
 def call(name, law):
