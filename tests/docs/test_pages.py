@@ -23,6 +23,7 @@ NEEDS = {
     DOCS / "liggghts.md": ("liggghts",),
     DOCS / "laws.md": (),  # slow: measures costs
     DOCS / "own-laws.md": (),  # slow: compiles the laws of the page
+    DOCS / "inside" / "law-module.md": (),  # as well
 }
 PLAIN = [
     DOCS / "tutorials" / "first.md",
