@@ -39,6 +39,8 @@ def shared(parser, described):
 def brief(parser, described):
     """The help of a parser without usage line, examples, common options and those of earlier commands, which are named."""
     for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            action._choices_actions = []  # each has a section
         if any(name in COMMON for name in action.option_strings):
             action.help = argparse.SUPPRESS
     parser._actions = [action for action in parser._actions if action.help != argparse.SUPPRESS]

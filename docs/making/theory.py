@@ -174,7 +174,7 @@ def law_page(name, definition, folder):
         f"# {name}\n",
         f"{words.physics}\n\n**Use it for** {words.use}.\n",
         f"![Force and stiffness of {name}]({picture})\n",
-        f"*Left: loading to {top:g} N and unloading. Right: tangent stiffness of first loading. Contact: {SHOWN}.*\n",
+        f"*Loading to {top:g} N and unloading; tangent stiffness of first loading ({SHOWN}).*\n",
         "## Equation\n",
         equation(name),
     ]
