@@ -11,6 +11,7 @@ from making.links import DOCS, ELSEWHERE, MADE, ROOT, relinked
 
 TUTORIALS = sorted(path.stem for path in (DOCS / "tutorials").glob("*.md"))
 
+
 def draw_gallery(folder):
     """Run the scripts of docs/gallery in `folder`, where they write their figures."""
     folder.mkdir(parents=True)
