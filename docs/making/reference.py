@@ -18,8 +18,9 @@ FEWEST = 3
 """Fewer arguments that two commands share are shown with both."""
 HEAD = """# Commands
 
-`demlaws COMMAND --help` prints the same, with examples. Of every command: `--json` prints the result as JSON, `--law-file FILE.py` registers
-[user-defined laws](../own-laws.md), `--overwrite` replaces files that the command did not write. Values take units (`60.6GPa`).
+`demlaws COMMAND --help` prints the same, with examples. Of every command: `--json` prints the result as JSON,
+`--law-file FILE.py` registers [user-defined laws](../own-laws.md), `--overwrite` replaces files that the command did not write. Values
+take units (`60.6GPa`).
 To complete words in bash or zsh: `pip install 'demlaws[completion]'`, then `eval "$(register-python-argcomplete demlaws)"`.
 Options that several commands share are described with the first of them.
 """
@@ -72,6 +73,8 @@ def command_page():
         for number, parser in enumerate(_parsers(choices[name])):
             plain = " ".join(parser.format_help().replace(name, "ENGINE").replace(name.upper(), "ENGINE").split())
             first = seen.setdefault(plain, parser.prog)
+            if number and first != parser.prog:
+                continue  # the same as of the first engine
             if number:
                 text.append(f"### {parser.prog}\n")
             same = f"As [{first}](#{first.replace(' ', '-')}), for {name.upper()}.\n"
