@@ -72,8 +72,6 @@ def command_page():
         for number, parser in enumerate(_parsers(choices[name])):
             plain = " ".join(parser.format_help().replace(name, "ENGINE").replace(name.upper(), "ENGINE").split())
             first = seen.setdefault(plain, parser.prog)
-            if number and first != parser.prog:
-                continue  # the same as of the first engine
             if number:
                 text.append(f"### {parser.prog}\n")
             same = f"As [{first}](#{first.replace(' ', '-')}), for {name.upper()}.\n"
