@@ -199,7 +199,7 @@ def join(contact: Contact, curve: "FormulaCurve | TableCurve", unloading: "str |
     return law
 
 
-def join_unchecked(contact: Contact, curve: "ClosedForm | TableCurve", unloading: "str | os.PathLike | Law") -> Any:
+def join_unchecked(contact: Contact, curve: "FormulaCurve | TableCurve", unloading: "str | os.PathLike | Law") -> Any:
     """A curve of first loading joined with the unloading that a user named, whether the pair returns work or not."""
     named = read_unloading(unloading)
     if isinstance(named, Law):

@@ -20,6 +20,7 @@ from demlaws.errors import DemlawsError, MapWarning, did_you_mean, warn
 from demlaws.files import as_path, read_text, write_atomically
 from demlaws.surfaces import plausibility
 from demlaws.surfaces.cells import decimal_mark, is_missing, is_number, separator, split, value_of
+from demlaws.surfaces.headers import is_zygo, read_gwyddion, read_header_line, zygo_grid
 from demlaws.surfaces.heightmap import LARGEST_PIXEL, UNITS, HeightMap, box_correction, self_affine
 
 __all__ = ["UNITS", "HeightMap", "box_correction", "read", "self_affine", "write"]
@@ -42,8 +43,8 @@ def read(
         NaN, #N/A, Bad or asterisks are a missing pixel; decimal commas are read where the file decides that they are, numbers
         with thousands separators are refused. Any other suffix is read by SurfaceTopography (pip install "demlaws[surfaces]").
     pixel : float, str or pair, optional
-        Pixel size [m], or text with a unit, or a pair for x and y. ESRI (ncols, cellsize, NODATA_value) and Gwyddion
-        (# Width: 1.6 mm) headers contain it.
+        Pixel size [m], or text with a unit, or a pair for x and y. Headers of ESRI, Gwyddion, Keyence,
+        MountainsMap, SPIP, Wyko and Zygo (.xyz) contain it.
     unit : str
         Unit of the heights.
     missing : float, optional
@@ -93,6 +94,8 @@ def read_unchecked(path, pixel=None, unit="m", *, missing=None, channel=None):
     pixels = None if pixel is None else _pixel_pair(pixel)
     if suffix in (".npy", ".npz"):
         heights, header = _read_numpy(path, channel)
+    elif suffix == ".xyz" and is_zygo(path):
+        heights, header = zygo_grid(path, unit)
     elif suffix not in (".csv", ".txt", ".tsv", ".asc"):
         heights, header = _read_instrument(path, channel, pixels, unit)
     elif channel is None:
@@ -168,10 +171,10 @@ def _read_text(path):
     header, esri, rows, first, words = {}, {}, [], 0, 0
     for number, line in enumerate(lines, 1):
         text = line.strip()
-        if not rows and _instrument_header(text, header):
+        if not rows and read_header_line(text, header):
             continue
         if text.startswith("#") and not is_missing(split(text, separator(text))[0]):  # "#N/A" of a spreadsheet
-            _gwyddion(text, header, f"{path}, line {number}")
+            read_gwyddion(text, header, f"{path}, line {number}")
             continue
         if not text:
             continue
@@ -204,9 +207,10 @@ def _read_text(path):
     except ValueError as error:
         raise DemlawsError(f"{path}: a height is not a number: {error}") from None
     for name, entry, count in zip(("columns", "rows"), ("ncols", "nrows"), heights.shape[::-1], strict=True):
-        if entry in esri and units.as_float(esri[entry], f"{path}: {entry}") != count:
+        stated = esri.get(entry, header.get(name))
+        if stated is not None and units.as_float(stated, f"{path}: {name}") != count:
             raise DemlawsError(
-                f"{path}: its header states {esri[entry]} {name}, but there are {count}, one row per line: is it truncated?"
+                f"{path}: its header states {stated} {name}, but there are {count}, one row per line: is it truncated?"
             )
     if "nodata_value" in esri:
         heights[heights == float(units.as_float(esri["nodata_value"], f"{path}: NODATA_value"))] = np.nan
@@ -217,53 +221,6 @@ def _read_text(path):
     if "width" in header and "height" in header:
         header["pixel"] = header["width"] / heights.shape[1], header["height"] / heights.shape[0]
     return heights, header
-
-
-_KEYENCE = ("measured date", "model", "xy calibration", "unit", "output image data")
-
-
-def _instrument_header(text, header):
-    """Whether a line is of the header of a Keyence or MountainsMap export; its pixel size and unit go to `header`."""
-    cells = [cell.strip().strip('"') for cell in split(text, ",")]
-    key = cells[0].lower()
-    if key in _KEYENCE:
-        header["keyence"] = True
-    if header.get("keyence") and text and not is_number(cells[0]) and not is_missing(cells[0]):
-        if key == "xy calibration" and len(cells) > 2 and cells[2] in UNITS:
-            header["pixel"] = _pixel_pair(float(units.as_float(cells[1], "XY Calibration")) * UNITS[cells[2]])
-        elif key == "unit" and cells[-1] in UNITS:
-            header["scale"] = UNITS[cells[-1]]
-        return True
-    if header.get("keyence") and not any(cells):
-        return True
-    match = re.fullmatch(r"#\s?([xyz])-(pixels|length|unit) = (\S+)", text)
-    if not match:
-        return text.startswith("# ") and text.rstrip(":").endswith((" = ASCII", "Created", "Header", "Data", "scanspeed ="))
-    header[match[1] + match[2]] = match[3]
-    stated = {axis: header.get(f"{axis}unit") in UNITS for axis in "xyz"}
-    if stated["z"]:
-        header["scale"] = UNITS[header["zunit"]]
-    if stated["x"] and stated["y"] and all(f"{axis}{name}" in header for axis in "xy" for name in ("pixels", "length")):
-        header["pixel"] = _pixel_pair(
-            tuple(
-                float(units.as_float(header[f"{axis}length"], f"{axis}-length"))
-                * UNITS[header[f"{axis}unit"]]
-                / float(units.as_float(header[f"{axis}pixels"], f"{axis}-pixels"))
-                for axis in "xy"
-            )
-        )
-    return True
-
-
-def _gwyddion(text, header, where):
-    match = re.match(r"#\s*(width|height)\s*:\s*([-+0-9.eE]+)\s*([a-zµμ]+)", text, re.IGNORECASE)
-    if match and match[3] in UNITS:
-        header[match[1].lower()] = float(units.as_float(match[2], f"{where}: {match[1]}")) * UNITS[match[3]]
-    match = re.match(r"#\s*value units?\s*:\s*(\S+)", text, re.IGNORECASE)
-    if match and match[1] not in UNITS:
-        raise DemlawsError(f"{where}: heights in {match[1]!r}; export them in one of {', '.join(UNITS)}")
-    if match:
-        header["scale"] = UNITS[match[1]]
 
 
 def _read_instrument(path, channel, pixels, unit):

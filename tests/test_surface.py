@@ -35,6 +35,7 @@ def test_form_of_its_order_is_removed_and_nothing_else(order, seed, holes):
     left = HeightMap(z, 1e-6).without_form(order)
     assert np.nanmax(np.abs(left.heights)) < 1e-12
     assert left.form_order == order
+    assert HeightMap(z, 1e-6).without_form(np.float64(order)).form_order == order
     # taking form away twice changes nothing
     rough = HeightMap(z + 1e-6 * rng.standard_normal(z.shape), 1e-6).without_form(order)
     np.testing.assert_allclose(rough.without_form(order).heights, rough.heights, atol=1e-15)
@@ -254,6 +255,25 @@ def test_radius_of_a_tip():
     assert HeightMap(missing, 1e-6).radii_of_curvature() == pytest.approx((0.96e-3, 0.96e-3), rel=1e-9)
 
 
+@pytest.mark.parametrize("radius", [2.5e-3, -2.5e-3, 4.35e-3])
+def test_a_ball_leaves_nothing(radius):
+    """Its paraboloid leaves h⁴/(8R³): 18 µm at the rim of the smaller ball, 40 nm on the other."""
+    half, (rows, columns) = (1.7e-3 if abs(radius) < 3e-3 else 0.35e-3), (90, 110)
+    x, y = np.linspace(-half, half, columns), np.linspace(-0.8 * half, 0.8 * half, rows)[:, None]
+    square = (x - 0.05 * radius) ** 2 + (y + 0.02 * radius) ** 2
+    z = math.copysign(1.0, radius) * np.sqrt(radius**2 - square) + 1e-3
+    z[3:8, 40:60] = np.nan
+    ball = HeightMap(z, x[1] - x[0], float(y[1, 0] - y[0, 0]))
+    assert ball.radii_of_curvature() == pytest.approx((radius, radius), rel=1e-9)
+    left = ball.without_form(2)
+    assert left.form_order == "sphere" and left.sq < 1e-12
+    rough = self_affine((rows, columns), ball.pixel_x, 0.8, roughness=50e-9, seed=1, longest=20 * ball.pixel_x)
+    assert ball.with_heights(z + rough.heights).without_form(2).sq == pytest.approx(50e-9, rel=0.02)
+    # a paraboloid stays one
+    cap = HeightMap(np.zeros((rows, columns)) - (x**2 + y**2) / (2 * radius), x[1] - x[0], float(y[1, 0] - y[0, 0]))
+    assert cap.without_form(2).form_order == 2
+
+
 def test_field_of_view():
     heights = HeightMap(np.arange(20.0 * 30.0).reshape(20, 30) * 1e-9, 1e-6, 2e-6)
     part = heights.cropped("10um", "20um")
@@ -266,11 +286,20 @@ def test_field_of_view():
 
 HEADERS = {
     "keyence.csv": '"Measured date","2026/05/12"\n"Model","VK-X150"\n"Comment",""\n"XY Calibration","0.500","um"\n'
-    '"Horizontal","8"\n"Unit","um"\n""\n"Height"\n',
+    '"Horizontal","8"\n"Vertical","6"\n"Unit","um"\n""\n"Height"\n',
+    "keyence_nm.csv": '"Measured date","2026/05/12"\n"XY Calibration","500","nm/pixel"\n"Unit","µm"\n"Vertical","6"\n',
     "mountains.txt": "# File Format = ASCII\n# Created\n# Start Header\n# x-pixels = 8\n# y-pixels = 6\n# x-length = 4\n"
     "# y-length = 3\n# x-unit = um\n# y-unit = um\n# z-unit = um\n# scanspeed = \n# Start Data:\n",
     "esri.asc": "ncols 8\nnrows 6\ncellsize 0.5\n",
+    "wyko.asc": "Wyko ASCII Data File Format 0\t1\t1\nX Size\t6\nY Size\t8\nBlock Name\tType\tLength\tValue\n"
+    "Wavelength\t7\t4\t500\nAspect\t7\t4\t1\nPixel_size\t7\t4\t0.0005\nRAW_DATA\t3\t192\n",
+    "waves.asc": "Wyko ASCII Data File Format 0\t0\t1\nX Size\t6\nY Size\t8\nBlock Name\tType\tLength\tValue\n"
+    "Wavelength\t7\t4\t500\nAspect\t7\t4\t1\nPixel_size\t7\t4\t0.0005\nRAW_DATA\t3\t192\n",
+    "zygo.xyz": 'Zygo XYZ Data File - Format 1\n0 3 0 0 ""\n0 0 8 6 1 255\n2 3 8 6\n""\n""\n""\n'
+    "0 0 6.328e-07 0.5 1 0 5e-07 1787677163\n3 2 0 0 0 6666\n0 0 0\n0\n0\n0\n#\n",
 }
+IN_UM = {"wyko.asc": 1e3, "waves.asc": 2.0}
+"""Units of height of a file in 1 µm: nm, waves of 500 nm."""
 
 
 @pytest.mark.filterwarnings("ignore::demlaws.errors.MapWarning")
@@ -278,24 +307,38 @@ HEADERS = {
 def test_headers_of_instruments(name, tmp_path):
     """Pixel size and unit of the file were not read; an ESRI grid in µm was refused as one of metres."""
     z = np.random.default_rng(0).standard_normal((6, 8)).round(4)
-    rows = [[f'"{v}"' if name.startswith("key") else str(v) for v in row] for row in z]
+    z[2, 3] = np.nan
+    rows = [[f'"{v}"' if name.startswith("key") else str(v) for v in IN_UM.get(name, 1.0) * row] for row in z]
+    if name == "zygo.xyz":
+        lines = [f"{x + 2} {y + 3} {'No Data' if v == 'nan' else v}" for y, row in enumerate(rows) for x, v in enumerate(row)]
+        rows = [*([line] for line in lines), ["#"]]
     mark = "," if name.startswith("key") else "\t"
     (tmp_path / name).write_text(HEADERS[name] + "\n".join(mark.join(row) for row in rows) + "\n")
     heights = surface.read(tmp_path / name, unit="um" if name == "esri.asc" else "m")
     np.testing.assert_allclose(heights.heights, 1e-6 * z, rtol=1e-12)
     assert (heights.pixel_x, heights.pixel_y) == pytest.approx((5e-7, 5e-7))
+    # the header states the numbers of rows and columns: a file that was cut is not a smaller map
+    (tmp_path / f"cut_{name}").write_text(HEADERS[name] + "\n".join(mark.join(row) for row in rows[:-2]) + "\n")
+    with pytest.raises(dl.DemlawsError, match=r"truncated|not a whole"):
+        surface.read(tmp_path / f"cut_{name}", unit="um" if name == "esri.asc" else "m")
 
 
 def test_maps_that_cannot_be_read_name_the_remedy(tmp_path):
     """ValueError, IndexError, TokenError and MemoryError, or "a height is not a number"."""
-    (tmp_path / "wyko.asc").write_text("Wyko ASCII Data File Format 0\t0\t1\nX Size\t4\nRAW_DATA\t3\t16\n" + "1\t2\t1\t2\n" * 4)
+    (tmp_path / "other.asc").write_text("Some Data File\t1\nX Size\t4\nRAW_DATA\t3\t16\n" + "1\t2\t1\t2\n" * 4)
+    (tmp_path / "zygo.xyz").write_text(HEADERS["zygo.xyz"] + "11 3 0.5\n#\n")
+    (tmp_path / "mountains.txt").write_text(
+        HEADERS["mountains.txt"].replace("x-pixels = 8", "x-pixels = 0") + "1\t2\t1\t2\n" * 4
+    )
     (tmp_path / "width.asc").write_text("# Width: 1e5e µm\n# Height: 1 mm\n" + "1 2 1 2\n" * 4)
     np.save(tmp_path / "empty.npy", np.ones((0, 5)))
     np.save(tmp_path / "large.npy", np.ones((4, 4)))
     data = (tmp_path / "large.npy").read_bytes()
     (tmp_path / "large.npy").write_bytes(data.replace(b"(4, 4), }" + b" " * 15, b"(400000000000, 4000), }" + b" "))
     for name, reason in (
-        ("wyko.asc", "delete lines 1 to 3"),
+        ("other.asc", "delete lines 1 to 3"),
+        ("zygo.xyz", "line 15 is outside of the grid"),
+        ("mountains.txt", "x-pixels"),
         ("width.asc", "Width"),
         ("empty.npy", "shape"),
         ("large.npy", "numpy"),

@@ -61,3 +61,10 @@ def test_a_number_that_is_refused_is_shown_as_typed():
         number(0.05, "width", "m", 0.0, 0.01)
     with pytest.raises(dl.DemlawsError, match=r"^count = 0: must be above 0$"):
         number("0", "count")
+
+
+@pytest.mark.parametrize("n", ["", -1, [2]])
+def test_a_state_has_a_whole_number_of_contacts(n):
+    """An elastic law has no arrays, and took any."""
+    with pytest.raises(dl.DemlawsError, match="whole number"):
+        dl.law("hertz", PAIR).new_state(n)

@@ -28,7 +28,7 @@ from demlaws.law import Law
 from demlaws.laws.registry import find
 from demlaws.make import check_unloading, law as bind_law
 from demlaws.timestep import shear_ratio, timestep
-from demlaws.units import number, positive
+from demlaws.units import number, positive, refuse_plain_radius
 
 ENGINES = ("python", "yade", "liggghts", "lammps")
 PROCESSES = ("oedometer", "shear", "pour")
@@ -117,6 +117,8 @@ class Scene:
     name: str = ""
 
     def __post_init__(self):
+        for label in ("radii", "classes"):
+            refuse_plain_radius(label, getattr(self, label))
         classes = tuple(np.unique(positive(self.classes, "classes", "m")).tolist())
         radii = classes or np.atleast_1d(positive(self.radii, "radii", "m")).tolist()
         if not radii:
@@ -162,6 +164,10 @@ class Scene:
         for label, words in (("quantity", QUANTITIES), ("engine", ENGINES), ("process", ("", *PROCESSES))):
             if not isinstance(getattr(self, label), str) or getattr(self, label) not in words:
                 raise DemlawsError(f"{label} = {getattr(self, label)!r}: choose one of {', '.join(filter(None, words))}")
+        if not isinstance(self.reference_options, dict):
+            raise DemlawsError(f"reference_options = {self.reference_options!r:.60}: give a table of options by name")
+        if self.reference_options and self.reference is None:
+            raise DemlawsError("reference_options without reference: name the law whose options they are")
         if self.reference is not None:
             checked["reference_options"] = find(self.reference).read_options(self.reference_options)
         if self.unloading is not None:

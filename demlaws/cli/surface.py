@@ -35,7 +35,10 @@ def register(add):
     surface.add_argument("--channel", help="name of the channel of an instrument's file (default: the first with heights)")
     surface.add_argument("--despike", action="store_true", help="treat spikes and fillers as missing pixels (5 x 5 median)")
     surface.add_argument(
-        "--form", type=whole(-1, 8), default=2, help="order of the subtracted polynomial (default 2; -1: none)"
+        "--form",
+        type=whole(-1, 8),
+        default=2,
+        help="order of the subtracted polynomial (default 2, or a sphere where that leaves less; -1: none)",
     )
     surface.add_argument("--crop", type=length, metavar="WIDTH", help="use the square of this side in the middle of the map")
     surface.add_argument(
@@ -164,7 +167,7 @@ def _describe(result, heights, wavelengths):
         f"{columns} x {rows} pixels of {heights.pixel_x * 1e6:.4g} x {heights.pixel_y * 1e6:.4g} µm; "
         f"field of view {width * 1e6:.4g} x {height * 1e6:.4g} µm; {100 * heights.missing:.3g} % missing"
     )
-    form = "none" if heights.form_order is None else f"polynomial of order {heights.form_order}"
+    form = {None: "none", "sphere": "sphere"}.get(heights.form_order, f"polynomial of order {heights.form_order}")
     result.print(f"form removed: {form}")
     result.print(
         f"Sq = {heights.sq * 1e6:.4g} µm (robust, by the median: {heights.robust_sq * 1e6:.4g} µm), "

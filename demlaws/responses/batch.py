@@ -2,6 +2,7 @@
 
 import copy
 import functools
+import operator
 import os
 from concurrent.futures import ThreadPoolExecutor
 
@@ -25,7 +26,7 @@ class State:
 
     def __init__(self, names, size, dtype=np.float64):
         try:
-            if np.ndim(size) or np.dtype(dtype) not in (np.float64, np.float32):  # whole numbers would lose the history
+            if operator.index(size) < 0 or np.dtype(dtype) not in (np.float64, np.float32):  # whole numbers lose the history
                 raise TypeError
             arrays = tuple(np.zeros(size, dtype) for _ in names)
         except MemoryError:

@@ -25,13 +25,13 @@ LARGEST_PIXEL = 1e-2
 class HeightMap:
     """Heights [m] on a regular grid: rows along y, columns along x; NaN (or masked) where a value is missing.
 
-    pixel_x, pixel_y: grid spacing [m]. form_order: polynomial order removed so far (None: none).
+    pixel_x, pixel_y: grid spacing [m]. form_order: order of the form removed so far, or "sphere" (None: none).
     """
 
     heights: np.ndarray
     pixel_x: float
     pixel_y: float = None  # type: ignore[assignment]  # stands for pixel_x until __post_init__: readers find a number
-    form_order: int | None = None
+    form_order: int | str | None = None
 
     def __post_init__(self):
         try:
@@ -135,11 +135,26 @@ class HeightMap:
         return replace(self, heights=heights, **changes)
 
     def without_form(self, order=2):
-        """Form removed: the least-squares polynomial Σ c_ij x^i y^j, i + j ≤ order (0 mean, 1 plane, 2 sphere or cylinder)."""
-        if np.ndim(order) or order not in range(9):
-            raise DemlawsError(f"form order = {order!r}: give a whole number from 0 (mean) to 8")
+        """Form removed: the least-squares polynomial Σ c_ij x^i y^j, i + j ≤ order (0 mean, 1 plane, 2 sphere or cylinder).
+
+        Order 2 removes a sphere instead of the paraboloid where the sphere leaves less: at the distance h from the apex of a
+        ball of radius R the two differ by h⁴/(8R³).
+        """
+        order = units.whole(order, "form order", 0, 8)
+        if order == 2:
+            return self._second_order()[0]
         y, coefficients, x = self._form(order)
         return self.with_heights(self.heights - y @ coefficients @ x.T, form_order=order)
+
+    def _second_order(self):
+        """The map without paraboloid or sphere, whichever leaves less, and the principal radii [m] of that."""
+        y, coefficients, x = self._form(2)
+        left = self.with_heights(self.heights - y @ coefficients @ x.T, form_order=2)
+        radii = self._radii(coefficients)
+        heights, radius = self._sphere(coefficients, *radii) if 0.5 < radii[0] / radii[1] < 2.0 else (None, None)
+        if heights is None or np.nanstd(self.heights - heights) >= left.sq:
+            return left, radii
+        return self.with_heights(self.heights - heights, form_order="sphere"), (radius, radius)
 
     def _form(self, order):
         """Legendre polynomials of y at the rows, of x at the columns, and coefficients of their products, by least squares."""
@@ -161,6 +176,35 @@ class HeightMap:
         coefficients[0, 0] += offset
         return y, coefficients, x
 
+    def _sphere(self, paraboloid, first, second):
+        """Heights of the least-squares sphere z = c - κr²/(1 + √(1 - κ²r²)) and its radius [m], by Gauss's and Newton's steps.
+
+        paraboloid, first, second: coefficients of `_form(2)`, where the steps start, and its radii. None: no convergence.
+        """
+        y, x = (np.arange(n) - 0.5 * (n - 1) for n in self.shape)
+        y, x = y * self.pixel_y, x * self.pixel_x
+        curvature = 0.5 * (1.0 / first + 1.0 / second)
+        apex = paraboloid[0, 1] / (x[-1] * curvature), paraboloid[1, 0] / (y[-1] * curvature)
+        best, there = np.array([paraboloid[0, 0], *apex, curvature]), np.isfinite(self.heights)
+        for _ in range(20):
+            top, x0, y0, curvature = best
+            dx, dy = x - x0, (y - y0)[:, None]
+            square = dx**2 + dy**2
+            # the paraboloid is more curved than the sphere, whose equator is beyond the map
+            steepest = 0.99 / math.sqrt(np.max(square))
+            best[3] = curvature = min(max(curvature, -steepest), steepest)
+            root = np.sqrt(1.0 - curvature**2 * square)
+            heights = top - curvature * square / (1.0 + root)
+            rates = np.ones_like(root), curvature * dx / root, curvature * dy / root, -square / (root * (1.0 + root))
+            rates = np.array([rate[there] for rate in rates])
+            size = np.sqrt(np.sum(rates**2, axis=1))
+            rates /= size[:, None]
+            step = np.linalg.lstsq(rates @ rates.T, rates @ (self.heights - heights)[there], rcond=None)[0]
+            if np.max(np.abs(step)) <= 1e-12 * math.sqrt(there.sum()) * abs(curvature) * np.max(square):
+                return heights, float(1.0 / curvature)
+            best = best + step / size
+        return None, None
+
     def cropped(self, width, height=None):
         """The middle of the map, a field of view of `width` by `height` [m] (default: square)."""
         width = units.number(width, "width", "m")
@@ -168,18 +212,22 @@ class HeightMap:
         rows, columns = round(height / self.pixel_y), round(width / self.pixel_x)
         if not (4 <= rows <= self.shape[0] and 4 <= columns <= self.shape[1]):
             whole = " x ".join(f"{side:g}" for side in self.field_of_view)
-            raise DemlawsError(f"a field of view of {width:g} x {height:g} m is below 4 pixels or beyond the map of {whole} m")
+            raise DemlawsError(f"a field of view of {width:g} m x {height:g} m: below 4 pixels or beyond the map of {whole} m")
         top = round(0.5 * (self.shape[0] - height / self.pixel_y))
         left = round(0.5 * (self.shape[1] - width / self.pixel_x))
         return self.with_heights(self.heights[top : top + rows, left : left + columns])
 
     def radii_of_curvature(self):
-        """Principal radii [m] of the paraboloid that fits best, the smaller radius first; negative: a hollow.
+        """Principal radii [m] of the paraboloid or sphere that fits best, the smaller radius first; negative: a hollow.
 
         Of a ball's cap both are R; of the tip of a cone they depend on the field of view: crop to the contact's.
         """
-        c = self._form(2)[1]  # the second derivative of the polynomial of order 2 is 3
+        return self._second_order()[1]
+
+    def _radii(self, c):
+        """Principal radii [m] of a paraboloid with these coefficients of `_form(2)`."""
         a, b = 0.5 * (self.shape[1] - 1) * self.pixel_x, 0.5 * (self.shape[0] - 1) * self.pixel_y
+        # the second derivative of the polynomial of order 2 is 3
         hessian = np.array([[3.0 * c[0, 2] / a**2, c[1, 1] / (a * b)], [c[1, 1] / (a * b), 3.0 * c[2, 0] / b**2]])
         curvatures = -np.linalg.eigvalsh(hessian)
         straight = np.abs(curvatures) <= 1e-9 * np.max(np.abs(curvatures))

@@ -13,6 +13,7 @@ Mindlin functor of the process. It would survive `O.load`; here a guard attaches
 """
 
 import ctypes
+import mmap
 import os
 import weakref
 
@@ -274,7 +275,9 @@ class Rows:
 
     def __init__(self, dtype, context):
         self.dtype, self.context = dtype, context
-        self.blocks = np.zeros(layout.BLOCKS, np.int64)
+        # pages that are not written to are not resident: YADE keeps the functor of a law after O.reset, and so its addresses
+        private = mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS
+        self.blocks = np.frombuffer(mmap.mmap(-1, 8 * layout.BLOCKS, flags=private), np.int64)
         context["blocks"], context["map_memory"] = self.blocks.ctypes.data, ctypes.cast(_libc.mmap, ctypes.c_void_p).value
         self.size = layout.ROWS * dtype.itemsize
         self.release()
@@ -324,7 +327,7 @@ def _retire(context, blocks, size):
 def _unmap(blocks, size):
     for block in blocks[blocks != 0].tolist():
         _libc.munmap(block, size)
-    blocks[:] = 0
+    blocks[blocks != 0] = 0
 
 
 class Attachment:

@@ -124,9 +124,7 @@ class LawSource:
             curve_contact = contact.with_values(**{name: ratio * getattr(contact, name) for name, ratio in changes})
             along = self.curve._bound(curve_contact, "elastic")
             parts = parts._replace(curve=along.curve, contact=along.contact)
-        bound = BoundLaw(contact, FormulaCurve(self.definition, contact, self.options), parts)
-        refuse_unless_passive(bound)
-        return bound
+        return BoundLaw(contact, FormulaCurve(self.definition, contact, self.options), parts)
 
     def shape(self, surface, unloading, modulus):
         """The law's Shape for a combined surface, or None where the pair is Hertz; modulus: see `Pairs`."""
@@ -135,12 +133,16 @@ class LawSource:
         dimension = surface.fractal_dimension
         if surface.roughness == 0.0 and dimension is None:
             dimension = 2.0  # without roughness it does not matter, but the law wants one
+        known = modulus is not None or self.serves_only()[1] > 0.0
         radius, modulus = self.contacts(surface, modulus)
         contact = Contact(radius, modulus, surface.roughness, dimension, surface.hardness)
         needs = self.definition.loading.needs + (() if self.curve is None else self.curve.definition.loading.needs)
         if surface.roughness == 0.0 and any(getattr(contact, name) is None for name in needs):
             return None
-        shape = self._bound(contact, unloading).shape
+        bound = self._bound(contact, unloading)
+        if known:  # else the first contact of each pair is checked with its E*
+            refuse_unless_passive(bound)
+        shape = bound.shape
         curve = getattr(shape, "unloading", HertzShape())
         if isinstance(loading_part(shape), HertzShape) and isinstance(curve, HertzShape) and self.ratios[:2] == (1.0, 1.0):
             return None
@@ -447,7 +449,9 @@ class Pairs:
         if self.shapes[number] is None or source.table is not None:
             return None
         with quiet():
-            _ = source._bound(self._contact(number, radius, modulus), self.unloading).params
+            bound = source._bound(self._contact(number, radius, modulus), self.unloading)
+            refuse_unless_passive(bound)
+            _ = bound.params
         if self.modulus and hardness_doubt(surface.hardness, self.modulus):
             return None
         return hardness_doubt(surface.hardness, modulus)

@@ -107,6 +107,9 @@ def test_range_rules():
         {"unloading": "hertz"},  # contacts unload where cyclic = true
         {"unloading": "table", "cyclic": True},
         {"unloading": "missing.tbl", "cyclic": True},
+        {"radii": 5000},  # m
+        {"reference": "hertz", "reference_options": 5},
+        {"reference_options": {"a": 5}},  # was refused by choose alone
     ],
 )
 def test_bad_scenes(changes):

@@ -94,7 +94,7 @@ def test_points_and_scenes_from_standard_input(file, tmp_path, monkeypatch, caps
 
 ERRORS = [
     (["fit", "FILE", *CONTACT, "--law", "hertz", "--force-noise", "0.1N"], ("force_noise needs displacement_noise",)),
-    (["fit", "FILE", *CONTACT, "--law", "hertz", "--displacement-noise", "1m"], ("displacement_noise = 1 m",)),
+    (["fit", "FILE", *CONTACT, "--law", "hertz", "--displacement-noise", "1m"], ("displacement_noise = 1m",)),
     (["fit", "FILE", *CONTACT, "--law", "rough-plastic", "--free", "yield_pressure"], ("fractal_dimension",)),
 ]
 

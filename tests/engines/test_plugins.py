@@ -13,6 +13,7 @@ from inputs import (
     energy_error_of,
     error_of,
     modulus,
+    moves_of,
     part,
     refused,
     said_in,
@@ -131,6 +132,20 @@ def test_a_restart_in_mid_unloading_goes_on(engine, tmp_path, law, rule, ranks):
     assert energy_error_of(whole, law) <= 1e-7
     deepest = whole["overlap"][np.isin(whole["Step"], rest["Step"])].max()
     assert rest["e[2]"][0] > 1.1 * law.follow(np.array([deepest])).dissipated[0]
+
+
+@both
+def test_a_restart_file_within_a_run_has_its_last_step(engine, tmp_path, law):
+    """LIGGGHTS saved the histories of the step before: the tangential force fell by its change in one step."""
+    law.tabulate().save(tmp_path / "law.tbl")
+    shear = (-0.05, 0.2, 300)
+    text = spheres(engine, "", [(-0.2, 0, 1000)], **ENERGY)
+    whole = simulate(engine, tmp_path, text + "restart 1100 now.*\n" + moves_of([shear]))
+    (tmp_path / "now.1100").rename(tmp_path / "now.restart")
+    rest = simulate(engine, tmp_path, continued(engine, text, [(*shear[:2], 200)], **ENERGY))
+    rows = np.isin(whole["Step"], rest["Step"])
+    for column in ("force", "side", "e[1]"):
+        np.testing.assert_allclose(rest[column], whole[column][rows], rtol=1e-12, err_msg=column)
 
 
 @both

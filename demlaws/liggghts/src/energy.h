@@ -104,6 +104,9 @@ public:
         if (comm->me == 0 && file) fprintf(file, "%s\n", line.c_str());
   }
   void write_restart(FILE *file) {
+    // `restart N` writes the histories as they were when neighbour lists were made, before the step that has just ended
+    Fix *const histories = modify->find_fix_style_strict("contacthistory", 0);
+    if (histories) histories->setup_pre_exchange();
     const Ledger &ledger = instance_->ledger;
     double kept[] = {ledger.taken, 0., ledger.viscous}, all[3];
     MPI_Reduce(kept, all, 3, MPI_DOUBLE, MPI_SUM, 0, world);

@@ -46,6 +46,30 @@ print("MB", pages * 4096 / 1e6)
     assert float(done.stdout.split("MB")[1]) < 100.0
 
 
+def test_a_law_of_a_scene_that_is_gone_keeps_few_pages(tmp_path):
+    """YADE keeps the functors of a scene after O.reset; of a law 128 kB of addresses of blocks stayed resident."""
+    text = """
+import gc
+from yade_scenes import *
+def one():
+    yade.O.reset()
+    material()
+    set_engines(functor())
+def resident():
+    gc.collect()
+    return int(open("/proc/self/statm").read().split()[1]) * 4.096
+for _ in range(10):
+    one()
+first = resident()
+for _ in range(60):
+    one()
+print("kB", (resident() - first) / 60)
+"""
+    done = under_yade(text, tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert float(done.stdout.split("kB")[1]) < 128.0
+
+
 def test_rows_are_returned_with_their_scene(omega):
     """By a reset and by another scene; a law that is taken out of the engine list and put back continues its contacts."""
     law = acting(functor())
