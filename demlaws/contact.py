@@ -17,7 +17,7 @@ LOWEST_HARDNESS = 1e-6
 """Hardness or yield pressure over effective modulus below which one of them is in another unit: sodium's 1e-4 is the least."""
 HIGHEST_HARDNESS = 10.0
 """Hardness over effective modulus above which a warning is issued. An elastic sphere's mean pressure is 4 E*/(3π), 0.42 E*,
-where a = R; the hardest solids have some 0.3 E* (glass), and softening the modulus by s raises the ratio by s^(1/3)."""
+where a = R; the hardest solids have about 0.3 E* (glass), and softening the modulus by s raises the ratio by s^(1/3)."""
 
 
 def hardness_doubt(hardness: float | None, modulus: Any) -> str | None:
@@ -337,7 +337,7 @@ class Contact:
 
     @property
     def sigma_or_zero(self) -> float | np.ndarray:
-        """σ [m] for laws of smooth contacts, whose curve does not depend on it: 0 where it is not given."""
+        """σ [m] for laws of smooth contacts, whose curve does not depend on it: 0 if it is not given."""
         return 0.0 if self.sigma is None else self.sigma
 
     @property

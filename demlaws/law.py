@@ -390,7 +390,7 @@ class Table(Law):
     ) -> "Table":
         """The smallest `Table` of a rising force(overlap), within `rtol` of it and of its derivative.
 
-        The function is called some 50,000 times, with one number each.
+        The function is called about 50,000 times, with one number each.
 
         Parameters
         ----------

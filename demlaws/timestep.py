@@ -31,7 +31,7 @@ and slower as the step falls but do not end. Where unloading is stiffer than loa
 UNDAMPED_SAFETY = 0.3
 """The same for lossless bodies that bounce: an impact then has 7 steps or more. Of 2,100 speeds of an elastic body on a wall
 under a constant force, up to those of 100 times its preload's oscillation, 7 made the energy grow fourfold in 600,000 steps at
-0.35 of the limit of the peak force, none at 0.3. At 0.8 it grows in some 500 steps. Any damping ends this."""
+0.35 of the limit of the peak force, none at 0.3. At 0.8 it grows in about 500 steps. Any damping ends this."""
 COORDINATION = 6.0
 """Default mean number of contacts per grain, and the least that the estimate of a packing is made for."""
 

@@ -196,7 +196,7 @@ class Range(NamedTuple):
 
 
 SOFTEST = 2e3
-"""Young's modulus [Pa] below which no grain is: soft gels have some 5 kPa. A modulus in GPa without its unit lies below."""
+"""Young's modulus [Pa] below which no grain is: soft gels have about 5 kPa. A modulus in GPa without its unit lies below."""
 
 RANGES = {
     "young": Range(

@@ -233,7 +233,7 @@ class Scene:
         one = np.ones(np.shape(contact.radius))
         if self.force is not None:
             ranges.append((self.force[0] * one, self.force[1] * one))
-        if self.pressure is not None:  # forces of a packing: an exponential tail to some 6 means, few below 0.05
+        if self.pressure is not None:  # forces of a packing: an exponential tail to about 6 means, few below 0.05
             low, high = (self.mean_force(p, contact.radius) for p in self.pressure)
             ranges.append((0.05 * low, 6.0 * high))
         if self.speed:

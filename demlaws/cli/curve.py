@@ -12,7 +12,7 @@ def register(add):
     curve = add(
         description="Computes force and overlap of one contact along a path of forces or overlaps.",
         **example(
-            '  demlaws curve --law pohrt-popov --unloading hertz --test "SS(18-18)" --forces 50 0 100 0 --figure c.png\n'
+            "  demlaws curve --law pohrt-popov --radius 8.7mm 8.7mm --material granite --forces 50 0 100 0 --figure c.png\n"
             "  demlaws curve --law rough-plastic --option yield_pressure=1.66e9 --radius 2mm 2mm --modulus 32GPa \\\n"
             "      --sigma 5um --fractal-dimension 2.2 --unloading thornton --overlaps 2e-5 0 3e-5"
         ),

@@ -140,7 +140,7 @@ def _quantities_of(path, columns, places):
 
 
 def _check_finite(path, columns):
-    """Raise where a value is no number, NaN or infinite: its contacts would be left out."""
+    """Raise where a value is not finite: its contacts would be left out."""
     for name, values in columns.items():
         if values.dtype.kind != "f":
             raise DemlawsError(f"{path}: {name} has text ({values[0]}), not numbers; check --columns")

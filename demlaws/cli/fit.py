@@ -21,7 +21,7 @@ def register(add):
         description="Fits each law to measured points of displacement and force, loading and unloading in the order of the "
         "test, and prints parameters with 95 % intervals and the ranking by Akaike's criterion (AICc).",
         **example(
-            '  demlaws fit points.csv --test "SS(18-18)" --figure fit.png\n'
+            "  demlaws fit points.csv --radius 8.7mm 8.7mm --material granite --figure fit.png\n"
             "  demlaws fit points.csv --radius 8.7mm 8.7mm --modulus 32.3GPa --roughness 1.4um --fractal-dimension 2.2 \\\n"
             "      --law rms --law pohrt-popov --free sigma modulus\n\n"
             "points.csv: two columns with units in the header, for instance\n"
@@ -76,7 +76,7 @@ def shown(name, estimate, unit):
 
 
 def surfaces(fit, given):
-    """Sq [m] of both surfaces, of which the σ of the pair in a fit consists; None where it is not fitted.
+    """Sq [m] of both surfaces, of which the σ of the pair in a fit consists; None if it is not fitted.
 
     given: values of --roughness. Of two unlike ones the second is kept, unless σ is below it; else both surfaces are alike.
     """

@@ -20,7 +20,7 @@ def register(add):
         description="Prints the engine input for softer contacts that remain on the same branch of the law, and allow a longer "
         "time step: moduli, roughness, hardness and options; and the effects on forces, energies and times.",
         **example(
-            '  demlaws soften --factor 10 --law pohrt-popov --unloading hertz --test "SS(18-18)"\n'
+            "  demlaws soften --factor 10 --law pohrt-popov --unloading hertz --radius 8.7mm 8.7mm --material granite\n"
             "  demlaws soften --factor 100 --law rough-plastic --option yield_pressure=1.66GPa --radius 8mm 8mm \\\n"
             "      --modulus 32GPa --roughness 1.7um --fractal-dimension 2.2"
         ),

@@ -16,8 +16,8 @@ def register(add):
         description="Writes a table of dimensionless force and stiffness of a law, or of a curve through measured points. The "
         "header of the file contains the measured errors.",
         **example(
-            '  demlaws table --law pohrt-popov --unloading hertz --test "SS(18-18)" --out granite.tbl --figure granite.png\n'
-            '  demlaws table --law pohrt-popov --test "SS(18-18)" --out both.tbl --unloading hertz.tbl\n'
+            "  demlaws table --law pohrt-popov --unloading hertz --radius 8.7mm 8.7mm --material granite --out granite.tbl\n"
+            "  demlaws table --law pohrt-popov --radius 8.7mm 8.7mm --material granite --out both.tbl --unloading hertz.tbl\n"
             "  demlaws table --points test.csv --unloading hertz --radius 8mm 8mm --modulus 32GPa --out measured.tbl\n\n"
             "test.csv: two columns with units in the header, for instance\n"
             "  overlap (um),force (N)"

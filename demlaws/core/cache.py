@@ -30,7 +30,7 @@ _KNOWN = {"demlaws", "numba", "numpy", "math", "cmath", "builtins", "operator", 
 UNKNOWN = "unknown"
 """In the names of types that each process compiles again."""
 _MOST = 3000
-"""Machine codes that are kept, the newest (some 0.1 MB each): a program may define laws without end."""
+"""Machine codes that are kept, the newest (about 0.1 MB each): a program may define laws without end."""
 _count = itertools.count(1)
 
 
@@ -89,7 +89,7 @@ def _digests(name):
 @contextlib.contextmanager
 def placed(function, name, whole=False):
     """The same function as if it were of this name in a file of the folder, whose machine code numba loads or keeps within this
-    block; other processes that want the same code wait. What is damaged or half-written is removed before.
+    block; other processes that want the same code wait. Damaged or half-written files are removed before.
 
     whole: `is_whole` has just said so.
     """

@@ -153,7 +153,7 @@ def cbrt(x):
     h = 1.0 - x * y * y * y
     y += y * h * (1.0 / 3.0 + h * (2.0 / 9.0 + h * (14.0 / 81.0)))
     root = x * y * y
-    # halves: of the largest double the cube itself would overflow where it is not fused with the difference
+    # halves: of the largest double the cube itself would overflow unless it is fused with the difference
     root -= (root * root * (0.5 * root) - 0.5 * x) * (y * y) * (2.0 / 3.0)
     return root if x - x == 0.0 else x
 

@@ -19,7 +19,7 @@ Springs between two bounds of κ are one spring, with their mean stretch [our de
   union of neighbours would. Both parts have the stretch of the whole.
 - The springs between two bounds slip one after the other, from the outer bound on. With the limit taken as a straight line from
   its value `onset` there through its mean m, a displacement s gives the mean stretch s - (s - onset)²/(4 (m - onset)).
-  A stretch above `onset` is taken as one that came about so; below, and on the way back to it, all of them stick.
+  A stretch above `onset` is taken as one that came about so; below, and on reloading to it, all of them stick.
 
 The mean overlap at which the springs of a pair of bounds touched, `rest`, needs no unloading curve: ∫ δ(κ) dκ up to K is
 K δ - P in each step, and the outermost spring has the difference to the others. Where the curve is Hertz's, δ(κ) = δ (κ/K)².

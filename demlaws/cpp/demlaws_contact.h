@@ -229,7 +229,7 @@ inline double given_back(const Pair &pair, double radius, double overlap, const 
     return 0.5 * pair.modulus * sqrt(radius * length) * pair.table->linear_stiffness(state[0] / length) * left * left;
   if (pair.rule == EEPA)
     return pair.modulus * sqrt(radius) * pair.table->eepa_stiffness() * eepa_energy(overlap, state[1]);
-  // negative at small overlaps of a curve that starts from a force: what lies below zero overlap never comes back
+  // negative at small overlaps of a curve that starts from a force: the part below zero overlap never comes back
   const double below = std::max(0., -state[1]);
   if (pair.rule == GIVEN) {
     const Curve &curve = pair.table->unloading_curve();

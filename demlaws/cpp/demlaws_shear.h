@@ -23,9 +23,9 @@ namespace demlaws {
 //
 // The displacement belongs to the half step as velocities and spins do, and so do the normal and the levers with which
 // it is computed. With the normal h = n - (n - n_previous)/2 of the half step the surfaces part at v - (r1 w1 + r2 w2)
-// x h, of which the part in the plane of h counts. What a contact keeps in its tangent plane turns with the normal, and
-// about it by the mean spin of both bodies [our derivation]. So it keeps components along two unit vectors that turn:
-// the first one is among its numbers, the second one is n x first.
+// x h, of which the part in the plane of h counts. The state of a contact in its tangent plane turns with the normal,
+// and about it by the mean spin of both bodies [our derivation]. So it keeps components along two unit vectors that
+// turn: the first one is among its numbers, the second one is n x first.
 struct Motion {
   double first[3], second[3]; // of now
   double velocity[2];         // of the surfaces at the half step, along both [m/s]
@@ -53,7 +53,7 @@ struct Motion {
       kept[k] = first[k] = cosine2 * a[k] + sine2 * b[k];
       second[k] = cosine2 * b[k] - sine2 * a[k];
     }
-    // v - arms x h, of which h is made a unit vector, from the plane of h to that of n.
+    // v - arms x h with the unit vector of h, turned from the plane of h to that of n.
     const double half_along = 0.5 * parting(n, v, change), unit = 1. - 0.125 * dot(change, change),
                  apart[3] = {v[0] + half_along * change[0] - unit * (arms[1] * h[2] - arms[2] * h[1]),
                              v[1] + half_along * change[1] - unit * (arms[2] * h[0] - arms[0] * h[2]),

@@ -20,7 +20,7 @@ from demlaws.errors import DemlawsError
 LOWEST, HIGHEST = 1e-9, 0.1
 """Range of the overlaps over the radius that are checked."""
 _POINTS, _THINNED = 1801, 30
-"""Some 64 panels in an octave: of a kernel without a kink their integrals are exact to rounding."""
+"""64 panels per octave: of a kernel without a kink their integrals are exact to rounding."""
 _DENSE = 200_000
 """Overlaps at which only the values are checked: a feature narrower than 1e-4 of its overlap may pass."""
 _SEATED = 0.05

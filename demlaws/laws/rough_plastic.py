@@ -50,7 +50,7 @@ class RoughPlasticShape(NamedTuple):
     load_pressure: (
         float  # [Pa] if above 0, it yields at the load at which a smooth contact's p0 is this, with the tangent there
     )
-    bulk_radius: float  # R_b [m] of the bulk's shape, which takes the place of R in all of these; 0: R
+    bulk_radius: float  # R_b [m] of the bulk's shape, which replaces R in all of these; 0: R
 
 
 class RoughPlasticParams(NamedTuple):

@@ -150,7 +150,7 @@ class Plugin:
     def build(self, portable=False, force=False):
         """Path of the plugin's shared object; compiled (seconds to a minute) unless the cache has it.
 
-        portable: without -march=native, for a cluster whose nodes differ (the step costs some 10 % more).
+        portable: without -march=native, for a cluster whose nodes differ (the step costs about 10 % more).
         force: compile in any case, with another compiler, say. Raises DemlawsError that names a missing package, or shows the
         compiler's message.
         """
@@ -193,7 +193,7 @@ def _compile(command, library, packages, force):
             if not force and _is_whole(library):  # another process has compiled it meanwhile
                 return
             with tempfile.TemporaryDirectory(prefix="demlaws-") as folder:
-                print(f"demlaws: compiling {library.name}, some 20 s; this is done once and kept", file=sys.stderr)
+                print(f"demlaws: compiling {library.name} (once, about 20 s)", file=sys.stderr)
                 made = Path(folder) / library.name
                 environment = {**os.environ, "LC_ALL": "C"}
                 result = subprocess.run([*command, "-o", str(made)], capture_output=True, text=True, env=environment)

@@ -391,7 +391,7 @@ class Response(BoundLaw):
         banked = follow_loop(self.rule_tag, self.shape, self.params, values, arrays, history, *columns)
         force, stiffness, stored, dissipated = columns
         dissipated += state.banked
-        state.banked += banked
+        state.banked += max(banked, 0.0)  # rounding of an elastic contact
         if not np.all(np.isfinite(force)):
             raise DemlawsError(self._out_of_range(float(values.max())))
         self._warn_of_limits(force)

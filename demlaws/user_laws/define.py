@@ -174,7 +174,7 @@ def _types(name, functions, extra, old):
     _tags.append(tag)
     if len(_tags) == _MANY:
         text = (
-            f"{_MANY} laws of different functions are defined: each one that is used keeps some 10 MB until the process ends; "
+            f"{_MANY} laws of different functions are defined: each one that is used keeps about 10 MB until the process ends; "
         )
         warn(f"{text}give numbers that differ as options of one law", UserWarning)
     ends = "max_force" in extra

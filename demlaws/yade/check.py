@@ -40,7 +40,7 @@ def main(words):
     offset, index, _ = layout.slot
     print(f"native bridge: available; go is entry {index} of the table that the functor holds at byte {offset}")
     pairs = chosen_pairs(words)
-    print(f"{len(pairs)} laws with rules are tested, some 3 s each if this machine has not compiled them before", flush=True)
+    print(f"{len(pairs)} laws with rules are tested, about 3 s each if this machine has not compiled them before", flush=True)
     failures = self_tests(dl, pairs)
     print(f"{'all self-tests passed' if not failures else f'{failures} self-tests FAILED'}", end=" ")
     print(f"in {time.perf_counter() - start:.1f} s (a law's first use on a machine compiles, later ones read the cache)")

@@ -22,7 +22,7 @@ ROUND, FLAT, NO_LEVER = 0, 1, 2
 """Values of `lever`, of a contact: both bodies have a radius, the first one is flat, one of them has neither."""
 
 UNSEEN, SEEN, REPORTED = 0, 1, 2
-"""Values of `seen` of a kind of notes; what is reported once is not noted again."""
+"""Values of `seen` of a kind of notes; a fault that was reported is not noted again."""
 
 MOST_CLASSES = 8
 """Classes of geometry or shapes of which a context can have the tables of virtual functions."""

@@ -18,7 +18,7 @@ from demlaws.core.numba_compat import kernel
 from demlaws.yade import layout
 
 POINTER = np.dtype([("target", "i8")])
-"""A C++ pointer, or the first word of a shared pointer."""
+"""A C++ pointer, or the first 8 bytes of a shared pointer."""
 _WORD, _DOUBLE = ir.IntType(64), ir.DoubleType()
 _IR = {
     types.int64: _WORD,

@@ -16,7 +16,7 @@ SCENES = tuple(name + packed for name in (".xml", ".yade", ".bin") for packed in
 
 
 def executable(name="yade"):
-    """Path of yade (or yade-batch): what the environment variable YADE names, else `yade` on the path, else the one program
+    """Path of yade (or yade-batch): the one that the variable YADE names, else `yade` on the path, else the one program
     there that is named as other builds of YADE are, `yade-…` or `yadedaily`.
     """
     wanted = os.environ.get("YADE")

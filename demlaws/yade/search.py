@@ -191,7 +191,7 @@ def find_vector(cls, name, count=3):
 
 
 def find_word(thing, target):
-    """Byte offset of the one word of an object that has the address of another one."""
+    """Byte offset of the 8 bytes of an object that has the address of another one."""
     places = 8 * np.flatnonzero(read_memory(*window(thing), ctypes.c_uint64) == address(target))
     return _only(places, f"the address of {type(target).__name__} in {type(thing).__name__}")
 

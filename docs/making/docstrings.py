@@ -3,6 +3,8 @@
 import re
 
 SECTION = re.compile(r"-{4,}")
+LEFT_OUT = re.compile(r"^(?:Raises|Examples|See Also)\n-+\n.*?(?=^\S[^\n]*\n---|\Z)", re.MULTILINE | re.DOTALL)
+"""Sections that the page leaves to `help()`; its first lines name the error of inadmissible input."""
 
 
 def _prose(line):
@@ -51,7 +53,7 @@ def restructured(lines):
 def process(app, what, name, obj, options, lines):
     """Sphinx: called with each docstring that autodoc shows; numpydoc sections go through napoleon."""
     start = next((n - 1 for n, line in enumerate(lines) if n and SECTION.fullmatch(line)), len(lines))
-    rest = lines[start:]
+    rest = LEFT_OUT.sub("", "\n".join(lines[start:])).splitlines()
     if rest:
         from sphinx.ext.napoleon import Config, NumpyDocstring
 

@@ -10,12 +10,12 @@ MADE = DOCS / "made"
 
 ELSEWHERE = {
     "yade_scripts/README.md": "made/yade.md",
-    "liggghts_inputs/README.md": "made/cases.md",
-    "lammps_inputs/README.md": "made/cases.md",
     "README.md": "index.md",
     "CITATION.cff": "bibliography.md",
+    "docs/validation/report.md": "validation/index.md#comparison-with-published-and-third-party-results",
+    "docs/validation/claims.md": "validation/index.md#statements-of-the-granite-paper-tested",
 }
-"""Pages of the repository outside docs/ → where the site shows them."""
+"""Pages of the repository that are part of another page of the site, or outside docs/ → where the site shows them."""
 
 INTERNAL = ("docs/inside/", "CONTRIBUTING.md")
 """For maintainers: in the repository only."""

@@ -1,4 +1,4 @@
-"""Pages written to docs/made before Sphinx runs: laws, commands, cases, pictures, pages from other folders."""
+"""Pages written to docs/made before Sphinx runs: laws, commands, pictures, pages from other folders."""
 
 import json
 import os
@@ -10,8 +10,6 @@ import sys
 from making.links import DOCS, ELSEWHERE, MADE, ROOT, relinked
 
 TUTORIALS = sorted(path.stem for path in (DOCS / "tutorials").glob("*.md"))
-
-CASES = "# Cases\n\nComplete inputs with tables, in the repository; each is run by the tests.\n"
 
 
 def draw_gallery(folder):
@@ -98,15 +96,9 @@ def moved(source):
     return relinked((ROOT / source).read_text(), source, ELSEWHERE[source])
 
 
-def law_list(groups):
-    """The page with one line per law, in groups; the pages of the laws are below it in the navigation."""
-    from making.words import WORDS
-
-    lines = ["# Laws\n", "One page per law: equation, example, limits, unloading, source. [Which law?](../laws.md)\n"]
-    for group, names in groups.items():
-        lines += [f"## {group}\n", *(f"- [{name}](theory/{name}.md): {WORDS[name].use}" for name in names), ""]
-    toctree = ["```{toctree}", ":hidden:", "", *(f"theory/{name}" for names in groups.values() for name in names), "```"]
-    return "\n".join([*lines, *toctree, ""])
+def measured(name):
+    """A measured page as a section of the page of validations."""
+    return beneath((DOCS / "validation" / f"{name}.md").read_text())
 
 
 def write():
@@ -123,12 +115,11 @@ def write():
         (MADE / "notebooks" / f"{tutorial}.ipynb").write_text(notebook(text))
         (MADE / "notebooks" / f"{tutorial}.sh").write_text(script(text))
     (MADE / "yade.md").write_text(moved("yade_scripts/README.md"))
-    cases = [beneath(moved(f"{engine}_inputs/README.md")) for engine in ("liggghts", "lammps")]
-    (MADE / "cases.md").write_text("\n".join([CASES, *cases]))
     (MADE / "commands.md").write_text(reference.command_page())
-    (MADE / "laws.md").write_text(law_list(theory.write(MADE / "theory")))
     return {
-        "SYMBOLS": theory.symbol_table(),
+        "LAWS": "\n".join(f"made/theory/{name}" for names in theory.write(MADE / "theory").values() for name in names),
+        "REPORT": measured("report"),
+        "CLAIMS": measured("claims"),
         "RULES": theory.rule_sections(),
         "CITATION": citation(),
         "REPOSITORY": errors.REPOSITORY or "REPOSITORY",

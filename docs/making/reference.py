@@ -18,10 +18,10 @@ FEWEST = 3
 """Fewer arguments that two commands share are shown with both."""
 HEAD = """# Commands
 
-`demlaws COMMAND --help` prints the same. Of every command: `--json` prints the result as JSON, `--law-file FILE.py` registers
-[user-defined laws](../own-laws.md), `--overwrite` replaces files that the command did not write. Values take units (`60.6GPa`).
-To complete words in bash or zsh: `pip install 'demlaws[completion]'`, then `eval "$(register-python-argcomplete demlaws)"`.
-Options that several commands share are described with the first of them.
+`demlaws COMMAND --help` prints the same, with examples. Of every command: `--json` prints the result as JSON,
+`--law-file FILE.py` registers [user-defined laws](../own-laws.md), `--overwrite` replaces files that the command did not
+write. Values take units (`60.6GPa`). To complete words in bash or zsh: `pip install 'demlaws[completion]'`, then
+`eval "$(register-python-argcomplete demlaws)"`. Options that several commands share are described with the first of them.
 """
 
 
@@ -37,8 +37,10 @@ def shared(parser, described):
 
 
 def brief(parser, described):
-    """The help of a parser without its usage line, the common options and those of earlier commands, which are named."""
+    """The help of a parser without usage line, examples, common options and those of earlier commands, which are named."""
     for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            action._choices_actions = []  # each has a section
         if any(name in COMMON for name in action.option_strings):
             action.help = argparse.SUPPRESS
     parser._actions = [action for action in parser._actions if action.help != argparse.SUPPRESS]
@@ -51,6 +53,7 @@ def brief(parser, described):
     for group in parser._action_groups:
         if all(action.help == argparse.SUPPRESS for action in group._group_actions):
             group.description = None
+    parser.epilog = None  # examples, which --help prints
     text = parser.format_help().partition("\n\n")[2].rstrip()
     return "\n".join([f"```text\n{text}\n```\n", *references])
 
@@ -63,7 +66,9 @@ def command_page():
     text, described, seen = [HEAD], {}, {}
     for name, (_, line) in COMMANDS.items():
         choices = next(a for a in build_parser((name,))._actions if isinstance(a, argparse._SubParsersAction)).choices
-        text.append(f"## demlaws {name}\n\n{line[:1].upper()}{line[1:]}.\n")
+        text.append(f"## demlaws {name}\n")
+        if not choices[name].description:
+            text.append(f"{line[:1].upper()}{line[1:]}.\n")
         for number, parser in enumerate(_parsers(choices[name])):
             plain = " ".join(parser.format_help().replace(name, "ENGINE").replace(name.upper(), "ENGINE").split())
             first = seen.setdefault(plain, parser.prog)

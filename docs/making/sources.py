@@ -20,7 +20,7 @@ DRAWN = sorted(path.stem for path in (DOCS / "gallery").glob("*.py"))
 
 FOLLOWED = {
     "contact-regime": "laws",
-    "scan": "tutorials/liggghts-ballast",
+    "scan": "surfaces",
     "fit": "tutorials/yade-oedometer",
     "quickstart": "tutorials/first",
 }
@@ -74,6 +74,7 @@ MEASURED = {
     "tables/plastic-differences.csv": "the command or source of each row",
     "tables/shear-ratio.csv": "the command of each row",
     "tables/shear-rest.csv": "the command of each row",
+    "tables/triaxial.csv": "python -m studies.triaxial --report",
     "tables/trade-contact.csv": "python -m studies.trade; demlaws yade run -x yade_scripts/cost.py",
     "tables/trade-extremes.csv": "make stability",
     "tables/trade-fits.csv": "demlaws fit, version 0.2.0",

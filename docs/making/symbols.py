@@ -52,6 +52,9 @@ SYMBOLS = {
     "F_3/2": ("Gaussian integral ∫(t - s)^1.5 φ(t) dt over t > s", ""),
 }
 
+COMMON = {"P", "K", "δ", "R", "E*", "σ", "Df", "H_m"}
+"""Symbols of most laws, which docs/theory/contact.md explains once."""
+
 OF_LAW = {
     "kogut-etsion": {"K": ("hardness factor: the largest pressure at first yield is K H", "")},
 }

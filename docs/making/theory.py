@@ -11,13 +11,12 @@ import numpy as np
 
 import demlaws as dl
 from demlaws.core.unloading import GIVEN, RULES
-from demlaws.errors import NotPassive
 from demlaws.laws import definition as laws_definition
 from demlaws.laws.registry import registry
 from demlaws.make import example_curve, example_law
 from making.equations import EQUATIONS
 from making.links import relinked
-from making.symbols import SYMBOLS, meaning
+from making.symbols import COMMON, OF_LAW, meaning
 from making.words import GROUPS, WORDS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -138,18 +137,16 @@ def rule_link(rule):
 
 
 def rules_of(name, law):
-    """Links to the rules that a law takes, and to those that would create energy with it."""
-    accepted, refused = [], []
+    """Links to the rules that a law takes; the others would create energy with it."""
+    accepted = []
     for rule in {**RULES, **registry()[name].offered()}:
         try:
             curve = quietly(example_curve, name, law.contact, **law.options).joined("elastic") if rule == GIVEN else rule
             quietly(law.joined, curve)
             accepted.append(rule_link(rule))
-        except NotPassive:
-            refused.append(rule_link(rule))
         except dl.DemlawsError:
             continue
-    return accepted, refused
+    return accepted
 
 
 def worked_example(name, law):
@@ -174,12 +171,13 @@ def law_page(name, definition, folder):
         f"# {name}\n",
         f"{words.physics}\n\n**Use it for** {words.use}.\n",
         f"![Force and stiffness of {name}]({picture})\n",
-        f"*Left: loading to {top:g} N and unloading. Right: tangent stiffness of first loading. Contact: {SHOWN}.*\n",
+        f"*Loading to {top:g} N and unloading; tangent stiffness of first loading ({SHOWN}).*\n",
         "## Equation\n",
         equation(name),
     ]
-    known = [(s, meaning(name, s)) for s in EQUATIONS[name].symbols.split()]
+    known = [(s, meaning(name, s)) for s in EQUATIONS[name].symbols.split() if s not in COMMON - {*OF_LAW.get(name, ())}]
     rows = [(f"`{s}`", *reversed(match)) for s, match in known if match]
+    text.append("P, K, δ, R, E\\*, σ, Df, H_m: [terms](../../theory/contact.md#terms).\n")
     if rows:
         text.append(table(["symbol", "unit", "meaning"], rows))
     needed = ", ".join(f"`{n}`" for n in ("radius", "modulus", *definition.needed(**law.options)))
@@ -189,10 +187,8 @@ def law_page(name, definition, folder):
         text.append("Options, in Python and by `--option NAME=VALUE`:\n")
         text.append("\n".join(f"- {prose(line)}" for line in definition.option_lines()) + "\n")
     text.append("## Limits\n\n" + "\n".join(f"- {prose(s)}" for s in cautions(definition, law) or ["None known."]) + "\n")
-    accepted, refused = rules_of(name, law)
-    text.append(f"## Unloading\n\nDefault: `{definition.default_rule(**law.options)}`. Accepted: {', '.join(accepted)}.\n")
-    if refused:
-        text.append(f"Refused, because a load cycle would create energy: {', '.join(refused)}.\n")
+    accepted = ", ".join(rules_of(name, law))
+    text.append(f"## Unloading\n\nDefault: `{definition.default_rule(**law.options)}`. Accepted: {accepted}.\n")
     text.append(f"## Source\n\n{prose(definition.source)}. ([Bibliography](../../bibliography.md))\n")
     _, _, more = module.__doc__.partition("\n\n")  # the first line is the source
     text.append(f"{prose(more)}\n")
@@ -200,11 +196,6 @@ def law_page(name, definition, folder):
     if notes.exists():
         text.append(f"## Notes\n\n{relinked(notes.read_text(), NOTES.format(name), f'made/theory/{name}.md')}")
     return "\n".join(text)
-
-
-def symbol_table():
-    """All symbols with unit and meaning."""
-    return table(["symbol", "unit", "meaning"], [(f"`{s}`", unit, meaning) for s, (meaning, unit) in SYMBOLS.items()])
 
 
 def call(name, law):
@@ -219,10 +210,9 @@ def call(name, law):
 
 def rule_section(rule, shown_by):
     """The section of one unloading rule."""
-    state = ", ".join(f"`{name}`" for name in rule.state) or "none"
-    only = f" Only for laws that define it, such as `{shown_by}`." if rule.curve == "law" else ""
-    spelled = ' Write `unloading=dl.law("hertz", contact)` or another curve.' if rule.name == GIVEN else ""
-    return f"### {rule.name}\n\n{prose(type(rule.tag).__doc__)}\n\nState of a contact: {state}.{only}{spelled}\n"
+    only = f"Only for laws that define it, such as `{shown_by}`." if rule.curve == "law" else ""
+    spelled = 'Write `unloading=dl.law("hertz", contact)` or another curve.' if rule.name == GIVEN else ""
+    return f"### {rule.name}\n\n{prose(type(rule.tag).__doc__)}\n\n{only}{spelled}\n"
 
 
 def rule_sections():

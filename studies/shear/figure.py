@@ -45,7 +45,7 @@ def draw():
         "displacement kept": (6, 0.985),
         "force kept": (6.5, 0.935),
         "one level": (8, 0.865),
-        "elastic": (2, 0.76),
+        "elastic": (8.5, 0.79),
         "slip": (1.5, 0.665),
     }
     for model, (x, y) in places.items():

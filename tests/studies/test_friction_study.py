@@ -10,7 +10,7 @@ from studies.assembly.study import read
 from studies.friction import beds, report, shear, slopes
 from studies.friction.coefficients import PLANE, POISSON, SETS, YADE, YOUNG, Constant, mean_pressure, softer, words
 
-PAGE = Path(dl.__file__).parents[1] / "docs/shear.md"
+PAGE = Path(dl.__file__).parents[1] / "docs/inside/shear.md"
 MODULUS = YOUNG / (2 * (1 - POISSON**2))
 
 

@@ -22,7 +22,7 @@ def project(tmp_path, monkeypatch):
         f"dist/demlaws-{NUMBER}-py3-none-manylinux_2_34_x86_64.whl": "wheel",
         f"dist/demlaws-{NUMBER}.tar.gz": "sdist",
         "build/site/index.html": f"<title>demlaws {NUMBER}</title>",
-        "build/site/made/laws.html": "laws",
+        "build/site/made/commands.html": "commands",
         "docs/made/notebooks/first.ipynb": "{}",
         "docs/made/notebooks/first.sh": "set -e",
         "docs/tutorials/contact.csv": "1,2",
@@ -51,7 +51,7 @@ def test_all_that_is_uploaded(project, tmp_path, capsys):
         "first.sh",
         "contact.csv",
     }
-    assert f"demlaws-{NUMBER}-site/made/laws.html" in zipfile.ZipFile(out / f"demlaws-{NUMBER}-site.zip").namelist()
+    assert f"demlaws-{NUMBER}-site/made/commands.html" in zipfile.ZipFile(out / f"demlaws-{NUMBER}-site.zip").namelist()
     sums = subprocess.run(["sha256sum", "-c", "SHA256SUMS"], cwd=out, capture_output=True, text=True)
     assert sums.returncode == 0 and sums.stdout.count("OK") == 7
 

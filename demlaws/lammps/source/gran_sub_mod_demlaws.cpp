@@ -25,7 +25,8 @@ using namespace Granular_NS;
 
 typedef Granular<Abi> Models;
 
-static const char READ[] = "demlaws/table"; // the word of a line that was read, which may have another model behind it
+static const char READ[] =
+    "demlaws/table"; // the keyword of a line that was read, which may have another model behind it
 
 // PairHybrid keeps room for the outputs that its styles had when they were made: more would be written beyond its end.
 static bool has_outputs(LAMMPS *lmp) {

@@ -484,7 +484,7 @@ template <class ABI> struct Granular {
     double ratio_ = 0.; // K_t / K
   };
 
-  // The normal model with this file; outputs: room for those of compute pair/local. What was there before is not
+  // The normal model with this file; outputs: room for those of compute pair/local. Their former content is not
   // deleted.
   static Table *set_table(Model *m, void *lmp, const std::string &file, bool outputs) {
     Table *made;

@@ -144,7 +144,7 @@ struct Range {
     }
   }
 
-  // LAMMPS finds the history of a contact by the number of the partner: with new numbers contacts would begin anew,
+  // LAMMPS finds the history of a contact by the number of the partner: with new numbers contacts would begin again,
   // or go on with the history of others.
   void keep_numbers() const {
     if (has_contacts)
