@@ -1,8 +1,8 @@
 // demlaws_slip.h: partial slip of a contact, a row of springs sorted by normal stiffness. C++11, needs demlaws_shear.h.
 //
 // A contact is a row of springs, one for each stiffness that it had while it grew: the method of dimensionality
-// reduction of Popov and Hess. Springs between two bounds of the stiffness are one spring; the bounds are a ladder,
-// graded towards the springs that touched last. Twin of demlaws/core/slip.py, which explains it.
+// reduction of Popov and Hess. Springs between two bounds of the stiffness are one spring, of which parts may slip; the
+// bounds are close to each other near the springs that touched last. Twin of demlaws/core/slip.py, which explains it.
 //
 // Licence: GPL-2.0-or-later, as the package demlaws.
 #ifndef DEMLAWS_SLIP_H
