@@ -30,10 +30,10 @@ MISTAKES = [
     ("choose deep.toml", ["deep.toml"]),
     (
         "curve --law hertz --radius 8mm --modulus 30GPa --forces 1",
-        ["--radius 0.008 flat for a sphere on a flat", "--radius 0.008 0.008 for two equal", "--effective-radius"],
+        ["--radius 8mm flat for a sphere on a flat", "--radius 8mm 8mm for two equal", "--effective-radius"],
     ),
     ("curve --law hertz --radius flat flat --modulus 30GPa --forces 1", ["--radius flat flat: two flats"]),
-    ("curve --law hertz --radius 8mm 0 --modulus 30GPa --forces 1", ["--radius = 0 m: a radius must be positive"]),
+    ("curve --law hertz --radius 8mm 0 --modulus 30GPa --forces 1", ["--radius = 0: a radius must be positive"]),
     ("curve --law hertz --radius 8mm 8 --modulus 30GPa --forces 1", ["--radius = 8 m is above 1 m"]),
     ("curve --law rms --radius 8mm 8mm --modulus 30GPa --roughness 1.7 --forces 1", ["--roughness = 1.7 m is 425 of"]),
     ("curve --law hertz --radius 8mm 8mm --material marble --forces 1", ["'marble'", "granite, glass"]),

@@ -249,12 +249,12 @@ OWN = {rule.name: rule for definition in registry().values() for rule in definit
 IN_CPP = [rule for rule in (*RULES.values(), *OWN.values()) if rule.number is not None]
 
 
-def test_histories_of_liggghts_are_the_state_in_its_order():
-    sources = "".join(path.read_text() for path in sorted((PACKAGE / "liggghts" / "src").glob("*.h")))
-    listed = re.search(r"\[MOST_STATE\] = \{([^}]*)\}", sources).group(1)
-    words = [re.sub(r"[A-Z]", lambda m: "_" + m.group().lower(), name) for name in re.findall(r'"demlaws_(\w+)"', listed)]
+def test_histories_of_the_plugins_are_the_state_in_its_order():
+    """A rule keeps the first so many of the names."""
+    facts = (PACKAGE / "cpp" / "demlaws_facts.h").read_text()
+    names = re.findall(r'"(\w+)"', re.search(r"STATE_NAMES\[\] = \{([^}]*)\}", facts).group(1))
     for rule in IN_CPP:
-        assert tuple(words[: len(rule.state)]) == rule.state
+        assert tuple(names[: len(rule.state)]) == rule.state
 
 
 def test_a_second_type_of_the_name_is_refused():

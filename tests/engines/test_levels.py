@@ -78,11 +78,11 @@ WALL = "fix floor all wall/gran model demlaws/table tangential demlaws primitive
 @pytest.mark.parametrize("engine", ["liggghts"])
 def test_a_restart_file_is_not_read_with_other_levels(engine, tmp_path):
     save_law(tmp_path, "rough")
-    text = spheres(engine, "levels 5", PRESSED, more=WALL.format("levels 5"))
+    text = spheres(engine, "levels 4", PRESSED, more=WALL.format("levels 4"))
     simulate(engine, tmp_path, text + "write_restart now.restart\n")
-    other = continued(engine, text.replace("-0.02 levels 5", "-0.02 levels 3"), LATER)
+    other = continued(engine, text.replace("-0.02 levels 4", "-0.02 levels 3"), LATER)
     assert "history_floor): restarted fix has incompatible data size" in refused(engine, tmp_path, other)
-    other = continued(engine, text.replace("levels 5", "springs 4 shear slip"), LATER)  # as many values
+    other = continued(engine, text.replace("levels 4", "springs 3 shear slip"), LATER)  # as many values
     assert "or another line ('levels'" in refused(engine, tmp_path, other)
     simulate(engine, tmp_path, continued(engine, text, LATER))
 

@@ -220,6 +220,7 @@ def energy_gained(law, speed, steps=20_000, pull=50.0, spin=3000.0, small=1e-3, 
 def test_a_grain_that_spins_keeps_its_energy(omega, shear, circles, speed, most):
     """The lever at the half step in the displacement alone, not in the torque, and half a turn are symmetric in time."""
     gained = energy_gained(functor("hertz", "elastic", {}, shear=shear), speed, circles=circles)
+    most *= 1.5 if shear == "slip" else 1.0  # the outermost of its springs slips in every cycle
     omega.reset()
     assert gained < most < 20 * most < energy_gained(functor("hertz", "elastic", {}, shear="native"), speed, circles=circles)
 
