@@ -24,7 +24,7 @@ from demlaws.core.fastmath import cbrt, sqrt
 from demlaws.core.numba_compat import kernel, loop
 from demlaws.core.unloading import Elastic, Given, Hertz, Thornton, rule_of
 
-SPRINGS = 10
+SPRINGS = 11
 """Springs of a contact in the engines by default (`slip`)."""
 DEFAULT_LEVELS, MOST_LEVELS = 3, 8
 """Levels of springs (`levels`)."""

@@ -41,11 +41,11 @@ from demlaws.core.unloading import rule_of
 
 SAMPLES = 512
 """Points at which `slip_loop` reads the unloading curve of a rule that has no springs of its own."""
-THIN = 1.0 / 20.0
-"""Share of K at which the outermost of n springs is complete, times n: what a cycle of 0.02 μP needs with ten."""
+THIN = 1.0 / 18.0
+"""Share of K at which the outermost of n springs is complete, times n: what a cycle of 0.02 μP needs."""
 WIDE = 1.5
 """The outermost spring is divided where it has this multiple of that share."""
-LARGE_CYCLES = 4.0
+LARGE_CYCLES = 3.0
 """Weight of large cycles against small ones in the error of a spring."""
 SPARE = 4.0
 """A spring is divided where it errs this many times more than the best union of two would."""
@@ -180,6 +180,17 @@ def outermost(force, top, depth, edge, bound, rest):
 
 
 @kernel
+def complete(force, top, depth, held, spring, bound, rest):
+    """Mean compression [m] of the spring that ends at `held`, outside of which a new one has begun: the compression falls on a
+    straight line from its inner bound to `top`, and both carry what the others leave of the force."""
+    carried, below = 0.0, 0.0
+    for i in range(spring):
+        carried += (bound[i] - below) * max(depth - rest[i], 0.0)
+        below = bound[i]
+    return max(force - carried, 0.0) * (2.0 * top - held - below) / ((top - below) * (top - below))
+
+
+@kernel
 def set_springs(hertzian, top, force, depth, bound, rest, stretch):
     """The contact unloads with the stiffness `top` [N/m] now, along a curve that began `depth` [m] before.
 
@@ -203,6 +214,7 @@ def set_springs(hertzian, top, force, depth, bound, rest, stretch):
             else:
                 edge += 1
             stretch[0, edge] = stretch[1, edge] = 0.0
+            rest[edge - 1] = depth - complete(force, top, depth, held, edge - 1, bound, rest)
     if held == 0.0:
         edge = begin(top, force, depth, bound, rest)
     for i in range(edge, last + 1):

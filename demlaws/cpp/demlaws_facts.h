@@ -28,8 +28,8 @@ constexpr int LEVELS = 3, MOST_LEVELS = 8; // by default; at most
 constexpr double EMPTY_LEVEL = 1e-09; // of K_t: a level of less stiffness counts as empty
 constexpr double LARGEST_SHEAR_RATIO = 1.3333333333333333; // K_t/K
 // Partial slip: springs by default, and where they are divided or joined; see core/slip.py.
-constexpr int SPRINGS = 10;
-constexpr double SPRING_THIN = 0.05, SPRING_WIDE = 1.5, SPRING_LARGE_CYCLES = 4.0,
+constexpr int SPRINGS = 11;
+constexpr double SPRING_THIN = 0.05555555555555555, SPRING_WIDE = 1.5, SPRING_LARGE_CYCLES = 3.0,
                  SPRING_SPARE = 4.0, SPRING_COARSE = 2.0,
                  SPRING_FARTHEST = 1.6;
 

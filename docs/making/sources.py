@@ -45,7 +45,7 @@ STORED = {
     "tables/glass-beads.csv": "studies.experiment --report --figure {scratch}/experiment.png",
     "tables/grading-heap.csv": "studies.grading heap --report",
     "tables/grading-oedometer.csv": "studies.grading oedometer --report",
-    "tables/shear-springs.csv": "studies.shear --springs 10 16 22 32",
+    "tables/shear-springs.csv": "studies.shear --springs 11 16 22 32",
     "tables/small-strain-probes.csv": "studies.assembly --probe --report",
     "tables/small-strain-settings.csv": "studies.assembly --sensitivity --report",
     "tables/trade-softening.csv": "studies.trade --softening",
