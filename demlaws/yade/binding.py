@@ -9,6 +9,7 @@ import yade.utils
 from demlaws.errors import DemlawsError, EngineStopped, LargeOverlap, ShapeWarning, TimeStepWarning, ValidityWarning, warn
 from demlaws.units import LARGE_RADIUS, LARGE_ROUGHNESS, SMALL_OVERLAP, judge, large_overlap
 from demlaws.yade import layout, native, reports
+from demlaws.yade.material_options import difference
 from demlaws.yade.omega import FULL_CHECK_STEPS, O, get_engines, invalid_radius, is_our_contact, mobilities, real_contacts
 
 LARGEST_STEP_RATIO = 4.0
@@ -132,6 +133,7 @@ class Binding:
         elif not O.dt > 0.0:
             raise EngineStopped(f"O.dt = {O.dt:g} s: give a positive time step")
         self.check_functor(functor)
+        self._verify_options(O.materials)
         self.report_notes()
         self.pairs.radii.refresh(self.context)
         self.attachment.collect(real_contacts)
@@ -150,6 +152,7 @@ class Binding:
         contacts = real_contacts()
         touching = [O.bodies[number] for number in {n for contact in contacts for n in (contact.id1, contact.id2)}]
         self._judge_densities(touching)
+        self._verify_options(body.material for body in touching)
         for material in {body.material.id: body.material for body in touching}.values():
             if material.young != 0.0:  # 0: a marker, whose contacts have no force
                 for finding in judge(young=material.young, poisson=material.poisson):
@@ -165,6 +168,11 @@ class Binding:
                 "since YADE keeps the functor of a contact from its first step. O.interactions.clear() lets all contacts begin "
                 "again, but erases their history (shear forces, plastic overlaps)"
             )
+
+    def _verify_options(self, materials):
+        """Raise where the law has not taken over what these materials have now."""
+        for text in filter(None, (difference(self.pairs.of_materials, material) for material in materials)):
+            raise EngineStopped(text)
 
     def _verify_friction(self, contacts):
         """Raise where two FrictMatCDM have a friction by pressure that neither their contact's physics nor the law has."""

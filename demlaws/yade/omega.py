@@ -11,7 +11,8 @@ from demlaws.units import RANGES
 
 O = yade.O  # noqa: E741  YADE's name
 _engines = yade.wrapper.Omega.engines
-PHYSICS = tuple(getattr(yade, name) for name in ("MindlinPhys", "MindlinCapillaryPhys") if hasattr(yade, name))
+_NAMES = "MindlinPhys", "MindlinCapillaryPhys", "MindlinPhysCDM"
+PHYSICS = tuple(getattr(yade, name) for name in _NAMES if hasattr(yade, name))
 TOKEN = "demlaws-scene"
 """Tag of a scene that identifies it; a loaded scene gets another one."""
 FULL_CHECK_STEPS = (2, 3, 12, 102, 1002)
