@@ -21,6 +21,9 @@ NO_BOUND = 1e300
 """maxDt [s] of a time stepper that has none is larger."""
 
 
+NATIVE_CONICAL_LAW = "Law2_ScGeom_MindlinPhysCDM_HertzMindlinCDM"
+
+
 ACCOUNT = ("banked", "open", "banked_shear", "banked_viscous")
 """Sums of native code over ended contacts."""
 
@@ -149,6 +152,8 @@ class Binding:
 
         kn and ks are not compared: engines of YADE may scale them (TriaxialStressController with internalCompaction).
         """
+        from demlaws.yade.scene import law_functors
+
         contacts = real_contacts()
         touching = [O.bodies[number] for number in {n for contact in contacts for n in (contact.id1, contact.id2)}]
         self._judge_densities(touching)
@@ -160,7 +165,10 @@ class Binding:
                     raise EngineStopped(f"material {material.label!r}: {finding.text}{linear}")
         if any(getattr(body.material, "c1", 0.0) for body in touching):  # FrictMatCDM
             self._verify_friction(contacts)
+        conical_law = NATIVE_CONICAL_LAW in {type(functor).__name__ for _, functor in law_functors(get_engines())}
         for contact, tag in zip(contacts, self.attachment.rows_of(contacts)["tag"], strict=True):
+            if conical_law and hasattr(contact.phys, "sigmaMax"):
+                continue  # it serves these contacts
             if tag > 0 or contact.iterMadeReal >= O.iter - 1 or contact.geom.penetrationDepth <= 0:
                 continue  # made by another engine just now, or about to end
             raise EngineStopped(
