@@ -10,7 +10,16 @@ from demlaws.errors import DemlawsError, EngineStopped, LargeOverlap, ShapeWarni
 from demlaws.units import LARGE_RADIUS, LARGE_ROUGHNESS, SMALL_OVERLAP, judge, large_overlap
 from demlaws.yade import layout, native, reports
 from demlaws.yade.material_options import difference
-from demlaws.yade.omega import FULL_CHECK_STEPS, O, get_engines, invalid_radius, is_our_contact, mobilities, real_contacts
+from demlaws.yade.omega import (
+    FULL_CHECK_STEPS,
+    O,
+    get_engines,
+    invalid_radius,
+    is_our_contact,
+    law_functors,
+    mobilities,
+    real_contacts,
+)
 
 LARGEST_STEP_RATIO = 4.0
 """Longest step over the P-wave step r √(ρ/E) that is stable for a free sphere with four contacts per side at contact radii up
@@ -152,8 +161,6 @@ class Binding:
 
         kn and ks are not compared: engines of YADE may scale them (TriaxialStressController with internalCompaction).
         """
-        from demlaws.yade.scene import law_functors
-
         contacts = real_contacts()
         touching = [O.bodies[number] for number in {n for contact in contacts for n in (contact.id1, contact.id2)}]
         self._judge_densities(touching)

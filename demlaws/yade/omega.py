@@ -71,6 +71,23 @@ def contact_engines(functor, physics, reach, before=(), geometries=None, bounds=
     return [yade.ForceResetter(), collider, *before, yade.InteractionLoop(geometries, [physics], [functor])]
 
 
+def dispatchers(engine):
+    """The law dispatchers within an engine of the list."""
+    if isinstance(engine, yade.InteractionLoop):
+        yield engine.lawDispatcher
+    elif isinstance(engine, yade.LawDispatcher):
+        yield engine
+    elif isinstance(engine, yade.ParallelEngine):
+        for slave in engine.slaves:
+            for member in slave if isinstance(slave, list | tuple) else (slave,):
+                yield from dispatchers(member)
+
+
+def law_functors(engines):
+    """(dispatcher, functor) of every law functor."""
+    return [(one, functor) for engine in engines for one in dispatchers(engine) for functor in one.functors]
+
+
 def real_contacts():
     """The current scene's contacts that a law of ours acts on."""
     return [i for i in O.interactions if is_our_contact(i)]
