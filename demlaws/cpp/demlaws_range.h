@@ -11,7 +11,7 @@ namespace demlaws {
 const double SOFTENED = 1e-5, STIFFENED = 10.; // E* over the table's, warned of beyond them
 
 // What a contact can leave. Each kind is counted by itself.
-enum Excess { DEEP, BEYOND, ROUGH, YIELDS, ABOVE, BELOW, EXCESSES };
+enum Excess { DEEP, BEYOND, ROUGH, YIELDS, ABOVE, BELOW, HARD, EXCESSES };
 
 // Contact steps of one run that left a limit.
 struct Count {
@@ -51,7 +51,8 @@ private:
         {"rougher than a tenth of R", "times that: the laws assume a roughness far below the radius"},
         {"above the load at which the bulk yields", "times the pressure 0.6 H_m: the law keeps the bulk elastic"},
         {"above the range of force of their law", "times its end"},
-        {"below the range of force of their law", "times (its end over the force)"}};
+        {"below the range of force of their law", "times (its end over the force)"},
+        {"above the hardness in mean pressure", "times it: friction by pressure is not known there"}};
     std::ostringstream text;
     text.precision(3);
     text << "demlaws/table: in this run " << (long long)sum.steps << " contact steps were " << where[excess][0]
@@ -130,10 +131,10 @@ public:
   explicit Watch(const Pair &pair) {
     const Table &table = *pair.table;
     deep_ = SMALL_OVERLAP * (1. + 1e-9);
-    hardness_ = table.number("hardness", 0.);
+    hardness_ = table.number("hardness", HUGE_VAL);
     smallest_ = pair.sigma / LARGE_ROUGHNESS;
     for (const Limit &limit : table.limits()) {
-      if (limit.kind == Limit::BULK_YIELD && !(hardness_ > 0.)) continue;
+      if (limit.kind == Limit::BULK_YIELD && hardness_ == HUGE_VAL) continue;
       if (limit.kind == Limit::BULK_YIELD) { // what roughness takes from the pressure is left to examine()
         const double root = 0.5 * M_PI * limit.value * hardness_ / pair.modulus;
         deep_ = std::min(deep_, root * root);
@@ -150,6 +151,16 @@ public:
     return (overlap > deep_ * radius) | (overlap > above_) | (overlap < below_ + below_per_radius_ * radius) |
            (radius < smallest_);
   }
+  // The same of friction by pressure, of a mean pressure [Pa].
+  inline bool exceeds_hardness(double pressure) const { return pressure > hardness_; }
+  void examine_friction(double pressure, Findings &findings) const {
+    if (!findings.counts(HARD, pressure / hardness_)) return;
+    std::ostringstream what;
+    what.precision(4);
+    what << "mean pressure " << pressure << " Pa is above the hardness " << hardness_
+         << " Pa: the friction law is not known there";
+    findings.warn(what.str());
+  }
   // Reports it. starts: in the first forces of a run, before anything has moved.
   void examine(const Pair &pair, double radius, double overlap, const Force &now, bool extrapolates, bool starts,
                Findings &findings) const {
@@ -160,7 +171,8 @@ public:
   }
 
 private:
-  double deep_ = SMALL_OVERLAP, above_ = HUGE_VAL, below_ = 0., below_per_radius_ = 0., smallest_ = 0., hardness_ = 0.;
+  double deep_ = SMALL_OVERLAP, above_ = HUGE_VAL, below_ = 0., below_per_radius_ = 0., smallest_ = 0.;
+  double hardness_ = HUGE_VAL; // [Pa]; as it is: not known
 
   static std::string remedy(bool starts) {
     return starts ? "the particles overlap so before the first step: move them apart"
@@ -222,7 +234,7 @@ private:
     return 2. * pair.modulus / M_PI * sqrt(hertz_overlap / radius) * drop / hardness_;
   }
   void check_limit(const Limit &limit, const Pair &pair, double radius, double force, Findings &findings) const {
-    if (limit.kind == Limit::BULK_YIELD && !(hardness_ > 0.)) return;
+    if (limit.kind == Limit::BULK_YIELD && hardness_ == HUGE_VAL) return;
     const double length = pair.length_of(radius);
     const double end = limit.value * pair.modulus * sqrt(radius * length) * length;
     const bool yields = limit.kind == Limit::BULK_YIELD, below = limit.kind == Limit::FORCE_BELOW;

@@ -154,8 +154,10 @@ LAW = Definition(
         },
     ),
     options={
-        "strength": Option("Pa", POSITIVE, "σ_max, peak pressure at which the tip crushes", PRESSURE),
-        "angle": Option("rad", Numbers(0.0, 0.5 * math.pi), "α of the cone that it becomes: blunt near π/2", _angle_softens),
+        "strength": Option("Pa", POSITIVE, "σ_max, peak pressure at which the tip crushes", PRESSURE, "sigmaMax"),
+        "angle": Option(
+            "rad", Numbers(0.0, 0.5 * math.pi), "α of the cone that it becomes: blunt near π/2", _angle_softens, "alpha"
+        ),
     },
     fitting=Fitting(
         identifiable=False,

@@ -173,6 +173,7 @@ class Option(NamedTuple):
     values: "Numbers | str"  # the range, or the words that it can be
     meaning: str
     softens: float | Callable | None = None  # see `advice.soften.softened_option`
+    of_material: str | None = None  # attribute of YADE's materials with the value; of two materials the smaller one
 
     def read(self, name: str, value: Any) -> Any:
         """A value as `prepare` takes it; DemlawsError that names the option where it is inadmissible."""

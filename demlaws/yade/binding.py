@@ -9,7 +9,17 @@ import yade.utils
 from demlaws.errors import DemlawsError, EngineStopped, LargeOverlap, ShapeWarning, TimeStepWarning, ValidityWarning, warn
 from demlaws.units import LARGE_RADIUS, LARGE_ROUGHNESS, SMALL_OVERLAP, judge, large_overlap
 from demlaws.yade import layout, native, reports
-from demlaws.yade.omega import FULL_CHECK_STEPS, O, get_engines, invalid_radius, is_our_contact, mobilities, real_contacts
+from demlaws.yade.material_options import difference
+from demlaws.yade.omega import (
+    FULL_CHECK_STEPS,
+    O,
+    get_engines,
+    invalid_radius,
+    is_our_contact,
+    law_functors,
+    mobilities,
+    real_contacts,
+)
 
 LARGEST_STEP_RATIO = 4.0
 """Longest step over the P-wave step r √(ρ/E) that is stable for a free sphere with four contacts per side at contact radii up
@@ -18,6 +28,9 @@ to 0.3 R: 2 √(m/4K) with m = 4/3 π ρ r³, K = 2 E* a, R = r/2, E* = E/2 is 5
 
 NO_BOUND = 1e300
 """maxDt [s] of a time stepper that has none is larger."""
+
+
+NATIVE_CONICAL_LAW = "Law2_ScGeom_MindlinPhysCDM_HertzMindlinCDM"
 
 
 ACCOUNT = ("banked", "open", "banked_shear", "banked_viscous")
@@ -132,6 +145,7 @@ class Binding:
         elif not O.dt > 0.0:
             raise EngineStopped(f"O.dt = {O.dt:g} s: give a positive time step")
         self.check_functor(functor)
+        self._verify_options(O.materials)
         self.report_notes()
         self.pairs.radii.refresh(self.context)
         self.attachment.collect(real_contacts)
@@ -150,6 +164,7 @@ class Binding:
         contacts = real_contacts()
         touching = [O.bodies[number] for number in {n for contact in contacts for n in (contact.id1, contact.id2)}]
         self._judge_densities(touching)
+        self._verify_options(body.material for body in touching)
         for material in {body.material.id: body.material for body in touching}.values():
             if material.young != 0.0:  # 0: a marker, whose contacts have no force
                 for finding in judge(young=material.young, poisson=material.poisson):
@@ -157,7 +172,10 @@ class Binding:
                     raise EngineStopped(f"material {material.label!r}: {finding.text}{linear}")
         if any(getattr(body.material, "c1", 0.0) for body in touching):  # FrictMatCDM
             self._verify_friction(contacts)
+        conical_law = NATIVE_CONICAL_LAW in {type(functor).__name__ for _, functor in law_functors(get_engines())}
         for contact, tag in zip(contacts, self.attachment.rows_of(contacts)["tag"], strict=True):
+            if conical_law and hasattr(contact.phys, "sigmaMax"):
+                continue  # it serves these contacts
             if tag > 0 or contact.iterMadeReal >= O.iter - 1 or contact.geom.penetrationDepth <= 0:
                 continue  # made by another engine just now, or about to end
             raise EngineStopped(
@@ -165,6 +183,11 @@ class Binding:
                 "since YADE keeps the functor of a contact from its first step. O.interactions.clear() lets all contacts begin "
                 "again, but erases their history (shear forces, plastic overlaps)"
             )
+
+    def _verify_options(self, materials):
+        """Raise where the law has not taken over what these materials have now."""
+        for text in filter(None, (difference(self.pairs.of_materials, material) for material in materials)):
+            raise EngineStopped(text)
 
     def _verify_friction(self, contacts):
         """Raise where two FrictMatCDM have a friction by pressure that neither their contact's physics nor the law has."""

@@ -10,7 +10,7 @@ from demlaws.contact import compliance
 from demlaws.core.shear import DEFAULT
 from demlaws.errors import DemlawsError, page, warn
 from demlaws.laws import HERTZ
-from demlaws.yade import native, selftest
+from demlaws.yade import material_options, native, selftest
 from demlaws.yade.binding import Binding
 from demlaws.yade.friction import OF_MATERIALS
 from demlaws.yade.pairs import Pairs
@@ -23,7 +23,9 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
     """A demlaws law as a YADE Law2 functor, in place of Law2_ScGeom_MindlinPhys_Mindlin.
 
     law: a law's name (`demlaws.laws()`), a `Law`, a `Table`, the path of a saved table, or a dict (label, label) → one of them,
-        or a law's name with its options: {("sand", "sand"): ("conical-damage", {"strength": 1e9, "angle": 1.2})}.
+        or a law's name with its options: {("sand", "sand"): ("conical-damage", {"strength": 1e9, "angle": 1.2})}. Without
+        them "conical-damage" takes strength and angle from sigmaMax and alpha of the scene's FrictMatCDM, of two of them the
+        smaller ones, as native contacts do.
     unloading: a rule's name, or a `Law` or `Table` whose curve the contacts unload along; default: that of the law.
     surfaces: one `demlaws.Surface` for all materials, or a dict label of a YADE material → Surface ("*": every other material).
         A material without a surface is smooth, and a pair of smooth surfaces is Hertz; a Surface needs its roughness, 0 or
@@ -82,7 +84,11 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         if friction is None and any(getattr(stone, "c1", 0.0) for stone in O.materials):
             friction = OF_MATERIALS
         choices["friction"] = friction
+        of_materials = material_options.values_of(law, options, O.materials)
+        if of_materials:
+            law, surfaces = material_options.by_pair(law, options, of_materials, surfaces)
         pairs = Pairs(law, surfaces, unloading, options, modulus, radius=radius, **choices)
+        pairs.of_materials = of_materials
         try:
             self.binding = Binding(label, pairs)
             self.binding.check_functor(self)

@@ -11,7 +11,8 @@ from demlaws.units import RANGES
 
 O = yade.O  # noqa: E741  YADE's name
 _engines = yade.wrapper.Omega.engines
-PHYSICS = tuple(getattr(yade, name) for name in ("MindlinPhys", "MindlinCapillaryPhys") if hasattr(yade, name))
+_NAMES = "MindlinPhys", "MindlinCapillaryPhys", "MindlinPhysCDM"
+PHYSICS = tuple(getattr(yade, name) for name in _NAMES if hasattr(yade, name))
 TOKEN = "demlaws-scene"
 """Tag of a scene that identifies it; a loaded scene gets another one."""
 FULL_CHECK_STEPS = (2, 3, 12, 102, 1002)
@@ -68,6 +69,23 @@ def contact_engines(functor, physics, reach, before=(), geometries=None, bounds=
     ]
     collider = yade.InsertionSortCollider(bounds, verletDist=reach)
     return [yade.ForceResetter(), collider, *before, yade.InteractionLoop(geometries, [physics], [functor])]
+
+
+def dispatchers(engine):
+    """The law dispatchers within an engine of the list."""
+    if isinstance(engine, yade.InteractionLoop):
+        yield engine.lawDispatcher
+    elif isinstance(engine, yade.LawDispatcher):
+        yield engine
+    elif isinstance(engine, yade.ParallelEngine):
+        for slave in engine.slaves:
+            for member in slave if isinstance(slave, list | tuple) else (slave,):
+                yield from dispatchers(member)
+
+
+def law_functors(engines):
+    """(dispatcher, functor) of every law functor."""
+    return [(one, functor) for engine in engines for one in dispatchers(engine) for functor in one.functors]
 
 
 def real_contacts():

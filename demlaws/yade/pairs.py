@@ -243,6 +243,7 @@ class Pairs:
         self.labels = ["", *self.surfaces]
         entries = [self.everywhere or Surface(0.0), *self.surfaces.values()]
         self.friction = Choice(friction, self.labels, ALL_LABELS)
+        self.of_materials: dict = {}  # what `material_options` took
         self.radii = Radii(radius, [surface.edge_radius for surface in entries])
         self.modulus = modulus
         if isinstance(law, dict):

@@ -83,11 +83,12 @@ def pairs_text(pairs, identity=False):
         "shear_ratio": pairs.shear_ratio,
         "radius": pairs.radii.choice,
         "friction": pairs.friction.content(),
+        "of_materials": pairs.of_materials,
     }
     if user_laws(pairs):
         content["answers"] = _sample_forces(pairs)
     if identity:
-        del content["modulus"], content["smooth"]
+        del content["modulus"], content["smooth"], content["of_materials"]
     try:
         return json.dumps(content, default=lambda value: value.portable())
     except (TypeError, AttributeError) as error:
@@ -107,6 +108,7 @@ def pairs_from(text):
     options["levels"], radius = content["levels"] or None, content["radius"]
     options["radius"] = Curvature(*radius) if isinstance(radius, list) else radius
     pairs = Pairs(law, content["surfaces"], content["unloading"], {}, content.get("modulus"), **options)
+    pairs.of_materials = content.get("of_materials", {})
     answers = content.get("answers")
     if answers is not None and not np.allclose(answers, _sample_forces(pairs), rtol=1e-8, atol=0.0, equal_nan=True):
         raise DemlawsError(

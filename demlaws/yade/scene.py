@@ -16,7 +16,7 @@ import yade
 from demlaws.errors import DemlawsError, EngineStopped
 from demlaws.yade import native
 from demlaws.yade.functor import Law2_ScGeom_MindlinPhys_Demlaws
-from demlaws.yade.omega import TOKEN, O, contact_engines, get_engines, set_engines, tag, token_here
+from demlaws.yade.omega import TOKEN, O, contact_engines, dispatchers, get_engines, law_functors, set_engines, tag, token_here
 
 GUARD_COMMAND = "__import__('demlaws.yade').yade.guard({label!r})"
 PERIOD = 100
@@ -30,23 +30,6 @@ CONTACT = ["ScGeom", "MindlinPhys"]
 
 
 # --- engines
-
-
-def dispatchers(engine):
-    """The law dispatchers within an engine of the list."""
-    if isinstance(engine, yade.InteractionLoop):
-        yield engine.lawDispatcher
-    elif isinstance(engine, yade.LawDispatcher):
-        yield engine
-    elif isinstance(engine, yade.ParallelEngine):
-        for slave in engine.slaves:
-            for member in slave if isinstance(slave, list | tuple) else (slave,):
-                yield from dispatchers(member)
-
-
-def law_functors(engines):
-    """(dispatcher, functor) of every law functor."""
-    return [(one, functor) for engine in engines for one in dispatchers(engine) for functor in one.functors]
 
 
 def is_our_law(functor):

@@ -3,6 +3,7 @@
 import importlib
 import math
 import os
+import re
 import subprocess
 from pathlib import Path
 
@@ -98,6 +99,11 @@ def refused(engine, folder, text, ranks=1, **options):
 def said_in(engine, folder):
     """Text of the log of a run."""
     return (folder / f"log.{engine}").read_text().replace("\n", " ")
+
+
+def counts(text, where):
+    """Contact steps that each run counted."""
+    return [int(found) for found in re.findall(rf"in this run (\d+) contact steps were {where}", text)]
 
 
 def save(law, path, **options):

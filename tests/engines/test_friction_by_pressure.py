@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 from examples import shared
-from inputs import ENERGY, refused, simulate
+from inputs import ENERGY, counts, refused, said_in, simulate
 from spheres import DIAMETER, LAWS as ALL_LAWS, RATIO, ROUGH, STEP, both, gas, spheres
 
 import demlaws as dl
@@ -72,6 +72,23 @@ def test_a_gas_closes_its_balance_and_goes_on_from_a_restart_file(engine, tmp_pa
     for name in ("ke", "er", "stored", "lost"):
         assert again[name][-1] == pytest.approx(one[name][-1], rel=1e-7), name
     assert abs(plain["lost"][-1] / one["lost"][-1] - 1.0) > 1e-2
+
+
+@both
+def test_a_mean_pressure_above_the_hardness_is_reported_once_and_counted(engine, tmp_path):
+    """As Python does (`driver.sheared`); constant friction, or a table without a hardness, has no such limit."""
+    said = {}
+    for name, words, hardness in (("with", WORDS, 0.4e9), ("constant", "", 0.4e9), ("unknown", WORDS, None)):
+        law = dl.law("hertz", ROUGH.with_values(sigma=0.0, hardness=hardness), "elastic")
+        law.tabulate().save(tmp_path / "law.tbl")
+        log = simulate(engine, tmp_path, spheres(engine, words, SLID, every=1, **ENERGY))
+        said[name] = said_in(engine, tmp_path)
+        if name == "with":
+            expected = int(np.sum(_pressure_along(law, along(log, every=1)[0]) > hardness))
+    text, where = "is above the hardness 4e+08 Pa: the friction law is not known there", "above the hardness in mean pressure"
+    assert [said[name].count(text) for name in said] == [1, 0, 0]
+    assert expected > 100 and sum(counts(said["with"], where)) == pytest.approx(expected, abs=10)
+    assert where not in said["constant"] + said["unknown"]
 
 
 WALL = """{head}boundary f f f

@@ -10,6 +10,7 @@ from examples import ALIKE, shared
 from inputs import (
     ENERGY,
     LOAD_UNLOAD,
+    counts,
     energy_error_of,
     error_of,
     modulus,
@@ -29,11 +30,6 @@ from demlaws.make import example_law
 REFUSED = "began under another law|not the table that|different contact history model"
 PRESS = [(-20, 0, 1000)]
 """1 mm in 50 µs, a quarter of the R = 4 mm of two spheres of 16 mm."""
-
-
-def counts(text, where):
-    """Contact steps that each run counted."""
-    return [int(found) for found in re.findall(rf"in this run (\d+) contact steps were {where}", text)]
 
 
 def assert_same(log, path, limit):

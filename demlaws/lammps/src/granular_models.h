@@ -213,7 +213,12 @@ template <class ABI> struct Granular {
       stiffness_ = now.stiffness;
       force_ = now.force;
       shear_stiffness_ = demlaws::shear_stiffness(shear_, law_.pair, m->Reff, m->delta, now, state);
-      friction_above_ = friction_.c1 > 0. ? friction_.above_constant(demlaws::mean_pressure(law_.pair, now)) : 0.;
+      friction_above_ = 0.;
+      if (friction_.c1 > 0.) {
+        const double pressure = demlaws::mean_pressure(law_.pair, now);
+        friction_above_ = friction_.above_constant(pressure);
+        if (__builtin_expect(law_.watch.exceeds_hardness(pressure), 0)) examine_friction(pressure);
+      }
       // K = 2 E* a: what mindlin, viscoelastic and heat scale with
       m->contact_radius = shear_stiffness_ * per_stiffness_;
       return now.force;
@@ -307,6 +312,10 @@ template <class ABI> struct Granular {
     __attribute__((noinline, cold)) void examine(const demlaws::Force &now) const {
       Report report(*this);
       law_.watch.examine(law_.pair, gm->Reff, gm->delta, now, coeffs[EXTRAPOLATION] != 0., !gm->history_update, report);
+    }
+    __attribute__((noinline, cold)) void examine_friction(double pressure) const {
+      Report report(*this);
+      law_.watch.examine_friction(pressure, report);
     }
     // A contact that begins, or that another law has marked, of which an elastic one without springs keeps nothing.
     __attribute__((noinline, cold)) void check_mark() const {

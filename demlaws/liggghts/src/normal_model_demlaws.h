@@ -153,7 +153,12 @@ public:
     data.kn = data.deltan > 0. ? now.force / data.deltan : 0.;
     shear_stiffness_ = demlaws::shear_stiffness(now_.shear, type.pair, radius, data.deltan, now, state);
     data.kt = type.tangential * shear_stiffness_;
-    friction_above_ = type.friction.c1 > 0. ? type.friction.above_constant(demlaws::mean_pressure(type.pair, now)) : 0.;
+    friction_above_ = 0.;
+    if (type.friction.c1 > 0.) {
+      const double pressure = demlaws::mean_pressure(type.pair, now);
+      friction_above_ = type.friction.above_constant(pressure);
+      if (__builtin_expect(type.watch.exceeds_hardness(pressure), 0)) examine_friction(data, type, pressure, update);
+    }
     data.gamman = damping;
     data.gammat = damping * type.tangential_damping;
     if (WALL) {
@@ -345,6 +350,11 @@ private:
     Report report(*this, data, keeps);
     const bool starts = update->ntimestep == update->firststep;
     type.watch.examine(type.pair, radius, data.deltan, now, now_.extrapolate, starts, report);
+  }
+  __attribute__((noinline, cold)) void examine_friction(const SurfacesIntersectData &data,
+                                                        const demlaws::TypePair &type, double pressure, bool keeps) {
+    Report report(*this, data, keeps);
+    type.watch.examine_friction(pressure, report);
   }
 
   std::shared_ptr<demlaws::Instance> instance_;

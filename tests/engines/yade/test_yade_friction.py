@@ -27,11 +27,16 @@ from demlaws.shear import _pressure_along
 
 FRICTION = dl.PressureFriction(mu0=0.2, c1=0.5, c2=2e-9)
 SAND = {"sigmaMax": 0.4e9, "alpha": 1.2, "c1": 0.4, "c2": 3e-9, "frictionAngle": 0.25}
-STONE = {"sigmaMax": 0.6e9, "alpha": 1.3, "c1": 0.6, "c2": 1e-9, "frictionAngle": 0.3}
+STONE = {"sigmaMax": 0.6e9, "alpha": 1.1, "c1": 0.6, "c2": 1e-9, "frictionAngle": 0.3}
 
 
 def crushed(**options):
-    """Law conical-damage of SAND and STONE, of two of them the weaker and sharper one, without a radius."""
+    """Law conical-damage of the scene's materials."""
+    return functor("conical-damage", None, None, **options)
+
+
+def crushed_with_options(**options):
+    """The same with options: of two materials those of the weaker and of the sharper one, without a radius."""
     strength = {name: {"strength": one["sigmaMax"], "angle": one["alpha"]} for name, one in (("sand", SAND), ("stone", STONE))}
     mixed = {name: min(strength["sand"][name], strength["stone"][name]) for name in ("strength", "angle")}
     pairs = {("sand", "sand"): strength["sand"], ("stone", "stone"): strength["stone"], ("sand", "stone"): mixed}
@@ -68,8 +73,9 @@ def ramp(omega, constant, make):
     return seen, any(grown)
 
 
+@pytest.mark.parametrize("make", [crushed, crushed_with_options])
 @pytest.mark.parametrize("constant", [True, False], ids=["c1 = 0", "c1 > 0"])
-def test_a_ramp_of_two_materials_is_that_of_the_native_law(omega, constant):
+def test_a_ramp_of_two_materials_is_that_of_the_native_law(omega, constant, make):
     """The script of HertzMindlinCDM with another functor: contacts of two kinds crush, slide and unload."""
 
     def native():
@@ -77,7 +83,7 @@ def test_a_ramp_of_two_materials_is_that_of_the_native_law(omega, constant):
 
     def ours():
         with pytest.warns(dl.ValidityWarning, match="can create energy"):
-            return crushed(shear="native"), yade.Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM()
+            return make(shear="native"), yade.Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM()
 
     (wanted, crushes), (found, _) = ramp(omega, constant, native), ramp(omega, constant, ours)
     assert sum(contacts[:, 2].any() for _, contacts in wanted) > 10
@@ -89,6 +95,55 @@ def test_a_ramp_of_two_materials_is_that_of_the_native_law(omega, constant):
     frictions = np.concatenate([contacts[:, 1] for _, contacts in found])
     constants = {math.tan(one["frictionAngle"]) for one in (SAND, STONE)}
     assert set(np.round(frictions, 12)) == set(np.round([*constants], 12)) if constant else np.ptp(frictions) > 0.05
+
+
+def strengths(law, *labels):
+    """Strength and angle of a pair of labels."""
+    source = law.binding.pairs.combined[law.binding.pairs.number(*labels)][1]
+    return source and tuple(source.options[name] for name in ("strength", "angle"))
+
+
+def test_options_that_are_not_given_are_those_of_the_materials(omega):
+    """Of two FrictMatCDM the smaller, of one and another material its own, as native contacts have; given options hold."""
+    both = {"sand": SAND, "stone": STONE, "": STONE}
+    for label, values in both.items():
+        omega.materials.append(yade.FrictMatCDM(young=YOUNG, poisson=POISSON, label=label, **values))
+    omega.materials.append(yade.FrictMat(young=YOUNG, poisson=POISSON))
+    sand, stone = (0.4e9, 1.2), (0.6e9, 1.1)
+    for surfaces in (None, {"steel": dl.Surface(0.0)}, dl.Surface(0.0, hardness=5e9)):
+        law = functor("conical-damage", None, surfaces)
+        assert [strengths(law, *pair) for pair in (("sand", "sand"), ("stone", "stone"))] == [sand, stone]
+        assert strengths(law, "sand", "stone") == strengths(law, "stone", "sand") == (0.4e9, 1.1)
+        assert strengths(law, "sand", "steel") == strengths(law, "", "sand") == sand  # steel: FrictMat
+        assert omega.materials[2].label == "FrictMatCDM 2" and omega.materials[3].label == ""
+        assert strengths(law, "FrictMatCDM 2", "sand") == (0.4e9, 1.1) and strengths(law, "", "") is None
+    law = functor("conical-damage", None, None, strength="1 GPa")
+    assert strengths(law, "sand", "stone") == (1e9, 1.1)
+    law = functor("conical-damage", None, None, strength=1e9, angle=1.0)
+    assert not law.binding.pairs.of_materials and strengths(law, "sand", "") == (1e9, 1.0)
+
+
+@pytest.mark.parametrize("saved", [False, True])
+@pytest.mark.parametrize("late", [False, True], ids=["changed", "new"])
+def test_a_strength_that_the_law_has_not_taken_stops_the_run(omega, tmp_path, late, saved):
+    stone = cdm(sigmaMax=1e9, alpha=1.2)
+    omega.bodies.append(fixed_pair(stone, 1e-6))
+    set_engines(crushed(), 1e-9, physics=yade.Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM())
+    advance(3)
+    if saved:
+        omega.save(str(tmp_path / "scene.xml"))
+        omega.reset()
+        omega.load(str(tmp_path / "scene.xml"))
+        advance(3)
+    assert dy.attached().pairs.of_materials == {"granite": {"sigmaMax": 1e9, "alpha": 1.2}}
+    if late:
+        new = yade.FrictMatCDM(young=YOUNG, poisson=POISSON, density=2650, label="sand", sigmaMax=1e9, alpha=1.2)
+        omega.materials.append(new)
+        omega.bodies[1].material = new
+    else:
+        omega.materials[0].sigmaMax = 2e9
+    found = r"'sand' has sigmaMax = 1e\+09, and did not exist" if late else r"'granite' has sigmaMax = 2e\+09, and had 1e\+09"
+    stops(found + " when the law was made", 200)
 
 
 PATH = np.concatenate([np.linspace(0, 1e-5, 41)[1:], np.linspace(1e-5, 4e-6, 40), np.linspace(4e-6, 1.2e-5, 40)])
@@ -270,3 +325,29 @@ def test_a_pressure_above_the_hardness_is_warned_of_once(omega):
         law.totals()
         law.totals()
     assert sum("the friction law" in str(one.message) for one in caught) == 1
+
+
+def test_contacts_of_the_conical_damage_model_are_read_and_saved(omega, tmp_path):
+    """`contacts`, `totals` and a saved scene have those of MindlinPhysCDM with their history."""
+    omega.bodies.append(fixed_pair(cdm(sigmaMax=0.4e9, alpha=1.2), 1e-5))
+    law = crushed()
+    set_engines(law, 1e-9, physics=yade.Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM())
+    advance(3)
+    omega.bodies[1].state.pos = (0, 0, 0.02 - 6e-6)
+    advance(3)
+
+    def seen(law):
+        contacts, totals = law.contacts(), law.totals()
+        return [*map(float, (contacts.force[0], contacts.plastic_overlap[0])), totals.stored, totals.dissipated]
+
+    before = seen(law)
+    alone = dl.law("conical-damage", dl.Contact(0.005, MODULUS), strength=0.4e9, angle=1.2).follow([1e-5, 6e-6])
+    assert before == pytest.approx(
+        [alone.force[-1], alone.plastic_overlap[-1], alone.stored[-1], alone.dissipated[-1]], rel=1e-7
+    )
+    assert before[1] > 1e-7 and before[3] > 0.0
+    omega.save(str(tmp_path / "scene.xml"))
+    omega.reset()
+    omega.load(str(tmp_path / "scene.xml"))
+    advance(3)
+    assert seen(dy.attached()) == pytest.approx(before, rel=1e-9)

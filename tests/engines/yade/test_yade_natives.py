@@ -1,6 +1,7 @@
 """The Conical Damage Model: YADE's own (Law2_ScGeom_MindlinPhysCDM_HertzMindlinCDM) against law conical-damage in one scene."""
 
 import numpy as np
+import pytest
 from yade_scenes import POISSON, YOUNG, engine_list, fixed_pair, functor, interaction_loop, yade
 
 import demlaws as dl
@@ -9,6 +10,44 @@ STRENGTH, ANGLE, RADIUS = 0.8e9, 1.2, 0.01
 PATH = np.concatenate(
     [np.linspace(0, 8e-5, 60)[1:], np.linspace(8e-5, 4e-5, 40), np.linspace(4e-5, 1.6e-4, 60), np.linspace(1.6e-4, 1e-5, 60)]
 )
+
+
+@pytest.mark.parametrize("other", ["FrictMatCDM", "FrictMat", "wall"])
+def test_a_script_whose_materials_have_no_labels(omega, other):
+    """FrictMatCDM on itself, on FrictMat and on a wall, with another functor only: the forces are those of the native law."""
+
+    def impact(make):
+        omega.reset()
+        shared = {"young": 1e10, "poisson": 0.2, "density": 3000, "frictionAngle": 0.1}
+        plain = omega.materials.append(yade.FrictMat(**shared))
+        crushed = omega.materials.append(yade.FrictMatCDM(**shared, sigmaMax=6e7, alpha=1.48, c1=0.0, c2=0.0))
+        law, radius = make(), 0.1
+        if other == "wall":
+            omega.bodies.append(yade.utils.wall((0, 0, radius), axis=2, material=crushed))
+        else:
+            stone = plain if other == "FrictMat" else crushed
+            omega.bodies.append(yade.utils.sphere((0, 0, 2 * radius), radius, fixed=True, material=stone))
+        omega.bodies.append(yade.utils.sphere((0, 0, 0), radius, material=crushed))
+        omega.bodies[1].state.vel = (0, 0, 0.05)
+        physics = [
+            yade.Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM(),
+            yade.Ip2_FrictMat_FrictMatCDM_MindlinPhysCDM(),
+            yade.Ip2_FrictMat_FrictMat_MindlinPhys(),
+        ]
+        geometries = [yade.Ig2_Sphere_Sphere_ScGeom(), yade.Ig2_Wall_Sphere_ScGeom()]
+        omega.engines = engine_list(
+            interaction_loop(law, geometries=geometries, physics=physics), bounds=[yade.Bo1_Wall_Aabb()]
+        )
+        omega.dt, forces = 2e-5, []
+        for _ in range(300):
+            omega.step()
+            forces.append(sum(one.phys.normalForce.norm() for one in omega.interactions if one.isReal))
+        return np.array(forces)
+
+    theirs = impact(yade.Law2_ScGeom_MindlinPhysCDM_HertzMindlinCDM)
+    ours = impact(lambda: functor("conical-damage", None, None, flats="yade"))
+    assert theirs.max() > 100.0 and theirs[-1] == 0.0
+    assert np.max(np.abs(ours - theirs)) <= 1e-9 * theirs.max()
 
 
 def test_yades_own_and_ours_on_the_same_path(omega):
