@@ -42,7 +42,7 @@ from demlaws.core.unloading import rule_of
 SAMPLES = 512
 """Points at which `slip_loop` reads the unloading curve of a rule that has no springs of its own."""
 THIN = 1.0 / 20.0
-"""Share of K at which the outermost of n springs is complete, times n: what a cycle of 0.02 μP needs with ten."""
+"""Share of K at which the outermost of n springs is complete, times n, for a cycle of 0.02 μP with ten springs."""
 WIDE = 1.5
 """The outermost spring is divided where it has this multiple of that share."""
 LARGE_CYCLES = 4.0
@@ -165,7 +165,7 @@ def grade(edge, depth, bound, rest, stretch):
 
 @kernel
 def outermost(force, top, depth, edge, bound, rest):
-    """Mean compression [m] of the outermost spring: what the others leave of the force."""
+    """Mean compression [m] of the outermost spring, which carries the rest of the force."""
     carried, below = 0.0, 0.0
     for i in range(edge):
         carried += (bound[i] - below) * max(depth - rest[i], 0.0)

@@ -207,7 +207,7 @@ private:
     }
     return edge;
   }
-  // Mean compression of the outermost spring: what the others leave of the force.
+  // Mean compression of the outermost spring, which carries the rest of the force.
   __attribute__((noinline)) double outermost(double top, const UnloadingCurve &curve, int edge,
                                              const double *rest) const {
     double carried = 0., low = 0.;

@@ -459,7 +459,7 @@ template <class ABI> struct Granular {
       }
       return demlaws::Motion(n, v, change, arms, spin, dt, unit_vector);
     }
-    // Records the work of shear, of which the part that the contact stores is not lost, and that of both dashpots.
+    // Records the work of shear, less the energy that the contact stores, and the work of both dashpots.
     void account(const demlaws::ShearStep &step, double viscous) {
       if (ledger_.collecting) {
         ledger_.collected += step.before;
