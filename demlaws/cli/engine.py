@@ -47,7 +47,7 @@ def register(add):
     """Add the command of the engine whose name `add` holds, with its sub-commands."""
     (name,) = add.args
     parser = add(**example(f"  demlaws {name} check"))
-    parts = parser.add_subparsers(dest="part", required=True, metavar="PART", parser_class=_PartParser)
+    parts = parser.add_subparsers(dest="part", required=True, metavar="COMMAND", parser_class=_PartParser)
     _add_build(parts, name)
     _add_source(parts, name)
     checks = parts.add_parser("check", help="test the plugin on this machine (15 s)", **example(f"  demlaws {name} check"))
