@@ -125,6 +125,11 @@ def did_you_mean(word: object, known: Iterable[str], likeness: float = 0.6) -> s
     return f", did you mean {similar!r}?" if similar else "."
 
 
+def counted(count: int, noun: str) -> str:
+    """1 contact, 2 contacts."""
+    return f"{count} {noun}" + "s" * (count != 1)
+
+
 def warn(text: str, category: type[Warning] = ValidityWarning) -> None:
     """Issue a warning that shows the line of the caller's file, the first one outside of this package."""
     frame, depth = sys._getframe(1), 2

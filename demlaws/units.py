@@ -200,11 +200,11 @@ SOFTEST = 2e3
 
 RANGES = {
     "young": Range(
-        "Pa", SOFTEST, math.inf, f"Young's modulus of a grain is above {SOFTEST:g} Pa; did you mean GPa (1 GPa = 1e9 Pa)?"
+        "Pa", SOFTEST, math.inf, f"Young's modulus of a grain must be above {SOFTEST:g} Pa; did you mean GPa (1 GPa = 1e9 Pa)?"
     ),
     "poisson": Range("", -1.0, 0.5, "Poisson's ratio must be above -1 and at most 0.5"),
     "density": Range(
-        "kg/m³", 10.0, math.inf, "a grain's density is above 10 kg/m³; did you mean g/cm³ (1 g/cm³ = 1000 kg/m³)?"
+        "kg/m³", 10.0, math.inf, "a grain's density must be above 10 kg/m³; did you mean g/cm³ (1 g/cm³ = 1000 kg/m³)?"
     ),
     "hardness": Range("Pa", 0.0, math.inf, "hardness must be positive (a Vickers number in kgf/mm² times 9.807e6)"),
     "fractal_dimension": Range(
@@ -213,7 +213,10 @@ RANGES = {
     "radius": Range("m", 0.0, math.inf, "the radius must be positive (two flats have no Hertz contact)"),
     "edge_radius": Range("m", 0.0, math.inf, "the radius of a grain's edges must be positive"),
     "modulus": Range(
-        "Pa", SOFTEST / 2, math.inf, f"the effective modulus E* is above {SOFTEST / 2:g} Pa; did you mean GPa (1 GPa = 1e9 Pa)?"
+        "Pa",
+        SOFTEST / 2,
+        math.inf,
+        f"the effective modulus E* must be above {SOFTEST / 2:g} Pa; did you mean GPa (1 GPa = 1e9 Pa)?",
     ),
     "roughness": Range("m", 0.0, math.inf, "rms roughness Sq cannot be negative", low_included=True),
     "sigma": Range("m", 0.0, math.inf, "the combined roughness σ cannot be negative", low_included=True),
@@ -248,7 +251,7 @@ def judge(**quantities: float) -> list[Finding]:
 
     >>> from demlaws.units import judge
     >>> print(judge(young=60.6, poisson=0.25)[0].text)
-    young = 60.6 Pa: Young's modulus of a grain is above 2000 Pa; did you mean GPa (1 GPa = 1e9 Pa)?
+    young = 60.6 Pa: Young's modulus of a grain must be above 2000 Pa; did you mean GPa (1 GPa = 1e9 Pa)?
     """
     findings = []
     for name, value in quantities.items():
@@ -270,7 +273,7 @@ def judge(**quantities: float) -> list[Finding]:
             Finding(
                 admissible,
                 rough,
-                f"{rough} = {height:g} m is {height / radius:.3g} of the radius {radius:g} m, above {limit:g}: the "
+                f"{rough} = {height:g} m is {height / radius:.3g} times the radius {radius:g} m, above {limit:g}: the "
                 "laws assume a roughness far below the radius; did you mean µm (1 µm = 1e-6 m)?",
             )
         )

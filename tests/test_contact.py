@@ -44,9 +44,9 @@ def test_both_radii_are_required():
 
 def test_a_rough_surface_is_named_as_it_was_given():
     radii = {"radius1": "8mm", "radius2": "8mm"}
-    with pytest.raises(dl.DemlawsError, match=r"^roughness2 = 1\.7 m is 425 of the radius 0\.004 m"):
+    with pytest.raises(dl.DemlawsError, match=r"^roughness2 = 1\.7 m is 425 times the radius 0\.004 m"):
         dl.Contact.between(GRANITE, GRANITE, **radii, roughness1=1e-6, roughness2=1.7)
-    with pytest.raises(dl.DemlawsError, match=r"^roughness1 = 0\.003 m is 0\.75 of"):
+    with pytest.raises(dl.DemlawsError, match=r"^roughness1 = 0\.003 m is 0\.75 times"):
         dl.Contact.between(GRANITE, GRANITE, **radii, roughness1=[1e-6, 3e-3], roughness2=0)
 
 

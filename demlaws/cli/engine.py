@@ -28,7 +28,7 @@ PROPERTIES = (
     ("young", pressure, [60.6e9], "Young's modulus [Pa]"),
     ("poisson", plain, [0.25], "Poisson's ratio"),
     ("hardness", pressure, [None], "indentation hardness [Pa]"),
-    ("density", density, [2650.0], "density [kg/m³]"),
+    ("density", density, [2680.0], "density [kg/m³]"),
 )
 """Options of `export` with one value, or one per grain type: name, kind, default, help."""
 
@@ -47,7 +47,7 @@ def register(add):
     """Add the command of the engine whose name `add` holds, with its sub-commands."""
     (name,) = add.args
     parser = add(**example(f"  demlaws {name} check"))
-    parts = parser.add_subparsers(dest="part", required=True, metavar="PART", parser_class=_PartParser)
+    parts = parser.add_subparsers(dest="part", required=True, metavar="COMMAND", parser_class=_PartParser)
     _add_build(parts, name)
     _add_source(parts, name)
     checks = parts.add_parser("check", help="test the plugin on this machine (15 s)", **example(f"  demlaws {name} check"))
@@ -66,11 +66,11 @@ def _function(engine, name):
 
 def _add_build(parts, name):
     def build(arguments, result):
-        result.print(_function(name, "build")(portable=arguments.portable, force=arguments.force))
+        result.print(_function(name, "build")(portable=arguments.portable, rebuild=arguments.rebuild))
 
     builds = parts.add_parser("build", help="compile the plugin, print its path", **example(f"  demlaws {name} build"))
     builds.add_argument("--portable", action="store_true", help="for any x86-64 processor, for clusters with different nodes")
-    builds.add_argument("--force", action="store_true", help="compile even if the plugin exists")
+    builds.add_argument("--rebuild", action="store_true", help="compile even if the plugin exists")
     builds.set_defaults(func=build)
 
 

@@ -115,7 +115,7 @@ def table_lines(ranking, given=None):
         yield from (wrapped(text, "    ") for text in of_surfaces(surfaces(f, given)))
         yield from (wrapped(note, "    * ", "      ") for note in f.notes if note != SYSTEMATIC)
     if any(f.systematic for f in ranking):
-        yield wrapped(SYSTEMATIC)
+        yield wrapped("systematic: the law does not describe the points (drift, or a wrong law); ignore its intervals")
 
 
 def run(arguments, result):

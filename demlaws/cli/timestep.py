@@ -3,7 +3,7 @@
 from demlaws.cli import example
 from demlaws.cli.arguments import density, plain
 from demlaws.cli.contact import add_dump_arguments, bodies_from, law_from
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, counted
 
 
 def register(add):
@@ -27,7 +27,7 @@ def register(add):
     parser.add_argument(
         "--density",
         type=density,
-        help="density in kg/m³ if the dump contains no mass or density (default: that of --material, otherwise 2650)",
+        help="density in kg/m³ if the dump contains no mass or density (default: that of --material, otherwise 2680)",
     )
     add_dump_arguments(parser)
     parser.set_defaults(func=run)
@@ -62,7 +62,8 @@ def run(arguments, result):
     motion = "with shear and rotation" if ratio else "without friction"
     if ratio and arguments.no_rotation:
         motion = "with shear, without rotation"
-    result.print(f"{len(pairs)} contacts, {len(mass)} grains, {2 * len(pairs) / len(mass):.3g} contacts per grain")
+    counts = f"{counted(len(pairs), 'contact')}, {counted(len(mass), 'grain')}"
+    result.print(f"{counts}, {2 * len(pairs) / len(mass):.3g} contacts per grain")
     result.print(f"exact limit       {limit:.4g} s  2/ω_max {motion}, contacts between grains")
     if rayleigh is not None:
         result.print(f"Rayleigh step     {rayleigh:.4g} s  {rayleigh / limit:.2f} of the exact limit, for comparison")

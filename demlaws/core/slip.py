@@ -165,7 +165,7 @@ def grade(edge, depth, bound, rest, stretch):
 
 @kernel
 def outermost(force, top, depth, edge, bound, rest):
-    """Mean compression [m] of the outermost spring: what the others leave of the force."""
+    """Mean compression [m] of the outermost spring, which carries the rest of the force."""
     carried, below = 0.0, 0.0
     for i in range(edge):
         carried += (bound[i] - below) * max(depth - rest[i], 0.0)
@@ -177,17 +177,6 @@ def outermost(force, top, depth, edge, bound, rest):
         straight = max(depth - rest[edge - 1], 0.0) * 0.5 * width / (top - 0.5 * (below + inner))
         mean = min(max(mean, straight / FARTHEST), straight * FARTHEST)
     return mean
-
-
-@kernel
-def complete(force, top, depth, held, spring, bound, rest):
-    """Mean compression [m] of the spring that ends at `held`, outside of which a new one has begun: the compression falls on a
-    straight line from its inner bound to `top`, and both carry what the others leave of the force."""
-    carried, below = 0.0, 0.0
-    for i in range(spring):
-        carried += (bound[i] - below) * max(depth - rest[i], 0.0)
-        below = bound[i]
-    return max(force - carried, 0.0) * (2.0 * top - held - below) / ((top - below) * (top - below))
 
 
 @kernel
@@ -214,7 +203,6 @@ def set_springs(hertzian, top, force, depth, bound, rest, stretch):
             else:
                 edge += 1
             stretch[0, edge] = stretch[1, edge] = 0.0
-            rest[edge - 1] = depth - complete(force, top, depth, held, edge - 1, bound, rest)
     if held == 0.0:
         edge = begin(top, force, depth, bound, rest)
     for i in range(edge, last + 1):

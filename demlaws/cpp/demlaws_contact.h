@@ -36,7 +36,7 @@ struct Pair {
     std::ostringstream wrong;
     if (!std::isfinite(effective_modulus) || !(effective_modulus > LEAST_MODULUS))
       wrong << "modulus = " << effective_modulus
-            << " Pa: the effective modulus E* is above 1000 Pa; did you mean GPa (1 GPa = 1e9 Pa)?";
+            << " Pa: the effective modulus E* must be above 1000 Pa; did you mean GPa (1 GPa = 1e9 Pa)?";
     else if (!(roughness >= 0.)) wrong << "roughness = " << roughness << " m: must not be negative";
     if (!wrong.str().empty()) throw std::runtime_error(wrong.str());
     Pair pair(t, effective_modulus, t.collapses() ? roughness : 0.);

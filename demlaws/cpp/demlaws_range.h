@@ -220,8 +220,8 @@ private:
     if (!(ratio > LARGE_ROUGHNESS)) return;
     const double limit = ratio > LARGEST_ROUGHNESS ? LARGEST_ROUGHNESS : LARGE_ROUGHNESS;
     std::ostringstream what;
-    what << "roughness = " << pair.sigma << " m is " << std::round(1000. * ratio) / 1000. << " of the radius " << radius
-         << " m, above " << limit
+    what << "roughness = " << pair.sigma << " m is " << std::round(1000. * ratio) / 1000. << " times the radius "
+         << radius << " m, above " << limit
          << ": the laws assume a roughness far below the radius; did you mean µm (1 µm = 1e-6 m)?";
     if (ratio > LARGEST_ROUGHNESS) findings.refuse(what.str());
     if (findings.counts(ROUGH, ratio / LARGE_ROUGHNESS)) findings.warn(what.str());

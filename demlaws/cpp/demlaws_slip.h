@@ -25,18 +25,18 @@ struct UnloadingCurve {
 };
 
 // What a contact keeps: the bounds of the springs' stiffnesses [N/m], rising, the last one the contact's own; the mean
-// overlaps at which they touched [m], but for the last one; their stretches [m], the first components, then the second
+// overlaps at which they touched [m]; their stretches [m], the first components, then the second
 // ones; the first unit vector (Motion). All zeros: no shear force. The numbers are the caller's.
 class SpringRow {
 public:
   static const int MOST = 22; // LIGGGHTS has room for 99 values per contact
-  static int size(int springs) { return 4 * springs + 2; }
-  static const int MOST_SIZE = 4 * MOST + 2;
+  static int size(int springs) { return 4 * springs + 3; }
+  static const int MOST_SIZE = 4 * MOST + 3;
   static bool may_have(double springs) { return springs == (int)springs && springs >= 2. && springs <= MOST; }
   // Whether a number has the other sign seen from the other body: see Motion.
-  static bool changes_sign(int number, int springs) { return number >= 2 * springs - 1 && number < 3 * springs - 1; }
+  static bool changes_sign(int number, int springs) { return number >= 2 * springs && number < 3 * springs; }
   SpringRow(double *numbers, int springs)
-      : bound_(numbers), rest_(numbers + springs), u_(numbers + 2 * springs - 1), v_(numbers + 3 * springs - 1),
+      : bound_(numbers), rest_(numbers + springs), u_(numbers + 2 * springs), v_(numbers + 3 * springs),
         springs_(springs), last_(springs - 1) {}
 
   double energy(double ratio) const {
@@ -57,10 +57,9 @@ public:
       return step;
     }
     double rest[MOST], most[MOST];
-    rest[last_] = 0.; // not kept: what the others leave of the force
-    if (!curve.hertzian) std::copy(rest_, rest_ + last_, rest);
+    if (!curve.hertzian) std::copy(rest_, rest_ + springs_, rest);
     set(stiffness, curve, rest);
-    if (!curve.hertzian) std::copy(rest, rest + last_, rest_);
+    if (!curve.hertzian) std::copy(rest, rest + springs_, rest_);
     slip(stiffness, curve, limit / ratio, d, rest, most, kept, after, step.energy);
     step.energy *= ratio;
     step.work = 0.;
@@ -179,7 +178,6 @@ private:
         if (edge == last_) join(rest);
         else edge++;
         u_[edge] = v_[edge] = 0.;
-        if (!curve.hertzian) rest[edge - 1] = curve.depth - complete(top, curve, held, edge - 1, rest);
       }
     }
     if (held == 0.) edge = begin(top, curve, rest);
@@ -209,7 +207,7 @@ private:
     }
     return edge;
   }
-  // Mean compression of the outermost spring: what the others leave of the force.
+  // Mean compression of the outermost spring, which carries the rest of the force.
   __attribute__((noinline)) double outermost(double top, const UnloadingCurve &curve, int edge,
                                              const double *rest) const {
     double carried = 0., low = 0.;
@@ -222,14 +220,6 @@ private:
     const double straight =
         std::max(curve.depth - rest[edge - 1], 0.) * 0.5 * width / (top - 0.5 * (low + below(edge - 1)));
     return std::min(std::max(mean, straight / SPRING_FARTHEST), straight * SPRING_FARTHEST);
-  }
-  // Mean compression of the spring that ends at `held`, outside of which a new one has begun: on a straight line to
-  // `top`.
-  double complete(double top, const UnloadingCurve &curve, double held, int spring, const double *rest) const {
-    double carried = 0.;
-    for (int i = 0; i < spring; i++) carried += (bound_[i] - below(i)) * std::max(curve.depth - rest[i], 0.);
-    const double low = below(spring);
-    return std::max(curve.force - carried, 0.) * (2. * top - held - low) / ((top - low) * (top - low));
   }
   // Error of the loss that one spring makes: in small cycles and in large ones.
   static double error(double low, double high, double top) {

@@ -151,7 +151,7 @@ def largest_stiffness_ratio(law: Any, max_force: float = math.inf) -> tuple[floa
         k = int(np.argmax(ratio))
         if ratio[k] > largest:
             largest, where = float(ratio[k]), float(force[usable][k])
-        above = int(np.argmax(ratio > 1.0 + 1e-9))  # 0: also where there is none
+        above = int(np.argmax(ratio > 1.0 + 1e-9))  # 0 if no ratio is above 1
         loaded = ratio[above] > 1.0 + 1e-9 and overlap[usable][above] > _LOADED * radius
         first = min(first, 0.99 * float(force[usable][above]) if loaded else math.inf if ratio[k] <= 1.0 + 1e-9 else 0.0)
     return largest, where, first

@@ -36,13 +36,13 @@ def packaged():
     return None
 
 
-def build(portable=False, force=False):
+def build(portable=False, rebuild=False):
     """Path of the plugin's shared object; compiled (5 s) unless the cache or the wheel has it, see `engines.Plugin`.
 
     portable: for any processor of this kind; where the wheel brings that one, it is taken, and also without a compiler.
     """
-    library = None if force or (compiler() and not portable) else packaged()
-    return library or PLUGIN.build(portable, force)
+    library = None if rebuild or (compiler() and not portable) else packaged()
+    return library or PLUGIN.build(portable, rebuild)
 
 
 def plugin_folder():

@@ -147,11 +147,11 @@ class Plugin:
         key = _digest([self.source_digest(), *machine, self.runs_with()])
         return cache_folder() / f"{self.engine}-{demlaws.__version__}-{key}" / self.file
 
-    def build(self, portable=False, force=False):
+    def build(self, portable=False, rebuild=False):
         """Path of the plugin's shared object; compiled (seconds to a minute) unless the cache has it.
 
         portable: without -march=native, for a cluster whose nodes differ (the step costs about 10 % more).
-        force: compile in any case, with another compiler, say. Raises DemlawsError that names a missing package, or shows the
+        rebuild: compile in any case, with another compiler, say. Raises DemlawsError that names a missing package, or shows the
         compiler's message.
         """
         if any(mark in str(cache_folder()) for mark in " :"):
@@ -160,7 +160,7 @@ class Plugin:
                 "split: set DEMLAWS_CACHE to another folder"
             )
         library = self.library_path(portable)
-        if force or not _is_whole(library):
+        if rebuild or not _is_whole(library):
             try:
                 command = self.compile_command(portable)
             except DemlawsError as missing:
@@ -169,7 +169,7 @@ class Plugin:
                     f"there is a compiler, run `demlaws {self.engine} build --portable` with the same DEMLAWS_CACHE, and here "
                     "use --portable"
                 ) from missing
-            _compile(command, library, self.packages, force)
+            _compile(command, library, self.packages, rebuild)
         return library
 
 
@@ -185,12 +185,12 @@ def _digest_file(library):
     return library.with_suffix(".digest")
 
 
-def _compile(command, library, packages, force):
+def _compile(command, library, packages, rebuild):
     """Compile elsewhere, then write to the cache by renaming: no other process sees half of the plugin."""
     try:
         library.parent.mkdir(parents=True, exist_ok=True)
         with _locked(library.parent), handling_signals(_stop, signal.SIGTERM, signal.SIGHUP):
-            if not force and _is_whole(library):  # another process has compiled it meanwhile
+            if not rebuild and _is_whole(library):  # another process has compiled it meanwhile
                 return
             with tempfile.TemporaryDirectory(prefix="demlaws-") as folder:
                 print(f"demlaws: compiling {library.name} (once, about 20 s)", file=sys.stderr)

@@ -46,7 +46,7 @@ class Grain:
 
     @property
     def density(self):
-        """Density [kg/m³]; 2650 where the material has none."""
+        """Density [kg/m³]; that of granite where the material has none."""
         return DENSITY if self.material.density is None else self.material.density
 
     @property

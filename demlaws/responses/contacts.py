@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, counted
 from demlaws.files import PARAVIEW, PARAVIEW_MARK, as_path, write_atomically
 from demlaws.responses.results import Tabular
 
@@ -129,7 +129,7 @@ class Contacts(Tabular):
 
     def title(self) -> str:
         """Number of contacts."""
-        return f"{len(self)} contacts"
+        return counted(len(self), "contact")
 
     def save(self, path: str | Path) -> Path:
         """Lines between the centres with the columns as cell data, for ParaView: .vtu or .vtk. Needs meshio.

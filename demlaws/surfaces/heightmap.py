@@ -335,8 +335,8 @@ class HeightMap:
         inside = (sizes * pixel >= smallest * 0.999) & (sizes * pixel <= largest * 1.001) & (ranges > 0)
         if inside.sum() < 3:
             raise DemlawsError(
-                f"not determined: {inside.sum()} box sizes between {smallest:g} and {largest:g} m have a height difference; "
-                "box counting needs a rough map of at least 64 by 64 pixels, and a range of boxes of 8 pixels or more"
+                f"not determined: box counting needs 3 sizes of boxes with a height difference, and this map of "
+                f"{self.shape[1]} by {self.shape[0]} pixels has {inside.sum()}; give a rough map of at least 64 by 64 pixels"
             )
         sizes, measured = sizes[inside].astype(float), np.log(ranges[inside])
         if plain:

@@ -191,7 +191,7 @@ def _refuse_switch(engines, before, laws, old):
         same &= functor is former or (same_law(former.binding, functor.binding) and former.settings() == functor.settings())
     if not same:
         raise DemlawsError(
-            f"the law is switched while {O.interactions.countReal()} contacts exist, which YADE would leave with the old one. "
+            f"the law is switched while there are contacts ({O.interactions.countReal()}), which would keep the old one. "
             "The same law made again (same arguments, label and attributes) continues them; for another one call "
             "O.interactions.clear() first, which erases all contacts with their history (shear forces, plastic overlaps)"
         )

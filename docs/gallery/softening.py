@@ -20,7 +20,7 @@ fig, ax = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
 for alone, colour, text in ((True, "tab:red", "E alone"), (False, "tab:blue", "E and σ (dl.soften)")):
     ax.semilogx((1, *FACTORS), errors(alone, "YADE"), "o-", color=colour)
     ax.semilogx((1, *FACTORS), errors(alone, "LIGGGHTS"), "s--", color=colour)
-    ax.annotate(text, (10, errors(alone, "YADE")[2]), (8, -14), textcoords="offset points", color=colour)
+    ax.annotate(text, (10, errors(alone, "YADE")[2]), (8, -22), textcoords="offset points", color=colour)
 ax.plot([], [], "ko-", label="YADE")
 ax.plot([], [], "ks--", label="LIGGGHTS")
 ax.axhline(0, color="0.5", lw=0.8)

@@ -69,7 +69,10 @@ the pressure at which Hertz's stiffness of RFC10 is the printed 5000 N/mm, and k
 the printed 20 N, but 3620 N/mm, and FC5 is softer than Pohrt–Popov above 7 N, not stiffer. The cones' fractal dimension is
 assumed: the entries of the paper's Table 3 are missing from our copy.
 
-![Both cones: laws with one and with two radii against what the paper prints](cones.png)"""
+![Both cones: laws with one and with two radii against what the paper prints](cones.png)
+
+*Top: tangent stiffness over force; middle: first loading; bottom: plastic overlap over the largest force, and cycles. Dotted:
+20 N and 7 N, up to which elastic models describe the cones by the paper.*"""
 
 
 def report(folder, out, printed):

@@ -18,9 +18,9 @@ FEWEST = 3
 """Fewer arguments that two commands share are shown with both."""
 HEAD = """# Commands
 
-`demlaws COMMAND --help` prints the same, with examples. Of every command: `--json` prints the result as JSON,
-`--law-file FILE.py` registers [user-defined laws](../own-laws.md), `--overwrite` replaces files that the command did not
-write. Values take units (`60.6GPa`). To complete words in bash or zsh: `pip install 'demlaws[completion]'`, then
+`demlaws COMMAND --help` prints the same, with examples. Of every command: `--json` prints the result as JSON
+(not of `run`), `--law-file FILE.py` registers [your laws](../own-laws.md), `--overwrite` replaces files that the command did
+not write. Values take units (`60.6GPa`). To complete words in bash or zsh: `pip install 'demlaws[completion]'`, then
 `eval "$(register-python-argcomplete demlaws)"`. Options that several commands share are described with the first of them.
 """
 

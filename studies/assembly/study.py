@@ -4,7 +4,7 @@ Packings of equal spheres in a periodic box are made at 2 kPa with smooth sphere
 With a law they are then compressed from 10 kPa to 1 MPa, with friction, isotropically or along z alone
 ("oedometric"). Stiffnesses:
 
-- tangent: K of the law's curve, K_t = K_t/K times it: what a wave sees if asperities stay elastic
+- tangent: K of the law's curve, K_t = K_t/K times it; for a wave in elastic asperities
 - tenth: the same with a tenth of K_t
 - hertz: K of Hertz's law at the same forces, which is rule "hertz" after the first reversal: asperities that stay flattened
 - first: a first step of strain under rule "hertz": contacts that close take the law's K, those that open Hertz's

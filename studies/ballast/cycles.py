@@ -1,7 +1,7 @@
 """Cycles of load on a bed; a row per kept cycle in `cycles.csv`. An interrupted case continues after its last part.
 
 A bed is deposited with little friction and pressed flat under 50 kPa, with Hertz's law and the default shear: all cases of one
-seed begin with the same places. With its own law and friction it comes to rest, is loaded to 20 kPa, slowly to 200 kPa and back
+seed have equal initial places. With its own law and friction it comes to rest, is loaded to 20 kPa, slowly to 200 kPa and back
 (cycle 1), and in cycles. At the end follow cycles from 20 kPa to other pressures: the resilient modulus over stress.
 """
 
@@ -22,9 +22,9 @@ from studies.ballast import bed
 HERE = Path(__file__).parent
 RESULTS = HERE / "cycles.csv"
 REPEATS = HERE / "repeats.csv"
-"""Two beds of an earlier version of `bed`, whose formula of the load was equal but for rounding."""
+"""Two beds with another rounding of the load."""
 CONTROL = HERE / "elastic.csv"
-"""Beds of `control`; other packings than those of RESULTS, which settled with an earlier version of the default shear."""
+"""Beds of `control`; other packings than those of RESULTS, which settled with another default shear."""
 LONG = HERE / "long.csv"
 """Clumps in more cycles; packings as those of CONTROL."""
 STORE = Path("results") / "ballast"

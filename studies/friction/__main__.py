@@ -2,7 +2,7 @@
 
 python -m studies.friction                the tables of the stored runs
 python -m studies.friction --run          runs of beds and slopes that are missing (LAMMPS, an hour)
-python -m studies.friction --shear 12     the runs of simple shear of so many packings again (some ten minutes)
+python -m studies.friction --shear 12     the runs of simple shear of so many packings again (about ten minutes)
 """
 
 import argparse

@@ -1,6 +1,6 @@
 """The bed of `studies.ballast` in cycles of load, with friction by pressure and the constant one of its mean contact pressure.
 
-A bed of a seed begins each run with the same places; it comes to rest and is loaded to 20 kPa, to 200 kPa and back (cycle 1,
+A bed of a seed begins each run with the same positions; it comes to rest and is loaded to 20 kPa, to 200 kPa and back (cycle 1,
 ten times slower), and in cycles of 20 to 200 kPa. The mean pressure is that of the bed with friction by pressure under 110 kPa.
 """
 

@@ -17,7 +17,7 @@ from studies.grading.scenes import DENSITY, LARGE, LENGTH, SIDE, WIDTH, Case, he
 HERE = Path(__file__).parent
 HEAPS, OEDOMETERS = HERE / "heap.csv", HERE / "oedometer.csv"
 REST, WINDOW, LOOKS = 0.25, 0.1, 20
-"""Times [s] until the wall is removed and again until the end; of the looks at the contacts after each, and their number."""
+"""Times [s] until the wall is removed and again until the end; between records of the contacts after each; their number."""
 LOW, HIGH, PERIOD = 5e3, 50e3, 0.02
 """Pressures of a cycle [Pa] and its time [s]."""
 HEAP_FIELDS = (*Case._fields, "hang_bed", "hang_heap", "fines_heap", "large_heap", "angle", "steps", "us_step")

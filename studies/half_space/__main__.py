@@ -19,7 +19,7 @@ def parser():
         description="Compares the master curves of yip-venart and greenwood-tripp with the solver, at values of N_H and μ "
         "between those of the data: largest errors of force, stiffness, p(0)/p0 and a*/a_H.",
         **example(
-            "  python -m studies.half_space --values 10\n  python -m studies.half_space --save         (some ten minutes)"
+            "  python -m studies.half_space --values 10\n  python -m studies.half_space --save         (about ten minutes)"
         ),
     )
     parser.add_argument("--values", type=whole(), default=8, help="values of N_H and of μ (default 8)")

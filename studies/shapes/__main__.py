@@ -31,7 +31,7 @@ SETUP = {
     "strain": 1e-5,
     "repeats": 3,
 }
-RATES = {"sphere": 2e-6, "clump": 2e-6, "levelset": 6e-6}  # strain per step in a cycle: some 200 steps per half cycle
+RATES = {"sphere": 2e-6, "clump": 2e-6, "levelset": 6e-6}  # strain per step in a cycle: about 200 steps per half cycle
 ROUGH = {"roughness": 5e-6, "fractal_dimension": 2.2, "hardness": 6.266e9}
 LAWS = {"hertz": ("hertz", "elastic", None), "rough": ("pohrt-popov", "hertz", ROUGH)}
 RADII = {"body": "body", "curvature": {"largest": LARGEST}, "edge": EDGE}

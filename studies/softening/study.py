@@ -123,7 +123,7 @@ class Run(NamedTuple):
             "back": speed,
             "settle": RESTING * 0.5 * unit,
             "hold": 0.25 * RESTING * 0.5 * unit,
-            "every": int(np.clip(round(self.sunk / (150 * speed * dt)), 1, 40)),  # some 150 readings while the plate goes down
+            "every": int(np.clip(round(self.sunk / (150 * speed * dt)), 1, 40)),  # about 150 readings while the plate goes down
             "least": LEAST * self.stress,
             "shake": SHAKEN * self.size * min(RADII),
             "time": 0.25 * math.sqrt(self.size) * slower,

@@ -1,7 +1,7 @@
 """Cycles of load on a sample; a row per kept cycle in `cycles.csv`. An interrupted case continues after its last part.
 
 A sample is pressed by 10 kPa from all sides with Hertz's law and no friction between its grains, so that it is dense: all cases
-of one seed begin with the same places. With its own law and friction it is pressed to p, then to p + LOW along z: there strains
+of one seed have equal initial places. With its own law and friction it is pressed to p, then to p + LOW along z: there strains
 begin. Cycles between q = LOW and q follow, the first one ten times slower. A sample that has become shorter by a fifth has
 collapsed, and its case ends.
 """

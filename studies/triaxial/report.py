@@ -78,7 +78,7 @@ def course(rows):
 
 
 def name_of(case):
-    """Law, roughness, edges; grains and friction where they are not the usual ones."""
+    """Law, roughness, edges; grains and friction other than the usual ones."""
     usual = USUAL
     words = [f"{case.law}" + (f", σ = {case.sigma:g} µm" if case.sigma else "")]
     words += [f"edges of {case.edge:g} mm"] * bool(case.edge)

@@ -1,7 +1,7 @@
 """Boundary-element solutions of rough contacts, compared with the laws by `make validation`: bem.csv and asperity_bem.csv.
 
     pip install ContactMechanics SurfaceTopography
-    python -m studies.validation.boundary_elements spheres      # bem.csv, some ten minutes on one core
+    python -m studies.validation.boundary_elements spheres      # bem.csv, about ten minutes on one core
     python -m studies.validation.boundary_elements maps         # asperity_bem.csv, some five minutes
 
 spheres: rough elastic spheres as in the granite tests; longest roughness wavelength, seed, force and tangent stiffness (by a

@@ -67,7 +67,7 @@ def test_the_table_of_a_fit(file, capsys):
     (best, *others) = [line for line in lines if line.startswith(("hertz", "goddard", "rough", "pohrt", "conical"))]
     assert best.startswith("rough-plastic    thornton") and best.endswith("scatter")
     assert all(line.endswith("systematic") for line in others if line.split()[0] in ("hertz", "goddard"))
-    assert sum(line.startswith("systematic misfit") for line in lines) == 1
+    assert sum(line.startswith("systematic: ") for line in lines) == 1
     assert not any(" Pa" in line for line in lines) and any("GPa" in line for line in lines[2:])
 
 

@@ -7,8 +7,10 @@ import pytest
 
 import demlaws as dl
 from demlaws.cli import main
+from demlaws.cli.engine import PROPERTIES
 from demlaws.law import Table
 from demlaws.materials import names, typical
+from demlaws.plugins.grains import Grain
 
 
 def test_table_has_all_materials(capsys):
@@ -79,6 +81,13 @@ def test_a_case_of_materials_by_name(engine, tmp_path):
         assert main([engine, "export", str(folder), "--radius", "4mm", "--count", "20", *words]) == 0
         texts.append([(folder / "in.case").read_text(), Table.load(next(folder.glob("*.tbl"))).force(1e-6)])
     assert texts[0] == texts[1]
+
+
+def test_a_case_without_a_material_has_the_grains_of_granite():
+    """Also the grains of a scene or a Python case whose material states no density."""
+    defaults = {name: default[0] for name, _, default, _ in PROPERTIES if default != [None]}
+    assert defaults == {name: getattr(dl.materials.granite, name) for name in ("young", "poisson", "density")}
+    assert Grain(1e-3, dl.Material(60e9, 0.25)).density == dl.materials.granite.density
 
 
 def test_the_flat_side_of_a_material(capsys):

@@ -35,7 +35,7 @@ MISTAKES = [
     ("curve --law hertz --radius flat flat --modulus 30GPa --forces 1", ["--radius flat flat: two flats"]),
     ("curve --law hertz --radius 8mm 0 --modulus 30GPa --forces 1", ["--radius = 0: a radius must be positive"]),
     ("curve --law hertz --radius 8mm 8 --modulus 30GPa --forces 1", ["--radius = 8 m is above 1 m"]),
-    ("curve --law rms --radius 8mm 8mm --modulus 30GPa --roughness 1.7 --forces 1", ["--roughness = 1.7 m is 425 of"]),
+    ("curve --law rms --radius 8mm 8mm --modulus 30GPa --roughness 1.7 --forces 1", ["--roughness = 1.7 m is 425 times"]),
     ("curve --law hertz --radius 8mm 8mm --material marble --forces 1", ["'marble'", "granite, glass"]),
     ("curve --law hertz --radius 8mm 8mm --material ballast --forces 1", ["no typical values of 'ballast'. Materials:"]),
     ("curve --law hertz --test SS(18-18) --material glass --forces 1", ["either --material or --test"]),

@@ -61,7 +61,7 @@ def test_processes_may_build_together(plugin, tmp_path, monkeypatch):
         assert {job.result() for job in [pool.submit(plugin.build) for _ in range(3)]} == {plugin.library_path()}
     count.unlink()
     assert plugin.build() == plugin.library_path() and not count.exists()
-    assert plugin.build(force=True) == plugin.library_path() and count.read_text() == "run\n"
+    assert plugin.build(rebuild=True) == plugin.library_path() and count.read_text() == "run\n"
     library = plugin.library_path()
     assert set(library.parent.iterdir()) == {library, library.with_suffix(".digest")}
 

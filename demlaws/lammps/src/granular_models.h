@@ -100,7 +100,7 @@ template <class ABI> struct Granular {
       check(demlaws::SpringRow::may_have(coeffs[SPRINGS]), "springs", coeffs[SPRINGS], ": a whole number from 2 to 22");
       check(demlaws::may_have_levels(coeffs[LEVELS]), "levels", coeffs[LEVELS], ": a whole number from 1 to 8");
       check(coeffs[RATIO] >= 0. && coeffs[RATIO] <= demlaws::LARGEST_SHEAR_RATIO, "shear_ratio", coeffs[RATIO],
-            ": K_t/K is above 0, at most 4/3");
+            ": K_t/K must be above 0 and at most 4/3");
       friction_.c1 = coeffs[FRICTION_C1];
       friction_.c2 = coeffs[FRICTION_C2];
       check(friction_.c1 >= 0., "friction_pressure C1", friction_.c1, ": must not be negative");
@@ -468,7 +468,7 @@ template <class ABI> struct Granular {
       }
       return demlaws::Motion(n, v, change, arms, spin, dt, unit_vector);
     }
-    // Records the work of shear, of which the part that the contact stores is not lost, and that of both dashpots.
+    // Records the work of shear, less the energy that the contact stores, and the work of both dashpots.
     void account(const demlaws::ShearStep &step, double viscous) {
       if (ledger_.collecting) {
         ledger_.collected += step.before;

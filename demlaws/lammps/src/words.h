@@ -66,7 +66,7 @@ template <class TABLE> struct Words {
       } else if (word == "shear_ratio") {
         into[TABLE::RATIO] = given(1);
         if (!(given(1) > 0.))
-          raise(lmp, true, "demlaws/table: shear_ratio " + value + ": K_t/K is above 0, at most 4/3");
+          raise(lmp, true, "demlaws/table: shear_ratio " + value + ": K_t/K must be above 0 and at most 4/3");
       } else if (word == "springs") into[TABLE::SPRINGS] = given(1);
       else if (word == "levels") {
         into[TABLE::LEVELS] = given(1);

@@ -64,7 +64,7 @@ public:
     static_cast<demlaws::Words &>(own_) = instance_->line;
     if (!own_.friction.empty() && shear_size_ == 0) stop("'friction_pressure' needs  tangential demlaws");
     if (given_.count("shear_ratio") && !(own_.shear_ratio > 0. && own_.shear_ratio <= demlaws::LARGEST_SHEAR_RATIO))
-      stop("shear_ratio " + std::to_string(own_.shear_ratio) + ": K_t/K is above 0, at most 4/3");
+      stop("shear_ratio " + std::to_string(own_.shear_ratio) + ": K_t/K must be above 0 and at most 4/3");
     if (!wall_) {
       if (own_.files.empty()) stop("no table; add 'table FILE' to the line (`demlaws table` writes one)");
       instance_->pair = own_;

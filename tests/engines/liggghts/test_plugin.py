@@ -104,7 +104,7 @@ PRESS = [(-0.2, 0, 3000), (0.2, 0, 1500)]
 @pytest.mark.parametrize(
     ("roughness", "young", "named"),
     [
-        ("6e-4 2e-6", 60.6e9, "0.138 of the radius 0.00435 m, above 0.1"),
+        ("6e-4 2e-6", 60.6e9, "0.138 times the radius 0.00435 m, above 0.1"),
         ("1e-6 2e-6", 60.6e11, "100 times the effective modulus of law.tbl"),  # LIGGGHTS itself refuses those below 5e6 Pa
     ],
 )

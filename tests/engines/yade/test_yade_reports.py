@@ -66,13 +66,13 @@ def test_roughness_beside_the_radius(omega):
     """Both the combined value and what was typed are shown."""
     two_spheres(functor(surfaces={"granite": dl.Surface(5e-4, 2.22)}), speed=-0.3)
     (text,) = issued(lambda: advance(200))
-    assert "0.141 of the radius 0.005 m" in text and "Sq = 0.0005 m and 0.0005 m" in text
+    assert "0.141 times the radius 0.005 m" in text and "Sq = 0.0005 m and 0.0005 m" in text
     omega.reset()
     two_spheres(functor(surfaces={"granite": dl.Surface(2.4e-3, 2.22)}), speed=-0.3)
-    stops(r"0\.679 of the radius 0\.005 m", 200)
+    stops(r"0\.679 times the radius 0\.005 m", 200)
     omega.reset()  # rocks
     two_spheres(functor(surfaces={"granite": dl.Surface(5e-3, 2.22)}), speed=-10.0, radius=1.0)
-    assert not [text for text in issued(lambda: advance(200)) if "of the radius" in text] and force() > 0
+    assert not [text for text in issued(lambda: advance(200)) if "times the radius" in text] and force() > 0
 
 
 def test_numbers_in_other_units_are_named(omega):
@@ -369,7 +369,7 @@ def test_columns_of_contacts(omega):
     state = acting(functor()).contacts()
     frame = state.to_dataframe()
     assert isinstance(frame, pandas.DataFrame) and len(frame) == 1 and frame["force (N)"][0] == state.force[0] == force()
-    assert "overlap (m)" in str(state) and "1 contacts" in repr(state)
+    assert "overlap (m)" in str(state) and "1 contact\n" in repr(state)
     fields = [f.name for f in dataclasses.fields(state) if not f.name.startswith("centre")]
     assert [name for name in COLUMNS if name in fields] == fields
     page = re.sub(" +", " ", (ROOT / "docs/reference/yade.md").read_text())
