@@ -36,12 +36,12 @@ import numpy as np
 from demlaws.core.dispatch import gather, generic, scatter, step, unloaded
 from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import kernel, loop
-from demlaws.core.shear import unloading_stiffness
+from demlaws.core.shear import EMPTY, unloading_stiffness
 from demlaws.core.unloading import rule_of
 
 SAMPLES = 512
 """Points at which `slip_loop` reads the unloading curve of a rule that has no springs of its own."""
-THIN = 1.0 / 18.0
+THIN = 1.0 / 21.0
 """Share of K at which the outermost of n springs is complete, times n: what a cycle of 0.02 μP needs."""
 WIDE = 1.5
 """The outermost spring is divided where it has this multiple of that share."""
@@ -188,7 +188,7 @@ def set_springs(hertzian, top, force, depth, bound, rest, stretch):
     """
     last = bound.size - 1
     held = bound[last]
-    lowest, edge = min(top, held), last
+    lowest, edge = min(top, held) * (1.0 - EMPTY), last  # not of springs that rounding makes
     while edge > 0 and bound[edge - 1] >= lowest:
         edge -= 1
     opened = held == 0.0 or (edge < last and top < held)

@@ -29,7 +29,7 @@ constexpr double EMPTY_LEVEL = 1e-09; // of K_t: a level of less stiffness count
 constexpr double LARGEST_SHEAR_RATIO = 1.3333333333333333; // K_t/K
 // Partial slip: springs by default, and where they are divided or joined; see core/slip.py.
 constexpr int SPRINGS = 11;
-constexpr double SPRING_THIN = 0.05555555555555555, SPRING_WIDE = 1.5, SPRING_LARGE_CYCLES = 3.0,
+constexpr double SPRING_THIN = 0.047619047619047616, SPRING_WIDE = 1.5, SPRING_LARGE_CYCLES = 3.0,
                  SPRING_SPARE = 4.0, SPRING_COARSE = 2.0,
                  SPRING_FARTHEST = 1.6;
 

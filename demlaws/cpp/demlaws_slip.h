@@ -165,7 +165,9 @@ private:
 
   // The contact has the stiffness `top` now.
   DEMLAWS_INLINE void set(double top, const UnloadingCurve &curve, double *rest) {
-    const double held = bound_[last_], lowest = std::min(top, held), thin = SPRING_THIN / springs_ * top;
+    // lowest: not of springs that rounding makes
+    const double held = bound_[last_], lowest = std::min(top, held) * (1. - EMPTY_LEVEL),
+                 thin = SPRING_THIN / springs_ * top;
     int edge = last_;
     while (edge > 0 && bound_[edge - 1] >= lowest) edge--;
     const bool opened = held == 0. || (edge < last_ && top < held);

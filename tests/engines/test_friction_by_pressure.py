@@ -44,12 +44,14 @@ def test_force_along_a_path_is_pythons(engine, tmp_path, name, shear):
     log = simulate(engine, tmp_path, spheres(engine, f"shear {shear} {WORDS}", SLID, every=1, **ENERGY))
     overlap, across, kept = along(log, every=1)
     normal, pressure = law.follow(overlap), _pressure_along(law, overlap)
-    path = dl.driver.sheared(law, overlap, across, RATIO, shear, friction=FRICTION, springs=SPRINGS)
+    # springs are divided by what the curve leaves to one
+    curve = dl.Table.load(tmp_path / "law.tbl") if shear == "slip" else law
+    path = dl.driver.sheared(curve, overlap, across, RATIO, shear, friction=FRICTION, springs=SPRINGS)
     found = path.force * across / DIAMETER - log["side"][kept]  # the normal turns
     limit = FRICTION.coefficient(pressure) * path.force
     below = 0.01 if shear == "slip" else 1e-4  # springs that are divided while the load falls are below the limit at first
     slides = np.convolve(np.abs(path.shear_force) > (1.0 - below) * limit, np.ones(60))[: len(limit)] > 59.5
-    assert slides.sum() > 100 and np.ptp(limit[slides] / path.force[slides]) > 0.03
+    assert slides.sum() > 100 and np.ptp(limit[slides] / path.force[slides]) > 0.02
     np.testing.assert_allclose(np.abs(found[slides]), limit[slides], rtol=below + 1e-3)
     np.testing.assert_allclose(found, path.shear_force, atol=3e-3 * limit.max())
     assert log["e[2]"][-1] == pytest.approx(normal.dissipated[-1] + path.dissipated[-1], rel=2e-2)
