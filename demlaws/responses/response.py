@@ -125,7 +125,7 @@ class Response(BoundLaw):
         end = self._largest_unloading_force()
         return text if end == math.inf else f"{text}, and its unloading curve is a table that ends at {end:g} N"
 
-    def force(self, overlap: ArrayLike) -> float | np.ndarray:
+    def force(self, overlap: ArrayLike) -> Any:
         """Force P of first loading.
 
         Parameters
@@ -140,7 +140,7 @@ class Response(BoundLaw):
         """
         return as_given(self._force_and_stiffness(overlap)[0])
 
-    def stiffness(self, overlap: ArrayLike) -> float | np.ndarray:
+    def stiffness(self, overlap: ArrayLike) -> Any:
         """Tangent stiffness K = dP/dδ of first loading.
 
         Parameters
@@ -155,7 +155,7 @@ class Response(BoundLaw):
         """
         return as_given(self._force_and_stiffness(overlap)[1])
 
-    def overlap(self, force: ArrayLike) -> float | np.ndarray:
+    def overlap(self, force: ArrayLike) -> Any:
         """Overlap δ at which first loading carries a force.
 
         Parameters
@@ -181,7 +181,7 @@ class Response(BoundLaw):
         beyond = f": law {self.name!r} is defined up to max_force = {last:g} N" if force > last else ""
         return f"force up to {force:g} N has no finite overlap{beyond}"
 
-    def energy(self, overlap: ArrayLike) -> float | np.ndarray:
+    def energy(self, overlap: ArrayLike) -> Any:
         """Work ∫P dδ of first loading.
 
         Parameters
@@ -404,7 +404,7 @@ class Response(BoundLaw):
 
     def shear_stiffness(
         self, overlap: ArrayLike, ratio: float, shear: str = DEFAULT, *, state: "State | None" = None
-    ) -> float | np.ndarray:
+    ) -> Any:
         """Tangential stiffness K_t [N/m] of one contact along a sequence of overlaps [m]; `state` is updated.
 
         K_t = ratio K_s, where ratio is that of an elastic contact, 2(1-ν)/(2-ν) for two bodies of one material (Mindlin 1949),
@@ -422,7 +422,7 @@ class Response(BoundLaw):
             raise DemlawsError(self._out_of_range(float(values.max())))
         return as_given(ratio * result.reshape(shape))
 
-    def unloading_overlap(self, force: ArrayLike, state: "State") -> float | np.ndarray:
+    def unloading_overlap(self, force: ArrayLike, state: "State") -> Any:
         """Overlap [m] at which a contact with this history, below its maximum overlap, carries `force` ≥ 0 [N]."""
         values, shape = self._shaped(force, "force", "N")
         states = tuple(np.full(values.size, float(array[0])) for array in self._arrays_of(state, 1))

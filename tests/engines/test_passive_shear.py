@@ -55,7 +55,7 @@ def test_a_contact_that_carried_no_force_has_lost_its_shear(engine, tmp_path, sh
         ("rough", "loading", 100, 0.4),
         pytest.param("rough elastic", "slip", 100, 0.25, marks=pytest.mark.slow),
         ("rough", "slip", 0.3, 0.25),
-        pytest.param("thornton", "slip", 1, 0.25, marks=pytest.mark.slow),
+        pytest.param("thornton", "slip springs 10", 1, 0.25, marks=pytest.mark.slow),  # 11: more than a page of LIGGGHTS has
     ],
 )
 @both
@@ -66,7 +66,7 @@ def test_a_gas_gains_no_energy(engine, tmp_path, name, shear, friction, poisson)
     kept = log["ke"] + log["er"] + log["stored"]
     assert kept.max() <= 1.001 * kept[0]
     assert kept[-1] < 0.9 * kept[0]
-    np.testing.assert_allclose(kept + log["lost"], kept[0], rtol=2e-3 if shear == "slip" else 1e-3)
+    np.testing.assert_allclose(kept + log["lost"], kept[0], rtol=2e-3 if "slip" in shear else 1e-3)
 
 
 @both
