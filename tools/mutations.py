@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Mutation test: change one number or one condition of the package at a time and check that its tests notice.
 
-    python tools/mutations.py                           # all mutations: some twenty minutes on one core
+    python tools/mutations.py                           # all mutations: about twenty minutes on one core
     python tools/mutations.py --only rms --only E*      # those whose names contain one of these texts
     python tools/mutations.py --jobs 2
     python tools/mutations.py --tests "test_report.py -k published_answer"  # is it noticed by the validation report?

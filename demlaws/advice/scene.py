@@ -171,13 +171,18 @@ class Scene:
         if self.reference is not None:
             checked["reference_options"] = find(self.reference).read_options(self.reference_options)
         if self.unloading is not None:
-            if not isinstance(self.unloading, str | os.PathLike | Law):
-                raise DemlawsError(f"unloading = {self.unloading!r:.60}: give a rule's name, a law, a table, or a table's path")
-            checked["unloading"] = named = check_unloading(self.unloading)
-            if not self.unloads:
-                rule = GIVEN if isinstance(named, Law) else named
-                raise DemlawsError(f"unloading = {rule!r}: contacts unload where cyclic = true, or quantity = 'restitution'")
+            checked["unloading"] = self._checked_unloading()
         vars(self).update(checked)  # of a frozen dataclass
+
+    def _checked_unloading(self):
+        """A rule's name, or the law or table of `unloading`."""
+        if not isinstance(self.unloading, str | os.PathLike | Law):
+            raise DemlawsError(f"unloading = {self.unloading!r:.60}: give a rule's name, a law, a table, or a table's path")
+        named = check_unloading(self.unloading)
+        if not self.unloads:
+            rule = GIVEN if isinstance(named, Law) else named
+            raise DemlawsError(f"unloading = {rule!r}: contacts unload where cyclic = true, or quantity = 'restitution'")
+        return named
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> "Scene":

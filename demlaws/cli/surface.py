@@ -34,12 +34,8 @@ def register(add):
     surface.add_argument("--missing", type=plain, help="height that stands for missing pixels, in the file's unit (-9999)")
     surface.add_argument("--channel", help="name of the channel of an instrument's file (default: the first with heights)")
     surface.add_argument("--despike", action="store_true", help="treat spikes and fillers as missing pixels (5 x 5 median)")
-    surface.add_argument(
-        "--form",
-        type=whole(-1, 8),
-        default=2,
-        help="order of the subtracted polynomial (default 2, or a sphere where that leaves less; -1: none)",
-    )
+    form = "order of the subtracted polynomial (default 2, or a sphere where that leaves less; -1: none)"
+    surface.add_argument("--form", type=whole(-1, 8), default=2, help=form)
     surface.add_argument("--crop", type=length, metavar="WIDTH", help="use the square of this side in the middle of the map")
     surface.add_argument(
         "--wavelengths",

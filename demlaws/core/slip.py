@@ -42,7 +42,7 @@ from demlaws.core.unloading import rule_of
 SAMPLES = 512
 """Points at which `slip_loop` reads the unloading curve of a rule that has no springs of its own."""
 THIN = 1.0 / 21.0
-"""Share of K at which the outermost of n springs is complete, times n: what a cycle of 0.02 μP needs."""
+"""Share of K at which the outermost of n springs is complete, times n; cycles of 0.02 μP need it."""
 WIDE = 1.5
 """The outermost spring is divided where it has this multiple of that share."""
 LARGE_CYCLES = 3.0
@@ -60,6 +60,12 @@ TINY = 1e-300
 
 
 @kernel
+def inner(i, bound):
+    """Inner bound [N/m] of spring i."""
+    return bound[i - 1] if i > 0 else 0.0
+
+
+@kernel
 def spring_error(low, high, top):
     """Error of the loss that one spring from `low` to `high` makes: in small cycles and in large ones."""
     width = high - low
@@ -70,14 +76,12 @@ def spring_error(low, high, top):
 @kernel
 def join(bound, rest, stretch):
     """Join the two neighbours whose union errs least; the outermost spring is free then."""
-    last, least, at, low = bound.size - 1, np.inf, 0, 0.0
+    last, least, at = bound.size - 1, np.inf, 0
     for i in range(last - 1):
-        union = spring_error(low, bound[i + 1], bound[last])
+        union = spring_error(inner(i, bound), bound[i + 1], bound[last])
         if union < least:
             least, at = union, i
-        low = bound[i]
-    low = bound[at - 1] if at > 0 else 0.0
-    share = (bound[at] - low) / (bound[at + 1] - low)
+    share = (bound[at] - inner(at, bound)) / (bound[at + 1] - inner(at, bound))
     rest[at] = share * rest[at] + (1.0 - share) * rest[at + 1]
     for k in range(2):
         stretch[k, at] = share * stretch[k, at] + (1.0 - share) * stretch[k, at + 1]
@@ -89,13 +93,12 @@ def join(bound, rest, stretch):
 @kernel
 def widest(edge, bound):
     """The spring inside the outermost one, `edge`, that is worth a division; -1: none."""
-    low, most, at, least = 0.0, 0.0, -1, np.inf
+    most, at, least = 0.0, -1, np.inf
     for i in range(edge):
-        error = spring_error(low, bound[i], bound[edge])
+        error = spring_error(inner(i, bound), bound[i], bound[edge])
         if error > most:
             most, at = error, i
-        least = min(least, spring_error(low, bound[i + 1], bound[edge]))
-        low = bound[i]
+        least = min(least, spring_error(inner(i, bound), bound[i + 1], bound[edge]))
     return at if most > min(SPARE * least, (COARSE * math.log(bound.size / THIN) / bound.size) ** 2) else -1
 
 
@@ -105,8 +108,8 @@ def fall_within(at, depth, edge, bound, rest):
     means of the springs there, `depth` at κ = 0 and 0 at the outermost bound (Colella & Woodward 1984, Eq. 1.7)."""
     if edge == 0:
         return depth
-    before = bound[at - 1] - (bound[at - 2] if at > 1 else 0.0) if at > 0 else 0.0
-    width = bound[at] - (bound[at - 1] if at > 0 else 0.0)
+    before = bound[at - 1] - inner(at - 1, bound) if at > 0 else 0.0
+    width = bound[at] - inner(at, bound)
     after = bound[at + 1] - bound[at] if at < edge else 0.0
     if at == 0:
         return (rest[1] * width * width + rest[0] * after * (2.0 * after + 3.0 * width)) / (width + after) ** 2
@@ -125,7 +128,7 @@ def divide(at, depth, edge, bound, rest, stretch):
     quarter = 0.25 * min(max(fall_within(at, depth, edge, bound, rest), 0.0), 3.0 * mean)
     for i in range(edge, at - 1, -1):
         bound[i + 1], rest[i + 1], stretch[0, i + 1], stretch[1, i + 1] = bound[i], rest[i], stretch[0, i], stretch[1, i]
-    bound[at] = 0.5 * ((bound[at - 1] if at > 0 else 0.0) + bound[at])
+    bound[at] = 0.5 * (inner(at, bound) + bound[at])
     rest[at], rest[at + 1] = depth - mean - quarter, depth - mean + quarter
 
 
@@ -149,7 +152,7 @@ def grade(edge, depth, bound, rest, stretch):
     """Divide springs, the outermost one `edge` first, and join others for it where none is free; returns the outermost."""
     last, top = bound.size - 1, bound[bound.size - 1]
     while True:
-        wide = top - (bound[edge - 1] if edge > 0 else 0.0) > WIDE * THIN / bound.size * top
+        wide = top - inner(edge, bound) > WIDE * THIN / bound.size * top
         if wide and (edge < last or last > 1):  # of two springs none is left to be joined
             if edge == last:
                 join(bound, rest, stretch)
@@ -173,8 +176,7 @@ def outermost(force, top, depth, edge, bound, rest):
     width = top - below
     mean = max(force - carried, 0.0) / width if width > 0.0 else 0.0
     if edge > 0:
-        inner = bound[edge - 2] if edge > 1 else 0.0
-        straight = max(depth - rest[edge - 1], 0.0) * 0.5 * width / (top - 0.5 * (below + inner))
+        straight = max(depth - rest[edge - 1], 0.0) * 0.5 * width / (top - 0.5 * (below + inner(edge - 1, bound)))
         mean = min(max(mean, straight / FARTHEST), straight * FARTHEST)
     return mean
 
@@ -193,7 +195,7 @@ def set_springs(hertzian, top, force, depth, bound, rest, stretch):
         edge -= 1
     opened = held == 0.0 or (edge < last and top < held)
     if held > 0.0 and top > held:
-        low = bound[edge - 1] if edge > 0 else 0.0
+        low = inner(edge, bound)
         if top - low <= THIN / bound.size * top:
             stretch[0, edge] *= (held - low) / (top - low)
             stretch[1, edge] *= (held - low) / (top - low)
@@ -209,7 +211,7 @@ def set_springs(hertzian, top, force, depth, bound, rest, stretch):
         bound[i] = top
     if not hertzian:
         rest[edge] = depth - outermost(force, top, depth, edge, bound, rest)
-    if opened or top - (bound[edge - 1] if edge > 0 else 0.0) > WIDE * THIN / bound.size * top:
+    if opened or top - inner(edge, bound) > WIDE * THIN / bound.size * top:
         if hertzian:
             set_rest(top, depth, bound, rest)
         edge = grade(edge, depth, bound, rest, stretch)
@@ -251,17 +253,19 @@ def displace(du, dv, onset, limit, stretch):
     """
     yields = 0
     for i in range(limit.size):
-        u, v = stretch[0, i], stretch[1, i]
-        before = max(u * u + v * v, onset[i] * onset[i])
-        stretch[0, i], stretch[1, i] = u + du, v + dv
-        yields += (u + du) * (u + du) + (v + dv) * (v + dv) > before
+        u, v = stretch[0, i] + du, stretch[1, i] + dv
+        before = max(stretch[0, i] * stretch[0, i] + stretch[1, i] * stretch[1, i], onset[i] * onset[i])
+        yields += u * u + v * v > before
     if yields == 0:
+        for i in range(limit.size):
+            stretch[0, i] += du
+            stretch[1, i] += dv
         return False
     slips = 0
     for i in range(limit.size):
-        u, v = stretch[0, i], stretch[1, i]
-        before = max(sqrt((u - du) * (u - du) + (v - dv) * (v - dv)), onset[i])
-        length, wide = sqrt(u * u + v * v), max(limit[i] - onset[i], TINY)
+        u, v, wide = stretch[0, i] + du, stretch[1, i] + dv, max(limit[i] - onset[i], TINY)
+        before = sqrt(max(stretch[0, i] * stretch[0, i] + stretch[1, i] * stretch[1, i], onset[i] * onset[i]))
+        length = sqrt(u * u + v * v)
         stuck = sqrt(max(1.0 - (before - onset[i]) / wide, 0.0))
         stuck = max(stuck - 0.5 * max(length - before, 0.0) / wide, 0.0)
         share = (onset[i] + wide * (1.0 - stuck * stuck)) / max(length, TINY) if length > before else 1.0
@@ -298,8 +302,8 @@ def compressions(hertzian, depth, bound, rest, onset, limit):
     for i in range(bound.size):
         limit[i] *= scale
     for i in range(last):
-        inner, outer = bound[i] - below, bound[i + 1] - bound[i]
-        onset[i] = (limit[i] * outer + limit[i + 1] * inner) / max(inner + outer, TINY)
+        width, outer = bound[i] - below, bound[i + 1] - bound[i]
+        onset[i] = (limit[i] * outer + limit[i + 1] * width) / max(width + outer, TINY)
         below = bound[i]
     onset[last] = 0.0
 

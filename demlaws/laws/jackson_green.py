@@ -21,7 +21,7 @@ from demlaws.laws.etsion import ETSION, JACKSON, NOT_THORNTON, rule_numbers
 from demlaws.laws.kogut_etsion import POISSON_OPTION, STRENGTH, STRENGTH_OPTION
 
 _LOG2_E = 1.4426950408889634
-_YIELD = 1.9  # ω/ω_c from which the contact radius is no longer Hertz's
+_YIELD = 1.9  # ω/ω_c from which the contact radius differs from Hertz's
 _LARGEST_STRENGTH = 0.1  # S_y/E* above which, where no solid is, B counts as there: exp(23 S_y/E*) leaves every range
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 _PANEL = 1.0  # of ln ω, for the energy

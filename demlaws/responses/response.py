@@ -402,9 +402,7 @@ class Response(BoundLaw):
 
         return Path(values, force, stiffness, maximum, plastic, stored, dissipated)
 
-    def shear_stiffness(
-        self, overlap: ArrayLike, ratio: float, shear: str = DEFAULT, *, state: "State | None" = None
-    ) -> Any:
+    def shear_stiffness(self, overlap: ArrayLike, ratio: float, shear: str = DEFAULT, *, state: "State | None" = None) -> Any:
         """Tangential stiffness K_t [N/m] of one contact along a sequence of overlaps [m]; `state` is updated.
 
         K_t = ratio K_s, where ratio is that of an elastic contact, 2(1-ν)/(2-ν) for two bodies of one material (Mindlin 1949),

@@ -233,7 +233,7 @@ class Pairs:
             )
         if flats not in FLATS:
             raise DemlawsError(f'flats must be "plane" (R of a sphere on a flat is its radius) or "yade", got {flats!r}')
-        self.smooth, self.flats = bool(smooth), flats
+        self.smooth, self.flats, self.modulus = bool(smooth), flats, modulus
         self._choose_shear(shear, levels, shear_ratio)
         self.surfaces = {label: _surface(label, value) for label, value in (surfaces or {}).items()}
         self.everywhere = self.surfaces.pop(ALL_LABELS, None)
@@ -245,7 +245,6 @@ class Pairs:
         self.friction = Choice(friction, self.labels, ALL_LABELS)
         self.of_materials: dict = {}  # what `material_options` took
         self.radii = Radii(radius, [surface.edge_radius for surface in entries])
-        self.modulus = modulus
         if isinstance(law, dict):
             if not law:
                 raise DemlawsError("law: an empty dict names no law; give a law, or a dict (label, label) → law")

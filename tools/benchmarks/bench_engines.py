@@ -4,7 +4,7 @@
     python tools/benchmarks/bench_engines.py lammps --laws "pohrt-popov, hertz unloading" --sides 46 --weak --ranks 1 2 4
     python tools/benchmarks/bench_engines.py liggghts --sides 100 --ranks 2 --rounds 1        a million spheres
 
-The block is a shaken simple cubic lattice in a periodic box (side³ spheres of three sizes, some 2 contacts each), so that no
+The block is a shaken simple cubic lattice in a periodic box (side³ spheres of three sizes, about 2 contacts each), so that no
 packing need settle first. Every sphere keeps its own velocity: contacts load, unload, open and close, the same ones under
 every law. The laws are timed in turn, round after round. --springs: partial slip, too. --portable: the plugin compiled for
 any processor. Columns:
