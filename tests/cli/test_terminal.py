@@ -2,6 +2,7 @@
 
 import os
 import pty
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -40,6 +41,6 @@ def test_progress_is_shown_in_a_terminal(words):
 def test_words_are_completed(line, words):
     pytest.importorskip("argcomplete")
     asked = {"COMP_LINE": line, "COMP_POINT": str(len(line)), "_ARGCOMPLETE": "1", "_ARGCOMPLETE_IFS": "\n"}
-    command = ["sh", "-c", f"exec {sys.executable} -m demlaws 8>&1 9>/dev/null"]  # answers go to 8
+    command = ["sh", "-c", f"exec {shlex.quote(sys.executable)} -m demlaws 8>&1 9>/dev/null"]  # answers go to 8
     done = subprocess.run(command, env={**os.environ, **asked}, stdout=subprocess.PIPE, text=True, timeout=60)
     assert set(done.stdout.split()) == words

@@ -21,8 +21,8 @@ def stiffness(p, overlap):
     return 1e6 - 8e9 * overlap
 
 
-@pytest.fixture(scope="module", autouse=True)
-def humped():
+@pytest.fixture(autouse=True)
+def humped(registered_here):
     dl.register(dl.define("humped", force, stiffness, max_force="40 N"))
 
 

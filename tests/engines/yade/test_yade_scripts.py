@@ -72,7 +72,8 @@ def test_the_interpreter_of_a_start_script_is_asked(tmp_path):
     """Debian's script names python3.13, YADE's own cmake the python3 that it found; a script of the shell names none."""
     own = program(tmp_path / "python3", "#!/bin/sh\necho 3 99 1\n")
     assert run.python_of(program(tmp_path / "own", f"#! {own} -u\n".replace(" -u", ""))) == ((3, 99), 1)
-    python, numpy = run.python_of(program(tmp_path / "here", f"#!{sys.executable}\n"))
+    here = program(tmp_path / "python-here", f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')  # #! takes no blank in a path
+    python, numpy = run.python_of(program(tmp_path / "here", f"#!{here}\n"))
     assert python == sys.version_info[:2] and numpy in (1, 2)
     for first in ("#!/bin/sh", f"#!{tmp_path}/python3.7", ""):  # the shell, a Python that was removed, a program
         assert run.python_of(program(tmp_path / f"other{len(first)}", first + "\n")) is None
