@@ -131,7 +131,7 @@ struct ShearStep {
       square += viscous[k] * viscous[k];
       beyond += force[k] * force[k];
     }
-    if (square + 2. * along + beyond <= 0. || !(square > 0.)) return;
+    if (!(square > 0.) || square + 2. * along + beyond <= 0.) return; // the first is the one of a contact that slides
     const double share = (std::sqrt(along * along - square * std::min(beyond, 0.)) - along) / square;
     for (int k = 0; k < 2; k++) viscous[k] *= share;
   }
