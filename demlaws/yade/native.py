@@ -63,6 +63,8 @@ ROTATE = f"_ZNK4yade6ScGeom6rotateE{CONST_VECTOR.replace('K', '', 1)}"
 APPLY = f"_ZN4yade10LawFunctor24applyForceAtContactPointE{CONST_VECTOR}S5_iS5_iS5_"
 OPTIONS = ("includeAdhesion", "calcEnergy", "includeMoment", "neverErase")
 """Options of Mindlin's law with which `mindlin.own_step` is not used."""
+SLIP_OF_ITS_OWN = "preventGranularRatcheting"
+"""Option of versions whose native law does not read ScGeom.shearInc; newer ones accept the name as `nothing`."""
 DAMPING_EXPONENTS = ("alpha", "beta")
 """Names that MindlinPhys had for the exponent of another viscous damping."""
 SINGLE_BASE = "_ZTVN10__cxxabiv120__si_class_type_infoE"
@@ -205,6 +207,11 @@ class Layout:
         if symbol_at(base_kind - 16) != SINGLE_BASE or parent != symbol(self.core, "_ZTIN4yade10LawFunctorE"):
             raise BridgeUnavailable(f"{LAW} does not begin with a LawFunctor")
         flags = {name: value for name, value in functor.dict().items() if isinstance(value, bool)}
+        if SLIP_OF_ITS_OWN in flags:
+            raise BridgeUnavailable(
+                f"{LAW} of this YADE computes the slip by itself (option {SLIP_OF_ITS_OWN}), on facets and walls as between "
+                "spheres; the bridge needs ScGeom.shearInc, which YADE 2023.02a and newer use"
+            )
         self.unknown = {name: value for name, value in flags.items() if name not in (*OPTIONS, "nothing")}
         options = sorted(find_flag(functor, name) for name in OPTIONS)
         if options != list(range(options[0], options[0] + 4)):

@@ -130,7 +130,7 @@ def mapped(file_end):
     if len(paths) != 1:
         raise BridgeUnavailable(
             f"{len(paths)} loaded libraries are named {file_end[1:]}, not one: the bridge needs the shared libraries "
-            "libyade.so and libpkg_dem.so, of YADE 2022.01a or newer (up to 2021 YADE is one library)"
+            "libyade.so and libpkg_dem.so, of YADE 2023.02a or newer (up to 2021 YADE is one library)"
         )
     return paths.pop()
 

@@ -1,5 +1,6 @@
 """`tools/machines/release.py`: files of a release, from made-up results of `make dist` and `make docs`."""
 
+import hashlib
 import re
 import runpy
 import subprocess
@@ -11,6 +12,7 @@ import pytest
 import release
 
 NUMBER = release.version()
+RECIPE = "packaging/conda/meta.yaml"
 
 
 @pytest.fixture
@@ -29,6 +31,7 @@ def project(tmp_path, monkeypatch):
         "CHANGELOG.md": "# Changes\n\n## [Unreleased]\n\n- later\n\n"
         f"## [{NUMBER}] - 2026-11-24\n\n- now\n\n## [0.1.0]\n\n- before\n",
         "CITATION.cff": (release.ROOT / "CITATION.cff").read_text(),
+        RECIPE: (release.ROOT / RECIPE).read_text(),
     }.items():
         (root / name).parent.mkdir(parents=True, exist_ok=True)
         (root / name).write_text(text)
@@ -53,7 +56,7 @@ def test_all_that_is_uploaded(project, tmp_path, capsys):
     }
     assert f"demlaws-{NUMBER}-site/made/commands.html" in zipfile.ZipFile(out / f"demlaws-{NUMBER}-site.zip").namelist()
     sums = subprocess.run(["sha256sum", "-c", "SHA256SUMS"], cwd=out, capture_output=True, text=True)
-    assert sums.returncode == 0 and sums.stdout.count("OK") == 7
+    assert sums.returncode == 0 and sums.stdout.count("OK") == 8
 
 
 @pytest.mark.parametrize(
@@ -89,6 +92,15 @@ def test_the_recipe_for_conda_has_the_requirements_of_the_package():
     recipe = (release.ROOT / "packaging" / "conda" / "meta.yaml").read_text().partition("  run:")[2].partition("test:")[0]
     for name, versions in (re.fullmatch(r"(\w+)([^;]*).*", one).groups() for one in needed):
         assert f"    - {name} {versions}\n" in recipe
+
+
+def test_the_recipe_of_a_release_takes_its_sdist(project, monkeypatch):
+    monkeypatch.setattr(release, "addresses", lambda: {"REPOSITORY": "https://example.org/demlaws"})
+    sdist = project / f"dist/demlaws-{NUMBER}.tar.gz"
+    recipe = release.recipe(NUMBER, sdist)
+    url = f"https://example.org/demlaws/releases/download/v{NUMBER}/{sdist.name}"
+    assert f"\nsource:\n  url: {url}\n  sha256: {hashlib.sha256(b'sdist').hexdigest()}\n\nbuild:\n" in recipe
+    assert "\nabout:\n  home: https://example.org/demlaws\n  summary: " in recipe and "path: " not in recipe
 
 
 @pytest.mark.parametrize("filled", [False, True])

@@ -45,10 +45,7 @@ def test(work, program, arguments):
     line = [source.PYTHON, "-m", "demlaws", "yade", "check"]
     if status := work.run(*line, cwd=source.PROJECT, env={**os.environ, **variables}).returncode:
         raise source.Failed(f"demlaws yade check: exit {status}")
-    # shapes whose features are off: level sets
-    work.pytest(
-        ["tests/engines"], ["-m", "yade and not slow", "--ignore=tests/engines/yade/test_radius.py", *arguments], variables
-    )
+    work.pytest(["tests/engines"], ["-m", "yade and not slow", "-rs", *arguments], variables)
 
 
 def main(argv=None):

@@ -165,7 +165,7 @@ def test_command_lines(tmp_path, monkeypatch):
     assert line[1:] == ["-j1", "--cores=0,1", str(script)]
     assert run.command(script)[1:] == ["-n", "-x", "-j1", str(script)]
     batch = run.command(script, threads=2, batch=str(script), options=["--cores=0,1"])
-    assert batch[0].endswith("yade-batch") and batch[1:] == ["--job-threads=2", "--cores=0,1", str(script), str(script)]
+    assert batch[0] == f"{run.executable()}-batch" and batch[1:] == ["--job-threads=2", "--cores=0,1", str(script), str(script)]
     for name in ("", "nowhere.py", "scene", "scene.txt"):  # a folder; YADE ignores the others and ends with status 0
         if name.startswith("scene"):
             (tmp_path / name).write_text("raise ValueError")

@@ -460,17 +460,30 @@ def test_a_doctored_layout_fails_closed(bridge, monkeypatch, doctored):
         bridge.find_layout()
 
 
-def test_a_flag_of_another_version_may_keep_its_default(bridge, omega):
-    """2022.01a has preventGranularRatcheting, True by default: only a script that changes such a flag is refused."""
+def with_flag(bridge, flag):
+    """(functor, layout) of a YADE whose law has one flag more, True by default."""
 
     class Other(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         def dict(self):
-            return super().dict() | {"preventGranularRatcheting": True}
+            return super().dict() | {flag: True}
 
     found = bridge.Layout.__new__(bridge.Layout)
     found.library, found.core = bridge.find_layout().library, bridge.find_layout().core
-    assert found._find_options(Other()) == bridge.find_layout()._find_options(yade.Law2_ScGeom_MindlinPhys_Mindlin())
-    assert found.unknown == {"preventGranularRatcheting": True} and bridge.find_layout().unknown == {}
+    return Other(), found
+
+
+def test_a_flag_of_another_version_may_keep_its_default(bridge, omega):
+    """Only a script that changes such a flag is refused."""
+    other, found = with_flag(bridge, "flagOfTomorrow")
+    assert found._find_options(other) == bridge.find_layout()._find_options(yade.Law2_ScGeom_MindlinPhys_Mindlin())
+    assert found.unknown == {"flagOfTomorrow": True} and bridge.find_layout().unknown == {}
+
+
+def test_a_native_law_with_a_slip_of_its_own_is_refused(bridge, omega):
+    """YADE 2022.01a: shearInc, and with it our correction, would have no effect."""
+    other, found = with_flag(bridge, "preventGranularRatcheting")
+    with pytest.raises(bridge.BridgeUnavailable, match=r"computes the slip by itself \(option preventG.*2023.02a and newer"):
+        found._find_options(other)
 
 
 def test_a_flag_that_demlaws_does_not_know_is_refused(omega, bridge, monkeypatch):
