@@ -146,7 +146,7 @@ FLATTENED = tuple(Model(POHRT_POPOV, 0.5, shear, rule=HERTZ) for shear in SHEAR)
 """Cycles alone: contacts of a packing at rest are on first loading, so that a pulse flattens them."""
 
 
-def ground(folder, model, packing, frequency, column, step=0.2):
+def ground(folder, model, packing, frequency, column, step, springs):
     """Write table and data of a packing; input up to the motion, with steps of `step`/frequency."""
     bead = packing.bead
     (folder / "post").mkdir()
@@ -154,10 +154,12 @@ def ground(folder, model, packing, frequency, column, step=0.2):
     atoms = [(1, bead.diameter, bead.density, *place) for place in packing.bodies[0]]
     (folder / "start.data").write_text(data_text([(0.0, side) for side in packing.size], atoms, types=1))
     about = {"young": bead.young, "poisson": bead.poisson, "friction": bead.friction, "words": SHEAR[model.shear]}
+    if springs is not None:
+        about["words"] += f" springs {springs}"
     return HEAD + GROUND.format(column=column, dt=step / frequency, **about)
 
 
-def cycles(model, store=STORE, count=COUNT, pressures=PRESSURES, strains=STRAINS, period=PERIOD, step=0.2):
+def cycles(model, store=STORE, count=COUNT, pressures=PRESSURES, strains=STRAINS, period=PERIOD, step=0.2, springs=None):
     """Rows of `cycle`; the drag is 0.03 m √(K/m) in compression, a tenth of it in cycles, where it takes less than 1 %."""
     packing, keys = begin(model.series(count), store), []
     packing.compress([START] * 3)
@@ -168,7 +170,7 @@ def cycles(model, store=STORE, count=COUNT, pressures=PRESSURES, strains=STRAINS
 
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        text = ground(folder, model, packing, frequency, "change_box      all triclinic", step) + BEGIN
+        text = ground(folder, model, packing, frequency, "change_box      all triclinic", step, springs) + BEGIN
         for pressure in pressures:
             rate = -2e-4 / bead.diameter * np.sqrt(pressure / bead.density)
             text += drag(0.03) + COMPRESS.format(rate=rate, pressure=pressure, rest=REST) + ENERGY * (not keys) + drag(0.003)
@@ -208,7 +210,7 @@ def at_rest(model, pressure, store=STORE, count=COUNT):
     return packing
 
 
-def pulse(model, packing, pressure, axis, amplitude, step=0.2):
+def pulse(model, packing, pressure, axis, amplitude, step=0.2, springs=None):
     """A row of `pulse`."""
     found = moduli(packing.carrying(), packing.size, packing.bead.shear_ratio)
     modulus = found.along if axis == "z" else found.across
@@ -218,7 +220,7 @@ def pulse(model, packing, pressure, axis, amplitude, step=0.2):
     velocity = "v_none v_none v_pulse" if axis == "z" else "v_pulse v_none v_none"
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        text = ground(folder, model, packing, frequency, f"replicate       1 1 {BOXES}", step)
+        text = ground(folder, model, packing, frequency, f"replicate       1 1 {BOXES}", step, springs)
         values = {"width": WIDTH, "layer": LAYER, "axis": axis, "steps": steps, "velocity": velocity}
         (folder / "in.pulse").write_text(text + PULSE.format(amplitude=amplitude, **values))
         log = run(folder / "in.pulse")
@@ -234,30 +236,29 @@ def pulse(model, packing, pressure, axis, amplitude, step=0.2):
     return row("pulse", model, pressure, axis, amplitude, modulus, flight, share, share, log, far.max() / near.max())
 
 
-def pulses(model, store=STORE, pressures=PRESSURES, speeds=SPEEDS):
+def pulses(model, store=STORE, pressures=PRESSURES, speeds=SPEEDS, axes=AXES, **settings):
     """Rows of `pulse`."""
     for pressure in pressures:
         packing = at_rest(model, pressure, store)
-        for axis in AXES:
+        for axis in axes:
             for amplitude in speeds:
-                yield pulse(model, packing, pressure, axis, amplitude)
+                yield pulse(model, packing, pressure, axis, amplitude, **settings)
 
 
+LOWEST = {"pressures": PRESSURES[:1]}
 SETTINGS = {
-    "pulse, half the step": {"step": 0.1},
-    "cycle, half the step": {"step": 0.1, "period": 2 * PERIOD},
-    "cycle, half the speed": {"period": 2 * PERIOD},
+    "pulse, half the step": {"step": 0.1, "speeds": SPEEDS[1:], "axes": "z", **LOWEST},
+    "pulse, 22 springs": {"springs": 22},
+    "cycle, half the step": {"step": 0.1, "period": 2 * PERIOD, **LOWEST},
+    "cycle, half the speed": {"period": 2 * PERIOD, **LOWEST},
+    "cycle, 22 springs": {"springs": 22},
 }
 
 
 def sensitive(kind, model, store=STORE):
-    """Rows of one pulse, or of the cycles at one pressure, with other settings."""
-    pressure = PRESSURES[0]
-    if kind.startswith("pulse"):
-        found = [pulse(model, at_rest(model, pressure, store), pressure, "z", SPEEDS[1], **SETTINGS[kind])]
-    else:
-        found = cycles(model, store, pressures=(pressure,), **SETTINGS[kind])
-    return [one | {"kind": kind} for one in found]
+    """Rows with other settings."""
+    waves = pulses if kind.startswith("pulse") else cycles
+    return [one | {"kind": kind} for one in waves(model, store, **SETTINGS[kind])]
 
 
 def run_waves(path=RESULTS, store=STORE, seeds=2, progress=print):
@@ -333,7 +334,7 @@ def table(path=RESULTS):
     lines, estimates = [], intervals(found)
     for (kind, law, sigma, *rest, axis, amplitude), some in found.items():
         shares = [[row["share"] for row in some if row["kPa"] == p] for p in pressures]
-        mean, off = exponent(some) if kind not in SETTINGS else (np.nan, np.nan)
+        mean, off = exponent(some) if all(shares) else (np.nan, np.nan)
         cells = [kind, law, f"{sigma:g}", *rest, "longitudinal" if axis == "z" else "transverse", f"{amplitude:g}"]
         cells += [str(len({row["seed"] for row in some})), *(f"{np.mean(share):.3g}" if share else "" for share in shares)]
         estimate = estimates.get((kind, law, sigma, *rest, axis, amplitude))
