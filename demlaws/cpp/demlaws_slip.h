@@ -14,6 +14,16 @@
 
 #if defined(__AVX__)
 #include <immintrin.h>
+#define DEMLAWS_VECTOR 32 // bytes of a vector of the processor
+#define DEMLAWS_OUTSIDE 1, 2, 3, 4
+#define DEMLAWS_INSIDE 3, 4, 5, 6
+#else
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+#define DEMLAWS_VECTOR 16
+#define DEMLAWS_OUTSIDE 1, 2
+#define DEMLAWS_INSIDE 1, 2
 #endif
 #if defined(__clang__)
 #define DEMLAWS_SHUFFLE(A, B, ...) __builtin_shufflevector(A, B, __VA_ARGS__)
@@ -29,11 +39,12 @@ struct UnloadingCurve {
   bool hertzian;
 };
 
-// Numbers of up to 4 G springs; one operation of the processor has four of them.
-template <int G> struct SpringLanes {
+// Numbers of up to N springs, a multiple of four; one operation of the processor has W of them.
+template <int N> struct SpringLanes {
   typedef SpringLanes Lanes;
-  typedef double Four __attribute__((vector_size(32)));
-  typedef long long Mask __attribute__((vector_size(32)));
+  typedef double Vector __attribute__((vector_size(DEMLAWS_VECTOR)));
+  typedef long long Mask __attribute__((vector_size(DEMLAWS_VECTOR)));
+  static const int W = DEMLAWS_VECTOR / 8, G = N / W;
   struct Masks {
     Mask of[G];
     DEMLAWS_INLINE Masks() {}
@@ -43,19 +54,23 @@ template <int G> struct SpringLanes {
     DEMLAWS_INLINE bool any() const {
       Mask all = of[0];
       for (int g = 1; g < G; g++) all |= of[g];
-      return (all[0] | all[1] | all[2] | all[3]) != 0;
+      long long any = 0;
+      for (int k = 0; k < W; k++) any |= all[k];
+      return any != 0;
     }
     DEMLAWS_INLINE int count() const {
       Mask all = of[0];
       for (int g = 1; g < G; g++) all += of[g];
-      return -(int)(all[0] + all[1] + all[2] + all[3]);
+      long long sum = 0;
+      for (int k = 0; k < W; k++) sum += all[k];
+      return -(int)sum;
     }
   };
-  Four of[G];
+  Vector of[G];
 
   DEMLAWS_INLINE SpringLanes() {}
   DEMLAWS_INLINE SpringLanes(double x) {
-    for (int g = 0; g < G; g++) of[g] = Four{x, x, x, x};
+    for (int g = 0; g < G; g++) of[g] = x - Vector{};
   }
   // Copied one by one: copies of another width would be read before they are written.
   DEMLAWS_INLINE SpringLanes(const SpringLanes &other) { *this = other; }
@@ -65,26 +80,28 @@ template <int G> struct SpringLanes {
   }
   // Of `count` springs; `rest` in the other places. Up to three numbers behind them may be read.
   DEMLAWS_INLINE SpringLanes(const double *numbers, int count, double rest) {
-    if (count > 4 * G - 4) {
-      for (int g = 0; g < G; g++) __builtin_memcpy(&of[g], numbers + 4 * g, sizeof of[g]);
+    if (count > N - 4) {
+      for (int g = 0; g < G; g++) __builtin_memcpy(&of[g], numbers + W * g, sizeof of[g]);
       *this = where(places() < count, *this, rest);
     } else
-      for (int i = 0; i < 4 * G; i++) set(i, i < count ? numbers[i] : rest);
+      for (int i = 0; i < N; i++) set(i, i < count ? numbers[i] : rest);
   }
   DEMLAWS_INLINE void store(double *numbers, int count) const {
     for (int g = 0; g < G; g++)
-      if (4 * g + 4 <= count) __builtin_memcpy(numbers + 4 * g, &of[g], sizeof of[g]);
+      if (W * g + W <= count) __builtin_memcpy(numbers + W * g, &of[g], sizeof of[g]);
       else
-        for (int k = 0; k < 4; k++)
-          if (4 * g + k < count) numbers[4 * g + k] = of[g][k];
+        for (int k = 0; k < W; k++)
+          if (W * g + k < count) numbers[W * g + k] = of[g][k];
   }
   DEMLAWS_INLINE static Lanes places() {
+    static const double NUMBERS[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11,
+                                     12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23};
     Lanes lanes;
-    for (int g = 0; g < G; g++) lanes.of[g] = Four{4. * g, 4. * g + 1., 4. * g + 2., 4. * g + 3.};
+    for (int g = 0; g < G; g++) __builtin_memcpy(&lanes.of[g], NUMBERS + W * g, sizeof lanes.of[g]);
     return lanes;
   }
-  DEMLAWS_INLINE double operator[](int i) const { return of[i / 4][i % 4]; }
-  DEMLAWS_INLINE void set(int i, double x) { of[i / 4][i % 4] = x; }
+  DEMLAWS_INLINE double operator[](int i) const { return of[i / W][i % W]; }
+  DEMLAWS_INLINE void set(int i, double x) { of[i / W][i % W] = x; }
 
 #define DEMLAWS_OF_LANES(RESULT, NAME, EXPRESSION)                                                                     \
   DEMLAWS_INLINE friend RESULT NAME(const Lanes &a, const Lanes &b) {                                                  \
@@ -104,50 +121,57 @@ template <int G> struct SpringLanes {
 #undef DEMLAWS_OF_LANES
   DEMLAWS_INLINE friend Lanes where(const Masks &mask, const Lanes &a, const Lanes &b) {
     Lanes c;
-    for (int g = 0; g < G; g++) c.of[g] = mask.of[g] ? a.of[g] : b.of[g];
+    for (int g = 0; g < G; g++)
+#if defined(__AVX__)
+      c.of[g] = mask.of[g] ? a.of[g] : b.of[g];
+#else // the processor has no instruction for it
+      c.of[g] = (Vector)(((Mask)a.of[g] & mask.of[g]) | ((Mask)b.of[g] & ~mask.of[g]));
+#endif
     return c;
   }
   DEMLAWS_INLINE Lanes root() const {
     Lanes c;
     for (int g = 0; g < G; g++)
 #if defined(__AVX__)
-      c.of[g] = (Four)_mm256_sqrt_pd((__m256d)of[g]);
+      c.of[g] = (Vector)_mm256_sqrt_pd((__m256d)of[g]);
+#elif defined(__SSE2__)
+      c.of[g] = (Vector)_mm_sqrt_pd((__m128d)of[g]);
 #else
-      for (int k = 0; k < 4; k++) c.of[g][k] = std::sqrt(of[g][k]);
+      for (int k = 0; k < W; k++) c.of[g][k] = std::sqrt(of[g][k]);
 #endif
     return c;
   }
   // The number of the neighbour outside, or inside; at the end `x`.
   DEMLAWS_INLINE Lanes outside(double x) const {
     Lanes c;
-    const Four end = {x, x, x, x};
-    for (int g = 0; g < G; g++) c.of[g] = DEMLAWS_SHUFFLE(of[g], g + 1 < G ? of[g + 1] : end, 1, 2, 3, 4);
+    const Vector end = x - Vector{};
+    for (int g = 0; g < G; g++) c.of[g] = DEMLAWS_SHUFFLE(of[g], g + 1 < G ? of[g + 1] : end, DEMLAWS_OUTSIDE);
     return c;
   }
   DEMLAWS_INLINE Lanes inside(double x) const {
     Lanes c;
-    const Four end = {x, x, x, x};
-    for (int g = 0; g < G; g++) c.of[g] = DEMLAWS_SHUFFLE(g > 0 ? of[g - 1] : end, of[g], 3, 4, 5, 6);
+    const Vector end = x - Vector{};
+    for (int g = 0; g < G; g++) c.of[g] = DEMLAWS_SHUFFLE(g > 0 ? of[g - 1] : end, of[g], DEMLAWS_INSIDE);
     return c;
   }
   DEMLAWS_INLINE double sum() const {
-    Four all = of[0];
+    Vector all = of[0];
     for (int g = 1; g < G; g++) all += of[g];
-    return (all[0] + all[2]) + (all[1] + all[3]);
+    return W > 2 ? (all[0] + all[2 % W]) + (all[1] + all[3 % W]) : all[0] + all[1];
   }
   DEMLAWS_INLINE double smallest() const {
-    Four all = of[0];
+    Vector all = of[0];
     for (int g = 1; g < G; g++) all = all < of[g] ? all : of[g];
-    return std::min(std::min(all[0], all[2]), std::min(all[1], all[3]));
+    return std::min(std::min(all[0], all[2 % W]), std::min(all[1], all[3 % W]));
   }
   DEMLAWS_INLINE double largest() const { return -(Lanes(0.) - *this).smallest(); }
 };
 
-// One step of the springs of a contact, of which there are at most 4 G. Places beyond them have no stiffness.
-template <int G> class SpringStep {
-  typedef SpringLanes<G> Lanes;
+// One step of the springs of a contact, of which there are at most N. Places beyond them have no stiffness.
+template <int N> class SpringStep {
+  typedef SpringLanes<N> Lanes;
   typedef typename Lanes::Masks Masks;
-  static const int NONE = 4 * G; // no place
+  static const int NONE = N; // no place
 
 public:
   DEMLAWS_INLINE SpringStep(double *numbers, int springs, double stiffness, const UnloadingCurve &curve)
@@ -408,8 +432,8 @@ public:
       std::fill(numbers_, numbers_ + 4 * springs_, 0.);
       step.force[0] = step.force[1] = step.work = step.energy = step.stuck = 0.;
     } else if (springs_ <= 12)
-      SpringStep<3>::step_of(numbers_, springs_, stiffness, curve, ratio, limit, motion.displacement, step);
-    else SpringStep<6>::step_of(numbers_, springs_, stiffness, curve, ratio, limit, motion.displacement, step);
+      SpringStep<12>::step_of(numbers_, springs_, stiffness, curve, ratio, limit, motion.displacement, step);
+    else SpringStep<24>::step_of(numbers_, springs_, stiffness, curve, ratio, limit, motion.displacement, step);
     return step;
   }
 
