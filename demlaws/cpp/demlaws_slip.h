@@ -206,8 +206,8 @@ public:
       rest_.store(numbers_ + n, n);
     }
     most = most * (carried > 0. ? limit / (ratio * carried) : 0.);
-    const Lanes beyond = width.outside(0.);
-    const Lanes onset = smaller((most * beyond + most.outside(0.) * width) / larger(width + beyond, 1e-300), most);
+    const Lanes beyond = width.outside(0.),
+                onset = smaller((most * beyond + most.outside(0.) * width) / larger(width + beyond, 1e-300), most);
     // The compression fell: slip without displacement.
     const Lanes square = u_ * u_ + v_ * v_, longer = square.root(), held_length = smaller(longer, most);
     const Masks shorter = longer > most;
