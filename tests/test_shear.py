@@ -82,6 +82,18 @@ def test_small_cycles_after_unloading(top):
     assert np.abs(errors).max() < 0.35
 
 
+@pytest.mark.parametrize(("springs", "first"), [(11, 3e-3), (22, 1e-3)])
+def test_a_contact_that_vibrates_stops_losing_energy(springs, first):
+    """Springs are divided and joined in the first cycles only."""
+    law = dl.law("hertz", GRANITE, "elastic")
+    growth, vibration = np.geomspace(1e-3, 1.0, 1000), 1.0 + 0.05 * np.sin(np.linspace(0.0, 40.0 * np.pi, 4001))
+    overlap = law.overlap(10.0) * np.r_[growth, vibration]
+    across = 0.4 * FRICTION / RATIO * law.overlap(10.0) * np.r_[growth, np.ones(vibration.size)]
+    path = sheared(law, overlap, across, RATIO, "slip", friction=FRICTION, springs=springs)
+    lost = path.dissipated[1000::200] / path.stored[1000]
+    assert lost[-1] - lost[0] < first and lost[-1] - lost[3] < 1e-4
+
+
 @each_law_and_rule
 def test_shear_at_constant_overlap_is_that_of_the_unloading_curve(name, unloading):
     """Q = μ [P(δ) - P(δ - ratio s/μ)] (Jäger 1998; Ciavarella 1998), P along which the contact would unload."""

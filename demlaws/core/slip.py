@@ -91,6 +91,12 @@ def join(bound, rest, stretch):
 
 
 @kernel
+def coarse_error(springs):
+    """Error from which a spring is divided, in a row of so many."""
+    return (COARSE * math.log(springs / THIN) / springs) ** 2
+
+
+@kernel
 def widest(edge, bound):
     """The spring inside the outermost one, `edge`, that is worth a division; -1: none."""
     most, at, least = 0.0, -1, np.inf
@@ -99,7 +105,7 @@ def widest(edge, bound):
         if error > most:
             most, at = error, i
         least = min(least, spring_error(inner(i, bound), bound[i + 1], bound[edge]))
-    return at if most > min(SPARE * least, (COARSE * math.log(bound.size / THIN) / bound.size) ** 2) else -1
+    return at if most > min(SPARE * least, coarse_error(bound.size)) else -1
 
 
 @kernel

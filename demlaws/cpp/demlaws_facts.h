@@ -30,8 +30,9 @@ constexpr double LARGEST_SHEAR_RATIO = 1.3333333333333333; // K_t/K
 // Partial slip: springs by default, and where they are divided or joined; see core/slip.py.
 constexpr int SPRINGS = 11;
 constexpr double SPRING_THIN = 0.047619047619047616, SPRING_WIDE = 1.5, SPRING_LARGE_CYCLES = 3.0,
-                 SPRING_SPARE = 4.0, SPRING_COARSE = 2.0,
-                 SPRING_FARTHEST = 1.6;
+                 SPRING_SPARE = 4.0, SPRING_FARTHEST = 1.6;
+// Error of a spring from which it is divided, by the number of springs.
+constexpr double SPRING_COARSE[] = {0., 0., 13.97017417543854, 7.629140160458417, 4.908034376228026, 3.465495510534134, 2.598846964834025, 2.0330136655659676, 1.64093792888888, 1.356835149130206, 1.1436623578022187, 0.9791705962248356, 0.8492940564949281, 0.7447615105556349, 0.6592465096265637, 0.5883038571549387, 0.5287309726151321, 0.4781699366147087, 0.43485147053332185, 0.39742558285867524, 0.36484676977109, 0.3362944897524308, 0.31111699613780885};
 
 // First line of a table file, and its keys. need: "always", "" (optional), or a rule or key with which it is needed.
 // words: a blank between, "number", "triples" of numbers, "" for any text. both: of an unloading curve, too.

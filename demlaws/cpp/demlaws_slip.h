@@ -4,16 +4,31 @@
 // reduction of Popov and Hess. Springs between two bounds of the stiffness are one spring, of which parts may slip; the
 // bounds are close to each other near the springs that touched last. Twin of demlaws/core/slip.py, which explains it.
 //
+// The springs of a contact are computed together, in vectors of the processor without a branch for each, and stay in
+// its registers during a step: a vector that is read from numbers just written one by one costs 20 cycles of waiting.
+//
 // Licence: GPL-2.0-or-later, as the package demlaws.
 #ifndef DEMLAWS_SLIP_H
 #define DEMLAWS_SLIP_H
 #include "demlaws_shear.h"
 
-// The plugins are compiled without vectors; here one vector has several springs.
-#if defined(__GNUC__) && !defined(__clang__)
-#define DEMLAWS_VECTORS __attribute__((noinline, optimize("tree-vectorize")))
+#if defined(__AVX__)
+#include <immintrin.h>
+#define DEMLAWS_VECTOR 32 // bytes of a vector of the processor
+#define DEMLAWS_OUTSIDE 1, 2, 3, 4
+#define DEMLAWS_INSIDE 3, 4, 5, 6
 #else
-#define DEMLAWS_VECTORS __attribute__((noinline))
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+#define DEMLAWS_VECTOR 16
+#define DEMLAWS_OUTSIDE 1, 2
+#define DEMLAWS_INSIDE 1, 2
+#endif
+#if defined(__clang__)
+#define DEMLAWS_SHUFFLE(A, B, ...) __builtin_shufflevector(A, B, __VA_ARGS__)
+#else
+#define DEMLAWS_SHUFFLE(A, B, ...) __builtin_shuffle(A, B, Lanes::Mask{__VA_ARGS__})
 #endif
 
 namespace demlaws {
@@ -22,6 +37,367 @@ namespace demlaws {
 struct UnloadingCurve {
   double force, depth;
   bool hertzian;
+};
+
+// Numbers of up to N springs, a multiple of four; one operation of the processor has W of them.
+template <int N> struct SpringLanes {
+  typedef SpringLanes Lanes;
+  typedef double Vector __attribute__((vector_size(DEMLAWS_VECTOR)));
+  typedef long long Mask __attribute__((vector_size(DEMLAWS_VECTOR)));
+  static const int W = DEMLAWS_VECTOR / 8, G = N / W;
+  struct Masks {
+    Mask of[G];
+    DEMLAWS_INLINE Masks() {}
+    DEMLAWS_INLINE Masks(const Masks &other) {
+      for (int g = 0; g < G; g++) of[g] = other.of[g];
+    }
+    DEMLAWS_INLINE bool any() const {
+      Mask all = of[0];
+      for (int g = 1; g < G; g++) all |= of[g];
+      long long any = 0;
+      for (int k = 0; k < W; k++) any |= all[k];
+      return any != 0;
+    }
+    DEMLAWS_INLINE int count() const {
+      Mask all = of[0];
+      for (int g = 1; g < G; g++) all += of[g];
+      long long sum = 0;
+      for (int k = 0; k < W; k++) sum += all[k];
+      return -(int)sum;
+    }
+  };
+  Vector of[G];
+
+  DEMLAWS_INLINE SpringLanes() {}
+  DEMLAWS_INLINE SpringLanes(double x) {
+    for (int g = 0; g < G; g++) of[g] = x - Vector{};
+  }
+  // Copied one by one: copies of another width would be read before they are written.
+  DEMLAWS_INLINE SpringLanes(const SpringLanes &other) { *this = other; }
+  DEMLAWS_INLINE SpringLanes &operator=(const SpringLanes &other) {
+    for (int g = 0; g < G; g++) of[g] = other.of[g];
+    return *this;
+  }
+  // Of `count` springs; `rest` in the other places. Up to three numbers behind them may be read.
+  DEMLAWS_INLINE SpringLanes(const double *numbers, int count, double rest) {
+    if (count > N - 4) {
+      for (int g = 0; g < G; g++) __builtin_memcpy(&of[g], numbers + W * g, sizeof of[g]);
+      *this = where(places() < count, *this, rest);
+    } else
+      for (int i = 0; i < N; i++) set(i, i < count ? numbers[i] : rest);
+  }
+  DEMLAWS_INLINE void store(double *numbers, int count) const {
+    for (int g = 0; g < G; g++)
+      if (W * g + W <= count) __builtin_memcpy(numbers + W * g, &of[g], sizeof of[g]);
+      else
+        for (int k = 0; k < W; k++)
+          if (W * g + k < count) numbers[W * g + k] = of[g][k];
+  }
+  DEMLAWS_INLINE static Lanes places() {
+    static const double NUMBERS[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11,
+                                     12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23};
+    Lanes lanes;
+    for (int g = 0; g < G; g++) __builtin_memcpy(&lanes.of[g], NUMBERS + W * g, sizeof lanes.of[g]);
+    return lanes;
+  }
+  DEMLAWS_INLINE double operator[](int i) const { return of[i / W][i % W]; }
+  DEMLAWS_INLINE void set(int i, double x) { of[i / W][i % W] = x; }
+
+#define DEMLAWS_OF_LANES(RESULT, NAME, EXPRESSION)                                                                     \
+  DEMLAWS_INLINE friend RESULT NAME(const Lanes &a, const Lanes &b) {                                                  \
+    RESULT c;                                                                                                          \
+    for (int g = 0; g < G; g++) c.of[g] = EXPRESSION;                                                                  \
+    return c;                                                                                                          \
+  }
+  DEMLAWS_OF_LANES(Lanes, operator+, a.of[g] + b.of[g])
+  DEMLAWS_OF_LANES(Lanes, operator-, a.of[g] - b.of[g])
+  DEMLAWS_OF_LANES(Lanes, operator*, a.of[g] * b.of[g])
+  DEMLAWS_OF_LANES(Lanes, operator/, a.of[g] / b.of[g])
+  DEMLAWS_OF_LANES(Lanes, smaller, a.of[g] < b.of[g] ? a.of[g] : b.of[g])
+  DEMLAWS_OF_LANES(Lanes, larger, a.of[g] > b.of[g] ? a.of[g] : b.of[g])
+  DEMLAWS_OF_LANES(Masks, operator<, a.of[g] < b.of[g])
+  DEMLAWS_OF_LANES(Masks, operator>, a.of[g] > b.of[g])
+  DEMLAWS_OF_LANES(Masks, operator==, a.of[g] == b.of[g])
+#undef DEMLAWS_OF_LANES
+  DEMLAWS_INLINE friend Lanes where(const Masks &mask, const Lanes &a, const Lanes &b) {
+    Lanes c;
+    for (int g = 0; g < G; g++)
+#if defined(__AVX__)
+      c.of[g] = mask.of[g] ? a.of[g] : b.of[g];
+#else // the processor has no instruction for it
+      c.of[g] = (Vector)(((Mask)a.of[g] & mask.of[g]) | ((Mask)b.of[g] & ~mask.of[g]));
+#endif
+    return c;
+  }
+  DEMLAWS_INLINE Lanes root() const {
+    Lanes c;
+    for (int g = 0; g < G; g++)
+#if defined(__AVX__)
+      c.of[g] = (Vector)_mm256_sqrt_pd((__m256d)of[g]);
+#elif defined(__SSE2__)
+      c.of[g] = (Vector)_mm_sqrt_pd((__m128d)of[g]);
+#else
+      for (int k = 0; k < W; k++) c.of[g][k] = std::sqrt(of[g][k]);
+#endif
+    return c;
+  }
+  // The number of the neighbour outside, or inside; at the end `x`.
+  DEMLAWS_INLINE Lanes outside(double x) const {
+    Lanes c;
+    const Vector end = x - Vector{};
+    for (int g = 0; g < G; g++) c.of[g] = DEMLAWS_SHUFFLE(of[g], g + 1 < G ? of[g + 1] : end, DEMLAWS_OUTSIDE);
+    return c;
+  }
+  DEMLAWS_INLINE Lanes inside(double x) const {
+    Lanes c;
+    const Vector end = x - Vector{};
+    for (int g = 0; g < G; g++) c.of[g] = DEMLAWS_SHUFFLE(g > 0 ? of[g - 1] : end, of[g], DEMLAWS_INSIDE);
+    return c;
+  }
+  DEMLAWS_INLINE double sum() const {
+    Vector all = of[0];
+    for (int g = 1; g < G; g++) all += of[g];
+    return W > 2 ? (all[0] + all[2 % W]) + (all[1] + all[3 % W]) : all[0] + all[1];
+  }
+  DEMLAWS_INLINE double smallest() const {
+    Vector all = of[0];
+    for (int g = 1; g < G; g++) all = all < of[g] ? all : of[g];
+    return std::min(std::min(all[0], all[2 % W]), std::min(all[1], all[3 % W]));
+  }
+  DEMLAWS_INLINE double largest() const { return -(Lanes(0.) - *this).smallest(); }
+};
+
+// One step of the springs of a contact, of which there are at most N. Places beyond them have no stiffness.
+template <int N> class SpringStep {
+  typedef SpringLanes<N> Lanes;
+  typedef typename Lanes::Masks Masks;
+  static const int NONE = N; // no place
+
+public:
+  DEMLAWS_INLINE SpringStep(double *numbers, int springs, double stiffness, const UnloadingCurve &curve)
+      : numbers_(numbers), last_(springs - 1), top_(stiffness), curve_(curve),
+        thin_(SPRING_THIN / springs * stiffness) {}
+
+  __attribute__((noinline)) static void step_of(double *numbers, int springs, double stiffness,
+                                                const UnloadingCurve &curve, double ratio, double limit,
+                                                const double *d, ShearStep &step) {
+    SpringStep(numbers, springs, stiffness, curve).slip(ratio, limit, d, step);
+  }
+  // Displaces the springs by d under Coulomb's limit [N].
+  DEMLAWS_INLINE void slip(double ratio, double limit, const double *d, ShearStep &step) {
+    const int n = last_ + 1;
+    const double held = numbers_[last_];
+    bound_ = Lanes(numbers_, n, held);
+    u_ = Lanes(numbers_ + 2 * n, n, 0.);
+    v_ = Lanes(numbers_ + 3 * n, n, 0.);
+    step.before = 0.5 * ratio * ((bound_ - bound_.inside(0.)) * (u_ * u_ + v_ * v_)).sum();
+    if (!curve_.hertzian) rest_ = Lanes(numbers_ + n, n, 0.);
+    set(held);
+    const Lanes low = bound_.inside(0.), width = bound_ - low;
+    Lanes most;
+    double carried;
+    if (curve_.hertzian) {
+      const double unit = curve_.depth / (3. * top_ * top_);
+      most = larger(Lanes(curve_.depth) - (bound_ * (bound_ + low) + low * low) * unit, 0.);
+      carried = (2. / 3.) * curve_.depth * top_;
+    } else {
+      most = larger(Lanes(curve_.depth) - rest_, 0.);
+      carried = (width * most).sum();
+      rest_.store(numbers_ + n, n);
+    }
+    most = most * (carried > 0. ? limit / (ratio * carried) : 0.);
+    const Lanes beyond = width.outside(0.),
+                onset = smaller((most * beyond + most.outside(0.) * width) / larger(width + beyond, 1e-300), most);
+    // The compression fell: slip without displacement.
+    const Lanes square = u_ * u_ + v_ * v_, longer = square.root(), held_length = smaller(longer, most);
+    const Masks shorter = longer > most;
+    if (shorter.any()) {
+      const Lanes share = where(shorter, most / larger(longer, 1e-300), 1.);
+      u_ = u_ * share;
+      v_ = v_ * share;
+    }
+    const double kept[2] = {(width * u_).sum(), (width * v_).sum()};
+    // A spring stretched beyond `onset` follows less and less, up to its limit.
+    u_ = u_ + d[0];
+    v_ = v_ + d[1];
+    const Lanes from = larger(held_length, onset), moved = u_ * u_ + v_ * v_;
+    const Masks yields = moved > from * from;
+    if (yields.any()) {
+      const Lanes length = moved.root(), wide = larger(most - onset, 1e-100),
+                  stuck = larger((larger(most - from, 0.) * wide).root() - (length - from) * 0.5, 0.),
+                  share = where(length > from, (most * wide - stuck * stuck) / (wide * length), 1.);
+      u_ = u_ * share;
+      v_ = v_ * share;
+    }
+    const double after[2] = {(width * u_).sum(), (width * v_).sum()};
+    step.energy = 0.5 * ratio * (width * (u_ * u_ + v_ * v_)).sum();
+    bound_.store(numbers_, n);
+    u_.store(numbers_ + 2 * n, n);
+    v_.store(numbers_ + 3 * n, n);
+    step.work = 0.;
+    double moves = 0., gained = 0.;
+    for (int k = 0; k < 2; k++) {
+      step.work += 0.5 * ratio * (kept[k] + after[k]) * d[k];
+      gained += (after[k] - kept[k]) * d[k];
+      moves += top_ * d[k] * d[k];
+      step.force[k] = ratio * after[k];
+    }
+    step.stuck = moves > 0. ? std::min(std::max(gained / moves, 0.), 1.) : 1.;
+  }
+
+private:
+  double *numbers_;
+  int last_;
+  double top_;
+  UnloadingCurve curve_;
+  double thin_;
+  Lanes bound_, rest_, u_, v_;
+
+  DEMLAWS_INLINE double below(int i) const { return i > 0 ? bound_[i - 1] : 0.; }
+
+  // The contact had the stiffness `held` and has `top_` now.
+  DEMLAWS_INLINE void set(double held) {
+    // lowest: not of springs that rounding makes
+    const double lowest = std::min(top_, held) * (1. - EMPTY_LEVEL);
+    int edge = held > 0. ? (bound_ < lowest).count() : last_;
+    double low = edge > 0 ? numbers_[edge - 1] : 0., share = 1.;
+    bool opened = held == 0. || (edge < last_ && top_ < held);
+    if (held > 0. && top_ > held) {
+      if (top_ - low <= thin_) share = (held - low) / (top_ - low);
+      else {
+        if (edge == last_) join(held);
+        else edge++;
+        share = 0.;
+        low = held;
+      }
+    }
+    const Lanes place = Lanes::places();
+    if (held == 0.) {
+      SpringStep copy = *this; // an object that has no address is kept in registers
+      edge = copy.begin();
+      *this = copy;
+      low = below(edge);
+    }
+    const Masks inner = place < edge;
+    bound_ = where(inner, bound_, top_);
+    u_ = where(inner, u_, where(place > edge, 0., u_ * share));
+    v_ = where(inner, v_, where(place > edge, 0., v_ * share));
+    if (!curve_.hertzian) rest_ = where(inner, rest_, curve_.depth - outermost(edge));
+    if (opened || top_ - low > SPRING_WIDE * thin_) {
+      SpringStep copy = *this;
+      edge = copy.grade(edge);
+      *this = copy;
+    }
+    if (!curve_.hertzian) rest_ = where(place > edge, curve_.depth, rest_);
+  }
+  // A new contact: its curve is taken as a power law. Returns the outermost spring.
+  __attribute__((noinline, cold)) int begin() {
+    const double power = curve_.force / std::max(top_ * curve_.depth - curve_.force, 1e-12 * curve_.force);
+    double share = 1., low = 0., integral_below = 0.;
+    int edge = 0;
+    bound_ = u_ = v_ = rest_ = Lanes(0.);
+    for (; edge < last_ && share > SPRING_WIDE * SPRING_THIN / (last_ + 1); edge++) {
+      share *= 0.5;
+      const double bound = (1. - share) * top_,
+                   integral = curve_.depth * top_ * pow(1. - share, power + 1.) / (power + 1.);
+      bound_.set(edge, bound);
+      rest_.set(edge, (integral - integral_below) / (bound - low));
+      low = bound;
+      integral_below = integral;
+    }
+    return edge;
+  }
+  // Mean compression of the outermost spring, which carries the rest of the force.
+  DEMLAWS_INLINE double outermost(int edge) const {
+    const double low = below(edge), width = top_ - low;
+    const Lanes compressed = larger(Lanes(curve_.depth) - rest_, 0.);
+    const double carried = where(Lanes::places() < edge, (bound_ - bound_.inside(0.)) * compressed, 0.).sum(),
+                 mean = width > 0. ? std::max(curve_.force - carried, 0.) / width : 0.;
+    if (edge == 0) return mean;
+    const double straight =
+        std::max(curve_.depth - rest_[edge - 1], 0.) * 0.5 * width / (top_ - 0.5 * (low + below(edge - 1)));
+    return std::min(std::max(mean, straight / SPRING_FARTHEST), straight * SPRING_FARTHEST);
+  }
+  // Error of the loss that one spring makes: in small cycles and in large ones.
+  DEMLAWS_INLINE static Lanes error(const Lanes &low, const Lanes &high, double top) {
+    const Lanes width = high - low, small = width / (Lanes(top) - low), large = width * (1. / top);
+    return small * small + large * large * SPRING_LARGE_CYCLES;
+  }
+  // Of the first `unions` springs, each with its outer neighbour.
+  DEMLAWS_INLINE Lanes union_errors(const Lanes &low, int unions, double top) const {
+    return where(Lanes::places() < unions, error(low, bound_.outside(top), top), HUGE_VAL);
+  }
+  // Joins the two neighbours whose union errs least; the outermost spring is free then.
+  DEMLAWS_INLINE void join(double top) {
+    const Lanes place = Lanes::places(), low = bound_.inside(0.), errors = union_errors(low, last_ - 1, top);
+    const double at = where(errors > errors.smallest(), NONE, place).smallest();
+    const Lanes outer = bound_.outside(top), share = (bound_ - low) / larger(outer - low, 1e-300),
+                other = Lanes(1.) - share;
+    const Masks inner = place < at, here = place == at;
+    const Lanes u = u_.outside(0.), v = v_.outside(0.);
+    u_ = where(inner, u_, where(here, share * u_ + other * u, u));
+    v_ = where(inner, v_, where(here, share * v_ + other * v, v));
+    if (!curve_.hertzian) {
+      const Lanes rest = rest_.outside(0.);
+      rest_ = where(inner, rest_, where(here, share * rest_ + other * rest, rest));
+    }
+    bound_ = where(inner, bound_, outer);
+  }
+  // The spring inside the outermost one that is worth a division; -1: none.
+  DEMLAWS_INLINE int widest(int edge) const {
+    const Lanes place = Lanes::places(), low = bound_.inside(0.),
+                errors = where(place < edge, error(low, bound_, top_), -1.);
+    const double most = errors.largest();
+    if (!(most > 0.)) return -1;
+    const int at = (int)where(errors < most, NONE, place).smallest();
+    const double least = union_errors(low, edge, top_).smallest();
+    return most > std::min(SPRING_SPARE * least, SPRING_COARSE[last_ + 1]) ? at : -1;
+  }
+  // Divides springs, the outermost one first, and joins others for it where none is free; returns the outermost.
+  __attribute__((noinline)) int grade(int edge) {
+    while (true) {
+      int at = edge;
+      if (top_ - below(edge) > SPRING_WIDE * thin_ && (edge < last_ || last_ > 1)) { // of two springs none is left
+        if (edge == last_) {
+          join(top_);
+          at = --edge;
+        }
+      } else at = edge < last_ ? widest(edge) : -1;
+      if (at < 0) return edge;
+      divide(at, edge++);
+    }
+  }
+  // Divides a spring in the middle.
+  DEMLAWS_INLINE void divide(int at, int edge) {
+    const Lanes place = Lanes::places(), low = bound_.inside(0.);
+    const Masks outer = place > at, here = place == at;
+    if (!curve_.hertzian) {
+      const double mean = curve_.depth - rest_[at],
+                   quarter = 0.25 * std::min(std::max(fall_within(at, edge), 0.), 3. * mean);
+      rest_ = where(outer, rest_.inside(0.), rest_);
+      rest_.set(at, curve_.depth - mean - quarter);
+      rest_.set(at + 1, curve_.depth - mean + quarter);
+    }
+    bound_ = where(outer, low, where(here, (low + bound_) * 0.5, bound_));
+    u_ = where(outer, u_.inside(0.), u_);
+    v_ = where(outer, v_.inside(0.), v_);
+  }
+  // Fall of the compression from the inner to the outer bound of a spring.
+  double fall_within(int at, int edge) const {
+    const double depth = curve_.depth;
+    if (edge == 0) return depth;
+    const double before = at > 0 ? bound_[at - 1] - below(at - 1) : 0., width = bound_[at] - below(at),
+                 after = at < edge ? bound_[at + 1] - bound_[at] : 0., mean = depth - rest_[at];
+    if (at == 0)
+      return (rest_[1] * width * width + rest_[0] * after * (2. * after + 3. * width)) /
+             ((width + after) * (width + after));
+    if (at == edge)
+      return ((depth - rest_[at - 1]) * width * width + mean * before * (2. * before + 3. * width)) /
+             ((width + before) * (width + before));
+    const double outside = (2. * before + width) / (after + width) * (rest_[at + 1] - rest_[at]),
+                 inside = (2. * after + width) / (before + width) * (rest_[at] - rest_[at - 1]);
+    return width / (before + width + after) * (outside + inside);
+  }
 };
 
 // What a contact keeps: the bounds of the springs' stiffnesses [N/m], rising, the last one the contact's own; the mean
@@ -35,275 +411,35 @@ public:
   static bool may_have(double springs) { return springs == (int)springs && springs >= 2. && springs <= MOST; }
   // Whether a number has the other sign seen from the other body: see Motion.
   static bool changes_sign(int number, int springs) { return number >= 2 * springs && number < 3 * springs; }
-  SpringRow(double *numbers, int springs)
-      : bound_(numbers), rest_(numbers + springs), u_(numbers + 2 * springs), v_(numbers + 3 * springs),
-        springs_(springs), last_(springs - 1) {}
+  SpringRow(double *numbers, int springs) : numbers_(numbers), springs_(springs) {}
 
   double energy(double ratio) const {
-    double force[2];
-    return ratio * sum(force);
+    const double *const bound = numbers_, *const u = bound + 2 * springs_, *const v = u + springs_;
+    double energy = 0., low = 0.;
+    for (int i = 0; i < springs_; i++) {
+      energy += (bound[i] - low) * (u[i] * u[i] + v[i] * v[i]);
+      low = bound[i];
+    }
+    return 0.5 * ratio * energy;
   }
 
   // One step: the stiffness K with which the contact would unload along a curve, K_t / K, Coulomb's limit mu P [N] and
   // the motion of the step, all of now.
   ShearStep step(double stiffness, const UnloadingCurve &curve, double ratio, double limit, const Motion &motion) {
-    const double *const d = motion.displacement;
-    double before[2], after[2], kept[2];
     ShearStep step;
-    step.before = ratio * sum(before);
     if (!(stiffness > 0.) || !(curve.force > 0.)) { // an overlap that carries no force: every spring has opened
-      std::fill(bound_, v_ + springs_, 0.);
+      step.before = energy(ratio);
+      std::fill(numbers_, numbers_ + 4 * springs_, 0.);
       step.force[0] = step.force[1] = step.work = step.energy = step.stuck = 0.;
-      return step;
-    }
-    double rest[MOST], most[MOST];
-    if (!curve.hertzian) std::copy(rest_, rest_ + springs_, rest);
-    set(stiffness, curve, rest);
-    if (!curve.hertzian) std::copy(rest, rest + springs_, rest_);
-    slip(stiffness, curve, limit / ratio, d, rest, most, kept, after, step.energy);
-    step.energy *= ratio;
-    step.work = 0.;
-    double moved = 0., gained = 0.;
-    for (int k = 0; k < 2; k++) {
-      step.work += 0.5 * ratio * (kept[k] + after[k]) * d[k];
-      gained += (after[k] - kept[k]) * d[k];
-      moved += stiffness * d[k] * d[k];
-      step.force[k] = ratio * after[k];
-    }
-    step.stuck = moved > 0. ? std::min(std::max(gained / moved, 0.), 1.) : 1.;
+    } else if (springs_ <= 12)
+      SpringStep<12>::step_of(numbers_, springs_, stiffness, curve, ratio, limit, motion.displacement, step);
+    else SpringStep<24>::step_of(numbers_, springs_, stiffness, curve, ratio, limit, motion.displacement, step);
     return step;
   }
 
 private:
-  double *const bound_, *const rest_, *const u_, *const v_;
-  const int springs_, last_;
-
-  double below(int i) const { return i > 0 ? bound_[i - 1] : 0.; }
-
-  // Force [N] and energy [J] for K_t / K = 1.
-  double sum(double *force) const {
-    double first = 0., second = 0., energy = 0., low = 0.;
-    for (int i = 0; i < springs_; i++) {
-      const double stiffness = bound_[i] - low, u = u_[i], v = v_[i];
-      first += stiffness * u;
-      second += stiffness * v;
-      energy += stiffness * (u * u + v * v);
-      low = bound_[i];
-    }
-    force[0] = first;
-    force[1] = second;
-    return 0.5 * energy;
-  }
-
-  // Displaces the springs under their limits, which together are `limit`. kept: force before the displacement.
-  DEMLAWS_VECTORS void slip(double top, const UnloadingCurve &curve, double limit, const double *d, double *rest,
-                            double *most, double *kept, double *force, double &energy) {
-    const int n = springs_;
-    const double depth = curve.depth, du = d[0], dv = d[1];
-    double onset[MOST], width[MOST];
-    if (curve.hertzian) set_rest(top, depth, rest);
-    double carried = 0., low = 0.;
-    for (int i = 0; i < n; i++) most[i] = std::max(depth - rest[i], 0.);
-    for (int i = 0; i < n; i++) {
-      width[i] = bound_[i] - low;
-      carried += width[i] * most[i];
-      low = bound_[i];
-    }
-    const double scale = carried > 0. ? limit / carried : 0.;
-    for (int i = 0; i < n; i++) most[i] *= scale;
-    for (int i = 0; i < n - 1; i++)
-      onset[i] = std::min((most[i] * width[i + 1] + most[i + 1] * width[i]) / std::max(width[i] + width[i + 1], 1e-300),
-                          most[i]);
-    onset[n - 1] = 0.;
-    shorten(n, most, u_, v_); // the compression fell: slip without displacement
-    sum(kept);
-    displace(n, du, dv, onset, most, u_, v_);
-    energy = sum(force);
-  }
-  // Loops without a branch, where there is anything to do.
-  DEMLAWS_INLINE static void shorten(int n, const double *most, double *u, double *v) {
-    int longer = 0;
-    for (int i = 0; i < n; i++) longer += u[i] * u[i] + v[i] * v[i] > most[i] * most[i];
-    if (longer == 0) return;
-    for (int i = 0; i < n; i++) {
-      const double square = std::max(u[i] * u[i] + v[i] * v[i], most[i] * most[i]),
-                   share = most[i] / std::sqrt(std::max(square, 1e-300));
-      u[i] *= share;
-      v[i] *= share;
-    }
-  }
-  // A spring stretched beyond `onset` follows less and less, up to its limit.
-  DEMLAWS_INLINE static void displace(int n, double du, double dv, const double *onset, const double *most, double *u,
-                                      double *v) {
-    double before[MOST];
-    int yields = 0;
-    for (int i = 0; i < n; i++) {
-      before[i] = std::max(u[i] * u[i] + v[i] * v[i], onset[i] * onset[i]);
-      u[i] += du;
-      v[i] += dv;
-      yields += u[i] * u[i] + v[i] * v[i] > before[i];
-    }
-    if (yields == 0) return;
-    for (int i = 0; i < n; i++) {
-      const double from = std::sqrt(before[i]), length = std::sqrt(u[i] * u[i] + v[i] * v[i]),
-                   wide = std::max(most[i] - onset[i], 1e-300),
-                   stuck = std::max(std::sqrt(std::max(1. - (from - onset[i]) / wide, 0.)) -
-                                        0.5 * std::max(length - from, 0.) / wide,
-                                    0.),
-                   reached = (onset[i] + wide * (1. - stuck * stuck)) / std::max(length, 1e-300),
-                   share = length > from ? reached : 1.;
-      u[i] *= share;
-      v[i] *= share;
-    }
-  }
-  DEMLAWS_INLINE void set_rest(double top, double depth, double *rest) const {
-    const double unit = depth / (3. * top * top);
-    rest[0] = unit * bound_[0] * bound_[0];
-    for (int i = 1; i < springs_; i++)
-      rest[i] = unit * (bound_[i] * bound_[i] + bound_[i] * bound_[i - 1] + bound_[i - 1] * bound_[i - 1]);
-  }
-
-  // The contact has the stiffness `top` now.
-  DEMLAWS_INLINE void set(double top, const UnloadingCurve &curve, double *rest) {
-    // lowest: not of springs that rounding makes
-    const double held = bound_[last_], lowest = std::min(top, held) * (1. - EMPTY_LEVEL),
-                 thin = SPRING_THIN / springs_ * top;
-    int edge = last_;
-    while (edge > 0 && bound_[edge - 1] >= lowest) edge--;
-    const bool opened = held == 0. || (edge < last_ && top < held);
-    if (held > 0. && top > held) {
-      const double low = below(edge);
-      if (top - low <= thin) {
-        u_[edge] *= (held - low) / (top - low);
-        v_[edge] *= (held - low) / (top - low);
-      } else {
-        if (edge == last_) join(rest);
-        else edge++;
-        u_[edge] = v_[edge] = 0.;
-      }
-    }
-    if (held == 0.) edge = begin(top, curve, rest);
-    for (int i = edge; i < springs_; i++) bound_[i] = top;
-    if (!curve.hertzian) rest[edge] = curve.depth - outermost(top, curve, edge, rest);
-    if (opened || top - below(edge) > SPRING_WIDE * thin) {
-      if (curve.hertzian) set_rest(top, curve.depth, rest);
-      edge = grade(edge, curve.depth, rest);
-    }
-    for (int i = edge + 1; i < springs_; i++) {
-      rest[i] = curve.depth;
-      u_[i] = v_[i] = 0.;
-    }
-  }
-  // A new contact: its curve is taken as a power law. Returns the outermost spring.
-  __attribute__((noinline, cold)) int begin(double top, const UnloadingCurve &curve, double *rest) {
-    const double power = curve.force / std::max(top * curve.depth - curve.force, 1e-12 * curve.force);
-    double share = 1., low = 0., integral_below = 0.;
-    int edge = 0;
-    for (; edge < last_ && share > SPRING_WIDE * SPRING_THIN / springs_; edge++) {
-      share *= 0.5;
-      bound_[edge] = (1. - share) * top;
-      const double integral = curve.depth * top * pow(1. - share, power + 1.) / (power + 1.);
-      rest[edge] = (integral - integral_below) / (bound_[edge] - low);
-      low = bound_[edge];
-      integral_below = integral;
-    }
-    return edge;
-  }
-  // Mean compression of the outermost spring, which carries the rest of the force.
-  __attribute__((noinline)) double outermost(double top, const UnloadingCurve &curve, int edge,
-                                             const double *rest) const {
-    double carried = 0., low = 0.;
-    for (int i = 0; i < edge; i++) {
-      carried += (bound_[i] - low) * std::max(curve.depth - rest[i], 0.);
-      low = bound_[i];
-    }
-    const double width = top - low, mean = width > 0. ? std::max(curve.force - carried, 0.) / width : 0.;
-    if (edge == 0) return mean;
-    const double straight =
-        std::max(curve.depth - rest[edge - 1], 0.) * 0.5 * width / (top - 0.5 * (low + below(edge - 1)));
-    return std::min(std::max(mean, straight / SPRING_FARTHEST), straight * SPRING_FARTHEST);
-  }
-  // Error of the loss that one spring makes: in small cycles and in large ones.
-  static double error(double low, double high, double top) {
-    const double width = high - low, small = width / (top - low), large = width / top;
-    return small * small + SPRING_LARGE_CYCLES * large * large;
-  }
-  // Joins the two neighbours whose union errs least; the outermost spring is free then.
-  __attribute__((noinline)) void join(double *rest) {
-    double least = HUGE_VAL;
-    int at = 0;
-    for (int i = 0; i < last_ - 1; i++) {
-      const double one = error(below(i), bound_[i + 1], bound_[last_]);
-      if (one < least) {
-        least = one;
-        at = i;
-      }
-    }
-    const double share = (bound_[at] - below(at)) / (bound_[at + 1] - below(at)), other = 1. - share;
-    rest[at] = share * rest[at] + other * rest[at + 1];
-    u_[at] = share * u_[at] + other * u_[at + 1];
-    v_[at] = share * v_[at] + other * v_[at + 1];
-    bound_[at] = bound_[at + 1];
-    for (int i = at + 1; i < last_; i++) copy(i + 1, i, rest);
-  }
-  void copy(int from, int to, double *rest) {
-    bound_[to] = bound_[from];
-    rest[to] = rest[from];
-    u_[to] = u_[from];
-    v_[to] = v_[from];
-  }
-  // The spring inside the outermost one that is worth a division; -1: none.
-  int widest(int edge) const {
-    double most = 0., least = HUGE_VAL;
-    int at = -1;
-    for (int i = 0; i < edge; i++) {
-      const double one = error(below(i), bound_[i], bound_[edge]);
-      if (one > most) {
-        most = one;
-        at = i;
-      }
-      least = std::min(least, error(below(i), bound_[i + 1], bound_[edge]));
-    }
-    const double coarse = SPRING_COARSE * log(springs_ / SPRING_THIN) / springs_;
-    return most > std::min(SPRING_SPARE * least, coarse * coarse) ? at : -1;
-  }
-  // Divides springs, the outermost one first, and joins others for it where none is free; returns the outermost.
-  __attribute__((noinline)) int grade(int edge, double depth, double *rest) {
-    const double top = bound_[last_];
-    while (true) {
-      int at = edge;
-      const bool wide = top - below(edge) > SPRING_WIDE * SPRING_THIN / springs_ * top;
-      if (wide && (edge < last_ || last_ > 1)) { // of two springs none is left to be joined
-        if (edge == last_) {
-          join(rest);
-          at = --edge;
-        }
-      } else at = edge < last_ ? widest(edge) : -1;
-      if (at < 0) return edge;
-      const double mean = depth - rest[at],
-                   quarter = 0.25 * std::min(std::max(fall_within(at, depth, edge, rest), 0.), 3. * mean);
-      for (int i = edge; i >= at; i--) copy(i, i + 1, rest);
-      bound_[at] = 0.5 * (below(at) + bound_[at]);
-      rest[at] = depth - mean - quarter;
-      rest[at + 1] = depth - mean + quarter;
-      edge++;
-    }
-  }
-  // Fall of the compression from the inner to the outer bound of a spring.
-  double fall_within(int at, double depth, int edge, const double *rest) const {
-    if (edge == 0) return depth;
-    const double before = at > 0 ? bound_[at - 1] - below(at - 1) : 0., width = bound_[at] - below(at),
-                 after = at < edge ? bound_[at + 1] - bound_[at] : 0., mean = depth - rest[at];
-    if (at == 0)
-      return (rest[1] * width * width + rest[0] * after * (2. * after + 3. * width)) /
-             ((width + after) * (width + after));
-    if (at == edge)
-      return ((depth - rest[at - 1]) * width * width + mean * before * (2. * before + 3. * width)) /
-             ((width + before) * (width + before));
-    const double outside = (2. * before + width) / (after + width) * (rest[at + 1] - rest[at]),
-                 inside = (2. * after + width) / (before + width) * (rest[at] - rest[at - 1]);
-    return width / (before + width + after) * (outside + inside);
-  }
+  double *const numbers_;
+  const int springs_;
 };
 
 } // namespace demlaws

@@ -5,6 +5,7 @@
   over ½ M ε² V; they also lose energy that they had stored before. With rule hertz asperities stay flattened.
 - pulse: a pulse in a column of packings at rest without shear forces, as in the case `waves`. share: energy dissipated
   on the way from NEAR to FAR over the energy of the pulse.
+- kinds with "springs": partial slip with graded springs. The other rows of `slip` had 12 equal springs.
 
 The amplitude of a wave of frequency f and speed c falls by exp(-α x) with α = share f/(2 c) (cycle), share/(2 x) (pulse).
 """
@@ -146,7 +147,7 @@ FLATTENED = tuple(Model(POHRT_POPOV, 0.5, shear, rule=HERTZ) for shear in SHEAR)
 """Cycles alone: contacts of a packing at rest are on first loading, so that a pulse flattens them."""
 
 
-def ground(folder, model, packing, frequency, column, step=0.2):
+def ground(folder, model, packing, frequency, column, step, springs):
     """Write table and data of a packing; input up to the motion, with steps of `step`/frequency."""
     bead = packing.bead
     (folder / "post").mkdir()
@@ -154,10 +155,12 @@ def ground(folder, model, packing, frequency, column, step=0.2):
     atoms = [(1, bead.diameter, bead.density, *place) for place in packing.bodies[0]]
     (folder / "start.data").write_text(data_text([(0.0, side) for side in packing.size], atoms, types=1))
     about = {"young": bead.young, "poisson": bead.poisson, "friction": bead.friction, "words": SHEAR[model.shear]}
+    if springs is not None:
+        about["words"] += f" springs {springs}"
     return HEAD + GROUND.format(column=column, dt=step / frequency, **about)
 
 
-def cycles(model, store=STORE, count=COUNT, pressures=PRESSURES, strains=STRAINS, period=PERIOD, step=0.2):
+def cycles(model, store=STORE, count=COUNT, pressures=PRESSURES, strains=STRAINS, period=PERIOD, step=0.2, springs=None):
     """Rows of `cycle`; the drag is 0.03 m √(K/m) in compression, a tenth of it in cycles, where it takes less than 1 %."""
     packing, keys = begin(model.series(count), store), []
     packing.compress([START] * 3)
@@ -168,7 +171,7 @@ def cycles(model, store=STORE, count=COUNT, pressures=PRESSURES, strains=STRAINS
 
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        text = ground(folder, model, packing, frequency, "change_box      all triclinic", step) + BEGIN
+        text = ground(folder, model, packing, frequency, "change_box      all triclinic", step, springs) + BEGIN
         for pressure in pressures:
             rate = -2e-4 / bead.diameter * np.sqrt(pressure / bead.density)
             text += drag(0.03) + COMPRESS.format(rate=rate, pressure=pressure, rest=REST) + ENERGY * (not keys) + drag(0.003)
@@ -208,7 +211,7 @@ def at_rest(model, pressure, store=STORE, count=COUNT):
     return packing
 
 
-def pulse(model, packing, pressure, axis, amplitude, step=0.2):
+def pulse(model, packing, pressure, axis, amplitude, step=0.2, springs=None):
     """A row of `pulse`."""
     found = moduli(packing.carrying(), packing.size, packing.bead.shear_ratio)
     modulus = found.along if axis == "z" else found.across
@@ -218,7 +221,7 @@ def pulse(model, packing, pressure, axis, amplitude, step=0.2):
     velocity = "v_none v_none v_pulse" if axis == "z" else "v_pulse v_none v_none"
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        text = ground(folder, model, packing, frequency, f"replicate       1 1 {BOXES}", step)
+        text = ground(folder, model, packing, frequency, f"replicate       1 1 {BOXES}", step, springs)
         values = {"width": WIDTH, "layer": LAYER, "axis": axis, "steps": steps, "velocity": velocity}
         (folder / "in.pulse").write_text(text + PULSE.format(amplitude=amplitude, **values))
         log = run(folder / "in.pulse")
@@ -234,30 +237,31 @@ def pulse(model, packing, pressure, axis, amplitude, step=0.2):
     return row("pulse", model, pressure, axis, amplitude, modulus, flight, share, share, log, far.max() / near.max())
 
 
-def pulses(model, store=STORE, pressures=PRESSURES, speeds=SPEEDS):
+def pulses(model, store=STORE, pressures=PRESSURES, speeds=SPEEDS, axes=AXES, **settings):
     """Rows of `pulse`."""
     for pressure in pressures:
         packing = at_rest(model, pressure, store)
-        for axis in AXES:
+        for axis in axes:
             for amplitude in speeds:
-                yield pulse(model, packing, pressure, axis, amplitude)
+                yield pulse(model, packing, pressure, axis, amplitude, **settings)
 
 
+LOWEST = {"pressures": PRESSURES[:1]}
 SETTINGS = {
-    "pulse, half the step": {"step": 0.1},
-    "cycle, half the step": {"step": 0.1, "period": 2 * PERIOD},
-    "cycle, half the speed": {"period": 2 * PERIOD},
+    "pulse, half the step": {"step": 0.1, "speeds": SPEEDS[1:], "axes": "z", **LOWEST},
+    "pulse, 11 springs": {},
+    "pulse, 22 springs": {"springs": 22},
+    "cycle, half the step": {"step": 0.1, "period": 2 * PERIOD, **LOWEST},
+    "cycle, half the speed": {"period": 2 * PERIOD, **LOWEST},
+    "cycle, 11 springs": {},
+    "cycle, 22 springs": {"springs": 22, **LOWEST},
 }
 
 
 def sensitive(kind, model, store=STORE):
-    """Rows of one pulse, or of the cycles at one pressure, with other settings."""
-    pressure = PRESSURES[0]
-    if kind.startswith("pulse"):
-        found = [pulse(model, at_rest(model, pressure, store), pressure, "z", SPEEDS[1], **SETTINGS[kind])]
-    else:
-        found = cycles(model, store, pressures=(pressure,), **SETTINGS[kind])
-    return [one | {"kind": kind} for one in found]
+    """Rows with other settings."""
+    waves = pulses if kind.startswith("pulse") else cycles
+    return [one | {"kind": kind} for one in waves(model, store, **SETTINGS[kind])]
 
 
 def run_waves(path=RESULTS, store=STORE, seeds=2, progress=print):
@@ -266,6 +270,7 @@ def run_waves(path=RESULTS, store=STORE, seeds=2, progress=print):
     wanted = [(kind, model._replace(seed=seed)) for seed, (kind, models) in waves for model in models]
     wanted += [(kind, Model(shear="slip")) for kind in SETTINGS]
     wanted += [(kind, FLATTENED[1]) for kind in SETTINGS if kind.startswith("cycle")]
+    wanted += [(kind, MODELS[3]) for kind in SETTINGS if kind.endswith("11 springs")]
     done = {tuple(line[name] for name in ("kind", *FIELDS[1:6])) for line in read(path)}
     for kind, model in wanted:
         if (kind, *model) not in done:
@@ -282,7 +287,7 @@ def exponents(lines):
     found = []
     for seed in sorted({line["seed"] for line in lines}):
         chosen = [line for line in lines if line["seed"] == seed]
-        alpha = [line["share"] / (line["speed"] if line["kind"] == "cycle" else 1.0) for line in chosen]
+        alpha = [line["share"] / (line["speed"] if line["kind"].startswith("cycle") else 1.0) for line in chosen]
         pressures = np.log([line["kPa"] for line in chosen])
         found.append(np.polyfit(pressures, np.log(alpha), 1)[0] if min(alpha) > 0.0 else np.nan)
     return found
@@ -300,13 +305,13 @@ MEASURED = -0.1879
 def intervals(found):
     """Wave → `Estimate` of its exponent against `MEASURED`.
 
-    The scatter of packings is pooled over the waves of its motion and amplitude.
+    The scatter of packings is pooled over the waves of its motion and amplitude; a wave with one packing has no other.
 
-    found: wave (values of WAVE) → its rows. With two packings a wave, its own scatter has one degree of freedom.
+    found: wave (values of WAVE) → its rows; rows at one pressure have no exponent.
     """
-    values = {wave: exponents(lines) for wave, lines in found.items() if wave[0] not in SETTINGS}
+    values = {wave: exponents(lines) for wave, lines in found.items() if len({line["kPa"] for line in lines}) > 1}
     values = {wave: some for wave, some in values.items() if not np.isnan(some).any()}
-    alike = {wave: (wave[0], wave[-1]) for wave in values}
+    alike = {wave: (wave[0].split(",")[0], wave[-1]) for wave in values}
     scatter = {key: pooled(values[wave] for wave in values if alike[wave] == key) for key in set(alike.values())}
     return {wave: interval(some, *scatter[alike[wave]], expected=MEASURED) for wave, some in values.items()}
 
@@ -333,7 +338,7 @@ def table(path=RESULTS):
     lines, estimates = [], intervals(found)
     for (kind, law, sigma, *rest, axis, amplitude), some in found.items():
         shares = [[row["share"] for row in some if row["kPa"] == p] for p in pressures]
-        mean, off = exponent(some) if kind not in SETTINGS else (np.nan, np.nan)
+        mean, off = exponent(some) if all(shares) else (np.nan, np.nan)
         cells = [kind, law, f"{sigma:g}", *rest, "longitudinal" if axis == "z" else "transverse", f"{amplitude:g}"]
         cells += [str(len({row["seed"] for row in some})), *(f"{np.mean(share):.3g}" if share else "" for share in shares)]
         estimate = estimates.get((kind, law, sigma, *rest, axis, amplitude))

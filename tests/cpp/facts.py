@@ -13,6 +13,7 @@ from demlaws.curves import table_grammar
 from demlaws.errors import page
 from demlaws.laws.definition import Numbers
 
+MOST_SPRINGS = 22  # of a plugin; SpringRow::MOST
 PATH = Path(demlaws.__file__).parent / "cpp" / "demlaws_facts.h"
 TEXT = """\
 // demlaws_facts.h: unloading rules, keys of table files and limits. Written by `make facts` from the records in Python
@@ -47,8 +48,9 @@ constexpr double LARGEST_SHEAR_RATIO = {shear.LARGEST_SHEAR_RATIO!r}; // K_t/K
 // Partial slip: springs by default, and where they are divided or joined; see core/slip.py.
 constexpr int SPRINGS = {shear.SPRINGS};
 constexpr double SPRING_THIN = {slip.THIN}, SPRING_WIDE = {slip.WIDE}, SPRING_LARGE_CYCLES = {slip.LARGE_CYCLES},
-                 SPRING_SPARE = {slip.SPARE}, SPRING_COARSE = {slip.COARSE},
-                 SPRING_FARTHEST = {slip.FARTHEST};
+                 SPRING_SPARE = {slip.SPARE}, SPRING_FARTHEST = {slip.FARTHEST};
+// Error of a spring from which it is divided, by the number of springs.
+constexpr double SPRING_COARSE[] = {{{coarse}}};
 
 // First line of a table file, and its keys. need: "always", "" (optional), or a rule or key with which it is needed.
 // words: a blank between, "number", "triples" of numbers, "" for any text. both: of an unloading curve, too.
@@ -128,6 +130,7 @@ def header():
         modulus=units.RANGES["modulus"].low,
         shear=shear,
         slip=slip,
+        coarse=", ".join(repr(slip.coarse_error(count)) if count > 1 else "0." for count in range(MOST_SPRINGS + 1)),
         grid=grid,
         file=table_grammar,
         units=units,

@@ -1,5 +1,6 @@
 """Partial slip of the plugins (demlaws_slip.h) against its twin in Python."""
 
+import platform
 import subprocess
 
 import numpy as np
@@ -13,9 +14,11 @@ from demlaws.shear import sheared
 RATIO, FRICTION = 0.857, 0.4
 
 
-@pytest.fixture(scope="module")
-def program(tmp_path_factory):
-    return compiled(tmp_path_factory.mktemp("springs"), "springs.cpp", "-lz")
+@pytest.fixture(scope="module", params=["x86-64", "native"])
+def program(tmp_path_factory, request):
+    """For vectors of two and, where the processor has them, of four numbers."""
+    machine = [f"-march={request.param}"] if platform.machine() == "x86_64" else []
+    return compiled(tmp_path_factory.mktemp("springs"), "springs.cpp", "-lz", *machine)
 
 
 CASES = [
