@@ -233,10 +233,13 @@ def main():
     parser.add_argument("--weak", action="store_true", help="also 97,336 spheres per rank")
     parser.add_argument("--portable", action="store_true", help="the plugin compiled for any processor, as the wheel's is")
     parser.add_argument("--laws", nargs="+", choices=list(OURS), metavar="LAW", help="only these laws of ours")
-    parser.add_argument("--springs", type=int, nargs="*", default=[], help="partial slip, too, with these numbers of springs")
+    parser.add_argument("--springs", type=int, nargs="*", default=[], help="these laws with partial slip, too, of so many springs")
     options = parser.parse_args()
-    for name in ("pohrt-popov, elastic", "pohrt-popov, hertz unloading"):
-        OURS.update({f"{name}, slip, {n} springs": f"{OURS[name]} shear slip springs {n}" for n in options.springs})
+    for name in options.laws or ("pohrt-popov, elastic", "pohrt-popov, hertz unloading"):
+        slips = {f"{name}, slip, {n} springs": f"{OURS[name]} shear slip springs {n}" for n in options.springs}
+        OURS.update(slips)
+        if options.laws:
+            options.laws = [*options.laws, *slips]
     rates = {n: bandwidth(n) for n in range(1, CORES + 1)}
     print("copies, bytes read and written: " + ", ".join(f"{n} cores {rate / 1e9:.1f} GB/s" for n, rate in rates.items()))
     tables = [[(side, n) for n in options.ranks] for side in options.sides]
