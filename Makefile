@@ -48,7 +48,7 @@ test-all: engines
 	@$(MAKE) --no-print-directory -j2 -Otarget lint plugins
 	$(BIN)/python -m pytest -n $(CORES) --hypothesis-profile=thorough $(PYTEST)
 
-# what the tests of the engines would wait for, beside pip: needs nothing of the venv; what fails, they say
+# built in parallel with pip, and without the venv; failures appear in the tests
 PLUGINS := plugin-liggghts plugin-lammps
 plugins: $(PLUGINS)
 $(PLUGINS): plugin-%:

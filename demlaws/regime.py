@@ -222,7 +222,6 @@ class RegimeFunctions:
     """Type of `dl.regime`: the function, whose attributes are the other public names of this module."""
 
     __call__ = staticmethod(regime)
-    assess = staticmethod(regime)
     advise = staticmethod(advise)
     central_pressure = staticmethod(central_pressure)
     deforming_part = staticmethod(deforming_part)

@@ -190,7 +190,7 @@ def sheared(
     else:
         tag = CHOICES[shear].tag
         count = DEFAULT_LEVELS if levels is None else whole(levels, "levels", high=MOST_LEVELS)
-        rows = np.zeros(count), np.zeros((2, count))
+        rows = np.zeros(count), np.zeros((count, 3))
         levels_loop(tag, law.rule_tag, law.shape, law.params, depth, first, second, ratio, limit, state.arrays, *rows, results)
     force, stiffness, *forces, work, stored = results
     shear_force = forces[0] if along.ndim == 1 else np.stack(forces, -1)

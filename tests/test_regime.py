@@ -40,15 +40,15 @@ def test_the_closed_fit_and_its_range():
         assert np.max(np.abs(ratio - 1.0)) < 0.12
         assert 1.4 < regime.pressure_drop(20.0) / regime.central_pressure(20.0, mu) < 2.1
     with pytest.warns(dl.ValidityWarning, match="closed fit"):
-        found = regime.assess(TESTS[-1].contact, 0.2)
+        found = regime(TESTS[-1].contact, 0.2)
     assert found.roughness_parameter > 10 and "closed fit" in str(found)
 
 
 def test_a_measured_yield_pressure_decides():
     """FC5 yielded at 7 N: at 20 N its bulk is not elastic, whatever its hardness says."""
     cone = dl.Contact(0.33e-3, 32.32e9, 5.04e-6, 2.22, 6.266e9)
-    assert regime.assess(cone, 20.0).deforms == "asperities"
-    found = regime.assess(cone, 20.0, yield_pressure=2.35e9)
+    assert regime(cone, 20.0).deforms == "asperities"
+    found = regime(cone, 20.0, yield_pressure=2.35e9)
     assert found.deforms == "bulk" and found.transition_force == pytest.approx(7.0, rel=0.01)
     assert not {a.law: a for a in regime.advise(cone, 20.0, 2.35e9)}["pohrt-popov"].fits
 
@@ -59,7 +59,7 @@ def test_a_measured_yield_pressure_decides():
 def test_shares_of_a_measured_yield_pressure(share, part):
     """p0/p_y, with the band of the criterion: 0.56 and 0.64 for 0.6 are 0.933 and 1.067 for 1."""
     contact = dl.Contact(4e-3, 32.32e9, 2e-6, 2.22)
-    found = regime.assess(contact, 20.0, yield_pressure=float(regime.hertz_pressure(contact, 20.0)) / share)
+    found = regime(contact, 20.0, yield_pressure=float(regime.hertz_pressure(contact, 20.0)) / share)
     assert found.ratio == pytest.approx(share) and found.deforms == part
 
 
@@ -86,7 +86,7 @@ def test_the_answer_changes_at_the_transition(contact):
 def test_with_mu_the_answer_changes_where_the_solution_says():
     """It changed by the closed fit: below the load of this test, whose ratio is under 0.6."""
     test = next(test for test in TESTS if test.label == "Al_AB")
-    found = regime.assess(test.contact, test.load, mu=test.mu)
+    found = regime(test.contact, test.load, mu=test.mu)
     assert found.ratio == pytest.approx(0.5794, abs=1e-3) and found.transition_force > test.load
     assert regime.pressure_ratio(test.contact, found.transition_force, test.mu) == pytest.approx(0.6, rel=1e-4)
     rough = test.contact.with_values(sigma=found.transition_sigma)
@@ -129,8 +129,8 @@ def test_advice_follows_the_regime():
 @pytest.mark.parametrize(
     "call",
     [
-        lambda: regime.assess(dl.Contact(radius=1e-3, modulus=1e9), 1.0),
-        lambda: regime.assess(TESTS[0].contact.with_values(sigma=np.array([1e-6, 2e-6])), 1.0),
+        lambda: regime(dl.Contact(radius=1e-3, modulus=1e9), 1.0),
+        lambda: regime(TESTS[0].contact.with_values(sigma=np.array([1e-6, 2e-6])), 1.0),
     ],
 )
 def test_bad_input_is_named(call):
@@ -194,7 +194,7 @@ def test_fractal_dimensions_beyond_those_of_the_theory(dimension, warned):
 
 def test_the_criterion_is_a_function_with_the_others_as_attributes():
     found = dl.regime(GRANITE, "50N")
-    assert found == dl.regime.assess(GRANITE, 50.0) and found.deforms == "asperities"
+    assert found == dl.regime(GRANITE, 50.0) and found.deforms == "asperities"
     assert dl.regime.transition_force(GRANITE) == found.transition_force
 
 

@@ -39,7 +39,7 @@ def test_a_message_does_not_repeat_a_long_word():
 
 @pytest.mark.parametrize("raw", [b"abc", bytearray(b"12"), memoryview(b"abc"), memoryview(array.array("u", "ab"))])
 def test_bytes_are_no_numbers(raw):
-    """Before: a radius of 97 m for the letter a."""
+    """The letter a is no radius of 97 m."""
     with pytest.raises(dl.DemlawsError, match="radius must be a number"):
         dl.Contact(raw, 32e9)
 

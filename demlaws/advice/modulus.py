@@ -245,7 +245,9 @@ def predict(
     )
 
 
-def advise(scene: Scene, law: str = USUAL, options: dict | None = None, ways: tuple = WAYS) -> SofteningAdvice | None:
+def recommend_modulus(
+    scene: Scene, law: str = USUAL, options: dict | None = None, ways: tuple = WAYS
+) -> SofteningAdvice | None:
     """The factor, rate and time step of fewest steps whose predicted error is within the scene's tolerance, or None.
 
     A `rate` of the scene [1/s] is the fastest that is advised. ways: (factor, I, part of the limit) to choose from.

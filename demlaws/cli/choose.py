@@ -141,7 +141,7 @@ def _advice(scene, mandatory):
     problem = None
     try:
         plan = reference_plan(scene)
-        advice = modulus.advise(scene, plan.name, dict(plan.options))
+        advice = modulus.recommend_modulus(scene, plan.name, dict(plan.options))
     except DemlawsError as error:
         advice, problem = None, error
     if mandatory and advice is None:

@@ -16,98 +16,123 @@ contact whose overlap vibrates loses its shear force; with two or three it follo
 contact without history; a level between equal bounds is empty. Twin: demlaws/cpp/demlaws_shear.h.
 """
 
-import numpy as np
-
 from demlaws.core.dispatch import gather, scatter, step
 from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import kernel, loop
 from demlaws.core.shear import EMPTY, shear_stiffness
+from demlaws.core.vectors import assign, dot, minus_scaled, scaled, vector
 
 
 @kernel
-def set_stiffness(bound, stretch, stiffness):
-    """Move the bounds [N/m] of the levels to a new K_t; stretch: (2, levels) [m]."""
-    top = bound.size - 1
-    if stiffness <= bound[top]:
-        for i in range(bound.size):
-            bound[i] = min(bound[i], stiffness)
-        return
-    joined, least, below, empty = top, np.inf, 0.0, EMPTY * stiffness
-    for i in range(bound.size):  # level i and the one above it, at last the new one
-        width, above = bound[i] - below, (bound[i + 1] if i < top else stiffness) - bound[i]
-        u, v = stretch[0, i], stretch[1, i]
-        if i < top:
-            u, v = u - stretch[0, i + 1], v - stretch[1, i + 1]
-        apart = (width + above) * (u * u + v * v) if width > empty and above > empty else 0.0
-        if apart < least:
-            joined, least = i, apart
-        below = bound[i]
-    below = bound[joined - 1] if joined > 0 else 0.0
-    upper = bound[joined + 1] if joined < top else stiffness
-    share = (bound[joined] - below) / (upper - below) if upper > below else 0.0
-    for axis in range(2):
-        other = stretch[axis, joined + 1] if joined < top else 0.0
-        stretch[axis, joined] = share * stretch[axis, joined] + (1.0 - share) * other
-        for i in range(joined + 1, top):
-            stretch[axis, i] = stretch[axis, i + 1]
-        if joined < top:
-            stretch[axis, top] = 0.0
-    for i in range(joined, top):
-        bound[i] = bound[i + 1]
-    bound[top] = stiffness
+def _width(bound, level):
+    return bound[level] - bound[level - 1] if level > 0 else bound[0]
 
 
 @kernel
-def levels_force(bound, stretch):
-    """Both shear forces [N] and the stored energy [J]."""
-    first, second, stored, below = 0.0, 0.0, 0.0, 0.0
-    for i in range(bound.size):
-        width, u, v = bound[i] - below, stretch[0, i], stretch[1, i]
-        first, second, stored = first + width * u, second + width * v, stored + 0.5 * width * (u * u + v * v)
-        below = bound[i]
-    return first, second, stored
+def force_of_levels(bound, stretch):
+    """Elastic shear force [N]; bound: (levels,) [N/m]; stretch: (levels, 3) [m]."""
+    force = (0.0, 0.0, 0.0)
+    for level in range(len(bound)):
+        force = minus_scaled(force, -_width(bound, level), vector(stretch[level]))
+    return force
 
 
 @kernel
-def shortened(u, v, limit):
-    """A force (u, v) [N], at most `limit`, and its share that is left."""
-    size = sqrt(u * u + v * v)
-    share = limit / size if size > limit else 1.0
-    return u * share, v * share, share
+def energy_of_levels(bound, stretch):
+    """Stored energy [J]."""
+    energy = 0.0
+    for level in range(len(bound)):
+        here = vector(stretch[level])
+        energy += 0.5 * _width(bound, level) * dot(here, here)
+    return energy
 
 
 @kernel
-def move(bound, stretch, stiffness, du, dv, limit):
-    """One step, by K_t now, a displacement (du, dv) [m] and Coulomb's limit [N]: both shear forces [N], work and stored energy
-    [J].
+def _push_level(bound, stretch, stiffness):
+    """K_t rises to `stiffness` [N/m]: a level without stretch on top; the two nearest neighbours become one. Their loss [J]."""
+    count, rest = len(bound), (0.0, 0.0, 0.0)
+    joined, least, lower, upper, below, empty, gap = 0, 0.0, 0.0, 0.0, 0.0, EMPTY * stiffness, 0.0
+    for level in range(count):
+        here, above = bound[level], bound[level + 1] if level + 1 < count else stiffness
+        apart = minus_scaled(vector(stretch[level]), 1.0, vector(stretch[level + 1]) if level + 1 < count else rest)
+        square = dot(apart, apart)
+        distance = (above - below) * square if here - below > empty and above - here > empty else 0.0
+        if level == 0 or distance < least:
+            joined, least, lower, upper, gap = level, distance, here - below, above - here, square
+        below = here
+    both = lower + upper
+    part = upper / both if both > 0.0 else 0.0
+    for level in range(count):  # without a branch, which a processor would often guess wrong
+        share = 0.0 if level < joined else part if level == joined else 1.0
+        above_it = vector(stretch[level + 1]) if level + 1 < count else rest
+        assign(stretch[level], minus_scaled(scaled(1.0 - share, vector(stretch[level])), -share, above_it))
+        above = bound[level + 1] if level + 1 < count else stiffness
+        bound[level] = bound[level] if level < joined else above
+    return 0.5 * lower * part * gap
+
+
+@kernel
+def _cut_levels(bound, stretch, stiffness):
+    """K_t falls to `stiffness` [N/m]: the springs that touched above it open. Their energy [J]."""
+    loss, below, below_now = 0.0, 0.0, 0.0
+    for level in range(len(bound)):
+        here, old = vector(stretch[level]), bound[level]
+        now = min(old, stiffness)
+        loss += 0.5 * ((old - below) - (now - below_now)) * dot(here, here)
+        bound[level], below, below_now = now, old, now
+    return loss
+
+
+@kernel
+def follow_stiffness(bound, stretch, stiffness):
+    """Move the bounds of the levels to a new K_t [N/m]; the energy [J] that is lost."""
+    if stiffness > bound[len(bound) - 1]:
+        return _push_level(bound, stretch, stiffness)
+    return _cut_levels(bound, stretch, stiffness)
+
+
+@kernel
+def scale_levels(stretch, share):
+    """Reduce all stretches to a share."""
+    for level in range(len(stretch)):
+        assign(stretch[level], scaled(share, vector(stretch[level])))
+
+
+@kernel
+def _share_within(force, limit):
+    """What is left of a force [N] that is at most `limit` long."""
+    size = sqrt(dot(force, force))
+    return limit / size if size > limit else 1.0
+
+
+@kernel
+def move(bound, stretch, stiffness, displacement, limit):
+    """One step, by K_t now, a displacement [m] and Coulomb's limit [N]: shear force [N], work and stored energy [J].
 
     The work is the mean of the forces before and after the step times the displacement. So that no step loses less than
-    nothing, springs of the stiffness k that open carry ¼ k d² more, d² = du² + dv², at most the work of Coulomb's limit or of
-    the force before over d/2, and where a step turns the force round the one before is at most the limit, which may have
+    nothing, springs of the stiffness k that open carry ¼ k d² more, d the displacement, at most the work of Coulomb's limit or
+    of the force before over d/2, and where a step turns the force round the one before is at most the limit, which may have
     fallen. [our derivation]
     """
-    first, second, _ = levels_force(bound, stretch)
+    before = force_of_levels(bound, stretch)
     opened = max(bound[bound.size - 1] - stiffness, 0.0)
-    work = 0.5 * (first * du + second * dv)
-    moves, largest = du * du + dv * dv, max(limit * limit, first * first + second * second)
-    set_stiffness(bound, stretch, stiffness)
-    held_u, held_v, _ = levels_force(bound, stretch)
-    for i in range(bound.size):
-        stretch[0, i] += du
-        stretch[1, i] += dv
-    first, second, stored = levels_force(bound, stretch)
-    turned = held_u * first + held_v * second < 0.0
-    first, second, share = shortened(first, second, limit)
-    if turned:
-        work -= 0.5 * (1.0 - shortened(held_u, held_v, limit)[2]) * (held_u * du + held_v * dv)
+    work = 0.5 * dot(before, displacement)
+    moves, largest = dot(displacement, displacement), max(limit * limit, dot(before, before))
+    follow_stiffness(bound, stretch, stiffness)
+    held = force_of_levels(bound, stretch)
+    for level in range(len(bound)):
+        assign(stretch[level], minus_scaled(vector(stretch[level]), -1.0, displacement))
+    force = force_of_levels(bound, stretch)
+    if dot(held, force) < 0.0:
+        work -= 0.5 * (1.0 - _share_within(held, limit)) * dot(held, displacement)
+    share = _share_within(force, limit)
     if share < 1.0:
-        for i in range(bound.size):
-            stretch[0, i] *= share
-            stretch[1, i] *= share
-    work += 0.5 * (first * du + second * dv)
+        scale_levels(stretch, share)
+        force = scaled(share, force)
+    work += 0.5 * dot(force, displacement)
     if opened > 0.0:
         work += 0.25 * opened * moves if opened * opened * moves <= 4.0 * largest else 0.5 * sqrt(largest * moves)
-    return first, second, work, stored * share * share
+    return force, work, energy_of_levels(bound, stretch)
 
 
 @loop
@@ -115,7 +140,7 @@ def levels_loop(choice, rule, shape, p, overlap, along, across, ratio, friction,
     """One contact along a path of overlaps and displacements [m] in two directions of its tangent plane.
 
     choice: the normal stiffness to which K_t is proportional (`demlaws.core.shear`). friction: at each point. bound, stretch:
-    (levels,) and (2, levels), moved on as `state`. results: (6, points) for normal force, that stiffness, both shear forces,
+    (levels,) and (levels, 3), moved on as `state`. results: (6, points) for normal force, that stiffness, both shear forces,
     work and stored energy of shear.
     """
     work = 0.0
@@ -127,8 +152,8 @@ def levels_loop(choice, rule, shape, p, overlap, along, across, ratio, friction,
         du = along[n] - along[n - 1] if touches else 0.0
         dv = across[n] - across[n - 1] if touches else 0.0
         limit = friction[n] * force if force > 0.0 else 0.0
-        first, second, step_work, stored = move(bound, stretch, ratio * top, du, dv, limit)
+        sheared, step_work, stored = move(bound, stretch, ratio * top, (du, dv, 0.0), limit)
         work += step_work
         results[0, n], results[1, n] = force, top
-        results[2, n], results[3, n] = first, second
+        results[2, n], results[3, n] = sheared[0], sheared[1]
         results[4, n], results[5, n] = work, stored

@@ -19,8 +19,7 @@ class Ranks {
 public:
   int me = 0, count = 1;
   virtual ~Ranks() {}
-  // Before the first message: a rank without the plugin stops with an error and waits for the others for ever, and they
-  // for it. Ends the run then.
+  // Before the first message: a rank without the plugin blocks forever in its error exit. Ends the run then.
   void wait_for_all() const {
     if (count == 1) return;
     start();

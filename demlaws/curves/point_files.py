@@ -17,7 +17,7 @@ from demlaws.units import LARGEST_OVERLAP, UNITS, plain_unit, unmasked
 UNLOADED = 0.02
 """Part of the largest force so far by which the force must fall to count as unloading, rather than as noise."""
 MOST_NEGATIVE = 0.9
-"""Part of the forces in tension, from the first to the last of them, from which on they are a pull, not noise about 0."""
+"""Share of negative forces, between the first and the last of them, from which on they count as adhesion, not as noise."""
 FEWEST_POINTS = 3  # rows of a file that are a test
 NOISE_WIDTHS = 3.0  # standard deviations of the load cell below which a force may be no contact
 

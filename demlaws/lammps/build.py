@@ -15,7 +15,7 @@ class _Plugin(Plugin):
     engine, file, source = "lammps", "demlawsplugin.so", "demlaws_lammps.cpp"
     sources = Path(__file__).parent / "src"
     packages = "sudo apt install g++, or install demlaws from a wheel, which has the plugin"
-    flags = (*Plugin.flags, "-fvisibility=hidden")
+    flags = (*Plugin.flags, "-fvisibility=hidden", "-s")
 
     def links(self):
         return [f"-Wl,--version-script={self.sources / 'export.map'}", "-Wl,-z,nodelete", "-Wl,--no-undefined", "-ldl"]

@@ -16,9 +16,9 @@ from demlaws.core.loops import (
     energy_loop,
     follow_loop,
     force_loop,
+    gather,
     inverse_loop,
     loading_part,
-    map_leaves,
     unloaded_loop,
 )
 from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
@@ -264,7 +264,7 @@ class Response(BoundLaw):
         ends, (lowest, most) = self._largest_overlaps
 
         def part(piece):
-            states, params = tuple(array[piece] for array in arrays), self._params_of(piece)
+            states, params = tuple(array[piece] for array in arrays), gather(self.params, piece)
             at = overlap[piece], states, lowest, most, force[piece], stiffness[piece]
             return batch_loop(self.rule_tag, self.shape, params, *at)
 
@@ -285,14 +285,10 @@ class Response(BoundLaw):
         again = np.flatnonzero(np.isnan(force) & (overlap <= ends))
         states = tuple(array[again] for array in arrays)
         results = np.empty(again.size, force.dtype), np.empty(again.size, stiffness.dtype)
-        pair = self.shape, self._params_of(again)
+        pair = self.shape, gather(self.params, again)
         batch_loop(self.rule_tag, *pair, overlap[again], states, UNBOUNDED, FINITE, *results)
         for array, values in zip((force, stiffness, *arrays), (*results, *states), strict=True):
             array[again] = values
-
-    def _params_of(self, piece):
-        """Params of some of the contacts."""
-        return map_leaves(lambda v: v[piece] if isinstance(v, np.ndarray) else v, self.params)
 
     @functools.cached_property
     def _largest_overlaps(self):

@@ -16,10 +16,11 @@ import numpy as np
 import yade
 
 from demlaws.core.numba_compat import callback, kernel, loop
+from demlaws.core.vectors import cross, dot, minus_scaled, scaled, unit_perpendicular, vector
 from demlaws.errors import DemlawsError
 from demlaws.solvers.ellipsoid import quick_factors
 from demlaws.yade.layout import FIELD, PLANE, SHAPE, SPHERE
-from demlaws.yade.records import array, cross, dot, minus_scaled, scaled, unit_perpendicular, vector, view
+from demlaws.yade.records import array, view
 from demlaws.yade.search import address
 
 WINDOW = 4.5

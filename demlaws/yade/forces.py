@@ -43,13 +43,12 @@ def _along(question, contact, path):
 
     import demlaws as dl
     from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, engines
+    from demlaws.yade.omega import fixed_pair
 
     (effective, modulus, surface), omega = contact, yade.O
     radius, young = 2.0 * effective, 2.0 * modulus * (1.0 - POISSON**2)
     omega.reset()
-    omega.materials.append(yade.FrictMat(young=young, poisson=POISSON, frictionAngle=0.5, density=2600, label="body"))
-    for height in (0.0, 2.0 * radius):
-        omega.bodies.append(yade.utils.sphere((0, 0, height), radius, fixed=True, material="body"))
+    fixed_pair(("body", "body"), radius, young, POISSON)
     law = Law2_ScGeom_MindlinPhys_Demlaws(
         question["law"], question["rule"], {"body": dl.Surface(**surface)}, **question["options"]
     )

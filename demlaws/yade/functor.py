@@ -35,8 +35,8 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
     flats: "plane" gives a sphere on a facet, wall or box its own radius as R, which is Hertz's; "yade" keeps YADE's, half of it
         (wall, box) or two thirds (facet).
     radius: R of a level set, a polyhedron and every other shape that is neither sphere nor flat: "body" (YADE's: the distance
-        from its centre to the contact), "curvature" (of level sets, followed as the contact moves; `Curvature(largest=…)`
-        bounds it on flat faces), or the measured radius of its edges [m]. Default: the `edge_radius` of its Surface, else as
+        from its centre to the contact), "curvature" (of level sets, where the contact begins; `Curvature(largest=…)` bounds
+        it on flat faces), or the measured radius of its edges [m]. Default: the `edge_radius` of its Surface, else as
         "body", with a warning.
     shear: "elastic": K_t is a share of the stiffness with which the contact would unload now, and the shear force falls with it
         (passive); "loading": the same of first loading at the present force; "slip": partial slip;

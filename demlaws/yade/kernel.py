@@ -15,6 +15,7 @@ from demlaws.core.loops import clamped_roughness
 from demlaws.core.numba_compat import callback, kernel, loop
 from demlaws.core.shear import shear_stiffness
 from demlaws.core.unloading import rule_of_smooth_contact
+from demlaws.core.vectors import assign, vector
 from demlaws.laws.hertz import HertzParams, HertzShape
 from demlaws.units import LARGEST_OVERLAP, LARGEST_ROUGHNESS, RANGES, SMALL_OVERLAP
 from demlaws.yade import layout, objects
@@ -25,7 +26,6 @@ from demlaws.yade.records import (
     add_float,
     add_integer,
     array,
-    assign,
     c_function,
     exchange_if,
     not_inlined,
@@ -33,7 +33,6 @@ from demlaws.yade.records import (
     read_floats,
     record_fault,
     request_guard,
-    vector,
     view,
     write_floats,
 )

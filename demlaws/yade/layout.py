@@ -4,9 +4,11 @@ The address of the context is behind the functor's table of virtual functions, s
 serves every functor of a law. What YADE's own objects look like is in `objects`.
 """
 
+import functools
 import mmap
 
 import numpy as np
+from numpy.lib.recfunctions import repack_fields
 
 FAULTS = 14
 WRONG_CLASS, NOT_FINITE, WRONG_CONTACT, TOO_ROUGH, TOO_DEEP, WRONG_MODULUS = range(6)
@@ -104,7 +106,8 @@ SHAPE = np.dtype(
 """A body's shape. size: spacing of the grid of a level set, radius of a sphere [m]."""
 
 
-def pair_dtype(shape_fields):
+@functools.cache  # YADE keeps the laws of scenes that are gone
+def pair_dtype(*shape_fields):
     """dtype of a pair of surfaces; shape_fields: of `tuples.fields`, of the law's Shape."""
     # fields that all pairs have come last: numba takes a record for another one that it begins with
     judged = [(name, "f8", (2,)) for name in ("judged_radii", "judged_moduli")]  # ranges for which the guard has judged the law
@@ -112,11 +115,13 @@ def pair_dtype(shape_fields):
     return np.dtype([*shape_fields, ("smooth", "i8"), *numbers, *judged])
 
 
+@functools.cache
 def contact_dtype(floats):
     """dtype of a contact outside YADE's objects: its history and its Params, a number of floats (`hertz`: of a smooth one)."""
     return np.dtype([*_HISTORY, ("params", "f8", (floats,)), ("hertz", "f8")])
 
 
+@functools.cache
 def row_dtype(levels, floats, springs):
     """dtype of a contact's row in the memory of a law.
 
@@ -138,6 +143,12 @@ def row_dtype(levels, floats, springs):
 SAVED = [name for name, *_ in _HISTORY]
 SAVED += ["lever", "bound", "stretch", "tangent", "rest", "spring"]
 """Fields of a row that are saved with a scene."""
+
+
+@functools.cache
+def saved_dtype(row):
+    """dtype of what a scene saves of rows of this dtype."""
+    return repack_fields(row[[name for name in row.names if name in SAVED]])
 
 
 def label_hash(label):

@@ -12,19 +12,9 @@ from numba import types
 from demlaws.core.dispatch import generic
 from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import kernel
+from demlaws.core.vectors import assign, cross, dot, minus_scaled, scaled, vector
 from demlaws.yade import objects
-from demlaws.yade.records import (
-    assign,
-    c_function,
-    cross,
-    dot,
-    minus_scaled,
-    on_stack,
-    pointee,
-    scaled,
-    vector,
-    view,
-)
+from demlaws.yade.records import c_function, on_stack, pointee, view
 
 _ADDRESS, _NUMBER = types.int64, types.int32
 call_go = c_function(types.uint8, *[_ADDRESS] * 4)

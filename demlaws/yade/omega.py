@@ -5,6 +5,7 @@ import contextlib
 import math
 
 import yade
+import yade.utils
 
 from demlaws.errors import DemlawsError
 from demlaws.units import RANGES
@@ -53,6 +54,15 @@ def scratch_scene():
     finally:
         O.resetThisScene()
         O.switchToScene(home)
+
+
+def fixed_pair(labels, radius, young, poisson):
+    """Add two fixed spheres, one above the other, of new materials with these labels, to the current scene, which is empty."""
+    for height, label in zip((0.0, 2.0 * radius), labels, strict=True):
+        stone = yade.FrictMat(young=young, poisson=poisson, frictionAngle=0.5, density=2600, label=label)
+        O.materials.append(stone)
+        # with a colour: YADE would draw one from the random numbers of the user's script
+        O.bodies.append(yade.utils.sphere((0, 0, height), radius, fixed=True, material=stone, color=(1, 1, 1)))
 
 
 def contact_engines(functor, physics, reach, before=(), geometries=None, bounds=None):

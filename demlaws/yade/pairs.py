@@ -5,7 +5,6 @@ from numbers import Integral
 
 import numba
 import numpy as np
-from numpy.lib.recfunctions import repack_fields
 
 from demlaws.contact import Contact, Material, Surface, hardness_doubt, surface_of
 from demlaws.core.dispatch import leaves, refuse_other_values
@@ -353,9 +352,9 @@ class Pairs:
         self.params_kind, floats = numba.typeof(params), len(list(leaves(params)))
         self.row = layout.row_dtype(self.levels, floats, self.springs)
         self.contact = layout.contact_dtype(floats)
-        self.saved = repack_fields(self.row[[name for name in self.row.names if name in layout.SAVED]])
+        self.saved = layout.saved_dtype(self.row)
         self._keep = []
-        self.records = np.zeros(len(self.shapes), layout.pair_dtype(tuples.fields(self.kind, "shape")))
+        self.records = np.zeros(len(self.shapes), layout.pair_dtype(*tuples.fields(self.kind, "shape")))
         for record, shape, roughness, numbers in zip(self.records, self.shapes, self.roughnesses, more, strict=True):
             record["smooth"], record["roughness"] = shape is None, roughness
             record["radius"], record["modulus"], record["mu0"], record["c1"], record["c2"] = numbers

@@ -8,7 +8,7 @@ import yade
 
 from demlaws.errors import DemlawsError
 from demlaws.yade import layout, native
-from demlaws.yade.omega import O, contact_engines, scratch_scene, set_engines
+from demlaws.yade.omega import O, contact_engines, fixed_pair, scratch_scene, set_engines
 
 POISSON = 0.2
 TOLERANCE = 1e-14  # of the largest force
@@ -88,22 +88,6 @@ def _sheared(functor, overlap, damping, periodic):
     return {name: np.nan_to_num(np.array(values, float)) for name, values in seen.items()}
 
 
-def _two_spheres(functor, labels, radius, young):
-    """Two spheres of these materials in the present scene, which is empty."""
-    for height, label in zip((0.0, 2 * radius), labels, strict=True):
-        material = yade.FrictMat(young=young, poisson=POISSON, frictionAngle=0.5, density=2600, label=label)
-        O.materials.append(material)
-        body = yade.Body()
-        body.shape, body.material = yade.Sphere(radius=radius), material
-        body.state.pos = body.state.refPos = yade.Vector3(0, 0, height)
-        body.state.mass, body.state.inertia = 1.0, yade.Vector3(1, 1, 1)
-        body.state.blockedDOFs = "xyzXYZ"
-        body.bound = yade.Aabb()
-        O.bodies.append(body)
-    set_engines(_engines(functor, radius, {}))
-    O.dt = 1e-9
-
-
 def _engines(functor, radius, damping):
     """Engines of the two spheres; damping: arguments of the functor of physics."""
     physics = yade.Ip2_FrictMat_FrictMat_MindlinPhys(**damping)
@@ -132,7 +116,9 @@ def _compare(binding):
     labels, number = pairs.pair_of_law()
     effective_radius, modulus = pairs.typical_contact(number)
     radius, young = 2.0 * effective_radius, 2.0 * modulus * (1.0 - POISSON**2)
-    _two_spheres(functor, labels, radius, young)
+    fixed_pair(labels, radius, young, POISSON)
+    set_engines(_engines(functor, radius, {}))
+    O.dt = 1e-9
     row = pairs.contacts_of([number], effective_radius, modulus)
     wrong, largest, forces, steps = 0.0, 0.0, [], 0
     deepest = _deepest(pairs, row, 4e-3 * effective_radius)

@@ -1,18 +1,16 @@
 """Shear at a contact: how the elastic shear force follows K_t, and the energy of shear. Compiled code, as `kernel`.
 
-`Levels`: the springs of a contact in levels, ordered by the K_t at which they touched (demlaws.core.levels): level i covers K_t
-from bound[i - 1] to bound[i], of which the springs have one stretch. Where K_t falls, the levels above it open and take their
-force and energy along; what K_t rises by is a level without stretch; of one level too many two neighbours become one. `Native`
-leaves the force as it is where K_t changes; `Slip` sets it: a row of springs. YADE's geometry of the contact has the
-displacement of the step and how the normal turns.
+`Levels`: the springs of a contact in levels (demlaws.core.levels). `Native` leaves the force as it is where K_t changes; `Slip`
+sets it: a row of springs. YADE's geometry of the contact has the displacement of the step and how the normal turns.
 """
 
 from typing import NamedTuple
 
 from demlaws.core.dispatch import bind, generic
 from demlaws.core.fastmath import sqrt
+from demlaws.core.levels import energy_of_levels, follow_stiffness, force_of_levels, scale_levels
 from demlaws.core.numba_compat import kernel
-from demlaws.core.shear import EMPTY
+from demlaws.core.vectors import assign, cross, dot, minus_scaled, scaled, vector
 from demlaws.yade import layout, objects
 from demlaws.yade.mindlin import (
     advance,
@@ -23,7 +21,7 @@ from demlaws.yade.mindlin import (
     turned,
     velocity_apart,
 )
-from demlaws.yade.records import assign, cross, dot, minus_scaled, pointee, scaled, vector, view
+from demlaws.yade.records import pointee, view
 
 
 class Levels(NamedTuple):
@@ -155,71 +153,14 @@ def turned_with(turn, a):
 
 
 @kernel
-def width(row, level):
-    """Stiffness K_t [N/m] of the springs of a level."""
-    return row.bound[level] - row.bound[level - 1] if level > 0 else row.bound[0]
-
-
-@kernel
-def force_of_levels(row):
-    """Elastic shear force [N]."""
-    force = (0.0, 0.0, 0.0)
-    for level in range(len(row.bound)):
-        force = minus_scaled(force, -width(row, level), vector(row.stretch[level]))
-    return force
-
-
-@kernel
-def energy_of_levels(mode, phys, row, stiffness):
-    """`stored_energy` of levels."""
-    energy = 0.0
-    for level in range(len(row.bound)):
-        stretch = vector(row.stretch[level])
-        energy += 0.5 * width(row, level) * dot(stretch, stretch)
-    return energy
-
-
-@kernel
-def push_level(row, stiffness):
-    """K_t rises to `stiffness` [N/m]: a level without stretch on top; the two nearest neighbours become one. Their loss [J]."""
-    count, rest = len(row.bound), (0.0, 0.0, 0.0)
-    joined, least, lower, upper, below, empty, gap = 0, 0.0, 0.0, 0.0, 0.0, EMPTY * stiffness, 0.0
-    for level in range(count):
-        bound, above = row.bound[level], row.bound[level + 1] if level + 1 < count else stiffness
-        next_stretch = vector(row.stretch[level + 1]) if level + 1 < count else rest
-        apart = minus_scaled(vector(row.stretch[level]), 1.0, next_stretch)
-        square = dot(apart, apart)
-        distance = (above - below) * square if bound - below > empty and above - bound > empty else 0.0
-        if level == 0 or distance < least:
-            joined, least, lower, upper, gap = level, distance, bound - below, above - bound, square
-        below = bound
-    both = lower + upper
-    part = upper / both if both > 0.0 else 0.0
-    for level in range(count):  # without a branch, which a processor would often guess wrong
-        share = 0.0 if level < joined else part if level == joined else 1.0
-        next_stretch = vector(row.stretch[level + 1]) if level + 1 < count else rest
-        assign(row.stretch[level], minus_scaled(scaled(1.0 - share, vector(row.stretch[level])), -share, next_stretch))
-        above = row.bound[level + 1] if level + 1 < count else stiffness
-        row.bound[level] = row.bound[level] if level < joined else above
-    return 0.5 * lower * part * gap
-
-
-@kernel
-def cut_levels(row, stiffness):
-    """K_t falls to `stiffness` [N/m]: the springs that touched above it open. Their energy [J]."""
-    loss, below, below_now = 0.0, 0.0, 0.0
-    for level in range(len(row.bound)):
-        stretch, bound = vector(row.stretch[level]), row.bound[level]
-        now = min(bound, stiffness)
-        loss += 0.5 * ((bound - below) - (now - below_now)) * dot(stretch, stretch)
-        row.bound[level], below, below_now = now, bound, now
-    return loss
+def _energy_of_levels(mode, phys, row, stiffness):
+    return energy_of_levels(row.bound, row.stretch)
 
 
 @kernel
 def _force_of_displaced_levels(mode, geom, phys, row, increment):
     move_levels(geom, row, increment)
-    return force_of_levels(row)
+    return force_of_levels(row.bound, row.stretch)
 
 
 @kernel
@@ -231,10 +172,8 @@ def move_levels(geom, row, increment):
 
 
 @kernel
-def scale_levels(mode, row, share):
-    """Reduce all stretches to a share."""
-    for level in range(len(row.bound)):
-        assign(row.stretch[level], scaled(share, vector(row.stretch[level])))
+def _scale_levels(mode, row, share):
+    scale_levels(row.stretch, share)
 
 
 @kernel
@@ -257,8 +196,8 @@ def _follow_native_step(mode, contact, row):
         return
     move_levels(geom, row, vector(geom.shearInc))
     if phys.isSliding != 0:
-        force, trial = vector(phys.shearElastic), force_of_levels(row)
-        scale_levels(mode, row, sqrt(dot(force, force) / dot(trial, trial)))
+        force, trial = vector(phys.shearElastic), force_of_levels(row.bound, row.stretch)
+        scale_levels(row.stretch, sqrt(dot(force, force) / dot(trial, trial)))
 
 
 # --- Mindlin's law with an account of energy
@@ -281,8 +220,8 @@ def relax_shear(mode, phys, row, stiffness):
 
 @kernel
 def _relax_levels(mode, phys, row, stiffness):
-    loss = push_level(row, stiffness) if stiffness > row.bound[len(row.bound) - 1] else cut_levels(row, stiffness)
-    assign(phys.shearElastic, force_of_levels(row))
+    loss = follow_stiffness(row.bound, row.stretch, stiffness)
+    assign(phys.shearElastic, force_of_levels(row.bound, row.stretch))
     return loss
 
 
@@ -314,7 +253,7 @@ def _adopt_as_one_level(mode, phys, row, stiffness, force):
         for level in range(len(row.bound)):
             assign(row.stretch[level], scaled(1.0 / stiffness, force))
         assign(phys.shearElastic, force)
-    return energy_of_levels(mode, phys, row, stiffness)
+    return energy_of_levels(row.bound, row.stretch)
 
 
 @kernel
@@ -363,12 +302,12 @@ bind(
     Levels,
     synchronise=_to_half_step,
     trial_force=_force_of_displaced_levels,
-    slide=scale_levels,
+    slide=_scale_levels,
     turned_force=_turned_with_contact,
     before_native_step=_turn_in_advance,
     after_native_step=_follow_native_step,
     relax_shear=_relax_levels,
-    stored_energy=energy_of_levels,
+    stored_energy=_energy_of_levels,
     set_shear_force=_adopt_as_one_level,
     within_limit=together_within_limit,
 )

@@ -5,20 +5,10 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import kernel
 from demlaws.core.slip import compressions, depth_of, set_springs, slip, unloads_by_hertz
+from demlaws.core.vectors import assign, cross, dot, minus_scaled, scaled, unit_perpendicular, vector
 from demlaws.yade import layout, objects
 from demlaws.yade.mindlin import advance, limit_of_native_step, reduce_dashpot, supports_options, turned
-from demlaws.yade.records import (
-    assign,
-    cross,
-    dot,
-    minus_scaled,
-    pointee,
-    record_fault,
-    scaled,
-    unit_perpendicular,
-    vector,
-    view,
-)
+from demlaws.yade.records import pointee, record_fault, view
 from demlaws.yade.shear import Slip, account, is_changed
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import demlaws as dl
 from demlaws import shear
 from demlaws.core.dispatch import gather, scatter, step
-from demlaws.core.levels import levels_force, set_stiffness
+from demlaws.core.levels import follow_stiffness, force_of_levels
 from demlaws.core.numba_compat import loop
 from demlaws.core.shear import CHOICES, DEFAULT, shear_stiffness
 from demlaws.errors import quiet
@@ -63,19 +63,19 @@ def creep_loop(choice, rule, shape, p, overlap, ratio, load, state, bound, stret
     for n in range(overlap.size):
         force, tangent, new = step(rule, shape, p, overlap[n], gather(state, 0))
         scatter(state, 0, new)
-        set_stiffness(bound, stretch, ratio * shear_stiffness(choice, rule, shape, p, overlap[n], force, tangent, new))
+        follow_stiffness(bound, stretch, ratio * shear_stiffness(choice, rule, shape, p, overlap[n], force, tangent, new))
         if n >= 99:
-            moved = (load - levels_force(bound, stretch)[0]) / bound[-1]
+            moved = (load - force_of_levels(bound, stretch)[0]) / bound[-1]
             places[n] = places[n - 1] + moved
             for i in range(bound.size):
-                stretch[0, i] += moved
+                stretch[i, 0] += moved
     return places
 
 
 def creep(case, vibration, levels):
     """Displacements under half of Coulomb's limit after each cycle of a vibration, over that without one."""
     law, overlap, stiffness = specimen(*case)
-    load, tag, rows = 0.5 * FRICTION * LOAD, CHOICES[DEFAULT].tag, (np.zeros(levels), np.zeros((2, levels)))
+    load, tag, rows = 0.5 * FRICTION * LOAD, CHOICES[DEFAULT].tag, (np.zeros(levels), np.zeros((levels, 3)))
     path, state = overlap * vibration.path(), law.new_state(1)
     places = creep_loop(tag, law.rule_tag, law.shape, law.params, path, RATIO, load, state.arrays, *rows)
     return places[99 :: 2 * PARTS] * stiffness / load

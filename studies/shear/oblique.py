@@ -47,7 +47,7 @@ def oblique_loop(rule, shape, p, mass, normal, sideways, ratio, friction, dt, mo
     """
     overlap, approach, velocity, spin = 0.0, normal, sideways, 0.0
     force, shear, stretch = 0.0, 0.0, 0.0
-    bound, stretches = np.zeros(levels), np.zeros((2, levels))
+    bound, stretches = np.zeros(levels), np.zeros((levels, 3))
     row = np.zeros((6, springs))
     for _ in range(10_000_000):
         approach -= 0.5 * dt * force / mass
@@ -63,7 +63,7 @@ def oblique_loop(rule, shape, p, mass, normal, sideways, ratio, friction, dt, mo
             compressions(False, overlap, row[0], row[1], row[4], row[5])
             shear = slip(friction * force, ratio, moved, 0.0, row[0], row[2:4], row[4], row[5])[0]
         elif model == 2:
-            shear = move(bound, stretches, ratio * stiffness, moved, 0.0, friction * force)[0]
+            shear = move(bound, stretches, ratio * stiffness, (moved, 0.0, 0.0), friction * force)[0][0]
         else:
             stretch += moved
             shear = ratio * stiffness * stretch if model == 0 else shear + ratio * stiffness * moved

@@ -245,7 +245,7 @@ def test_softer_grains_are_advised_and_written(tmp_path, capsys):
         "radii = 4e-3\nquantity = 'stiffness'\ntolerance = 0.5\npressure = [1e4, 1e5]\ncyclic = true\n"
         "[material]\nyoung = 60e9\npoisson = 0.25\n[surface]\nroughness = 1.7e-6\nfractal_dimension = 2.2\n"
     )
-    advice = modulus.advise(dl.Scene.load(file))
+    advice = modulus.recommend_modulus(dl.Scene.load(file))
     assert advice.factor > 1.0
     table = tmp_path / "law.tbl"
     assert main(["choose", str(file), "--soften", "--out", str(table)]) == 0

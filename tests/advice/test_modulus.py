@@ -53,7 +53,7 @@ def time_to_solution(tolerance):
         tried = [packing._replace(factor=s, inertial=rate, part=part) for s, rate, part in study.TRIED]
         scene = scene_of(packing, tolerance=tolerance, process="oedometer")
         ways = {(s, rate, part * modulus.STUDY_STEP): part for s, rate, part in study.TRIED}
-        advice = modulus.advise(scene, ways=tuple(ways))
+        advice = modulus.recommend_modulus(scene, ways=tuple(ways))
         part = ways[advice.factor, advice.inertial, advice.part]
         chosen = packing._replace(factor=advice.factor, inertial=advice.inertial, part=part)
         fastest = min(rows[run]["steps"] for run in tried if results.worst(found[run]) <= tolerance)
@@ -104,16 +104,16 @@ def test_the_rate_is_that_of_the_lightest_grains():
 
 def test_advice_is_within_the_tolerance_and_the_rate():
     for tolerance in (0.1, 0.3, 0.6):
-        advice = modulus.advise(scene_of(study.Run("yade", "cycles"), tolerance=tolerance))
+        advice = modulus.recommend_modulus(scene_of(study.Run("yade", "cycles"), tolerance=tolerance))
         assert advice.error <= tolerance
         others = [modulus.predict(PACKING, s, i) for s in (1.0, 10.0, 100.0) for i in modulus.INERTIAL[::4]]
         assert all(o.steps >= advice.steps * (1.0 - 1e-9) for o in others if o.error <= tolerance)
     assert advice.factor > 1.0
     one, other = advice.scene.contacts(2e-3)[0], dl.soften(PACKING.contacts(2e-3)[0], advice.factor)
     assert one.modulus == pytest.approx(other.modulus) and one.sigma == pytest.approx(other.sigma)
-    slow = modulus.advise(scene_of(study.Run("yade", "cycles"), tolerance=0.6, rate=0.1))
+    slow = modulus.recommend_modulus(scene_of(study.Run("yade", "cycles"), tolerance=0.6, rate=0.1))
     assert slow.rate <= 0.1 * (1.0 + 1e-9) < advice.rate
-    assert modulus.advise(scene_of(study.Run("yade", "cycles"), tolerance=1e-6)) is None
+    assert modulus.recommend_modulus(scene_of(study.Run("yade", "cycles"), tolerance=1e-6)) is None
 
 
 @pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -145,7 +145,7 @@ def test_the_step_of_softer_grains_is_stable_at_their_own_density(kind):
         tolerance=0.3,
         cyclic=True,
     )
-    advice, grains = modulus.advise(scene), lattice(kind)
+    advice, grains = modulus.recommend_modulus(scene), lattice(kind)
     assert advice.factor > 1.0
     contact = advice.scene.contacts(4e-3)[0]
     law = dl.law("pohrt-popov", contact, "hertz")
@@ -161,24 +161,24 @@ def test_the_step_of_softer_grains_is_stable_at_their_own_density(kind):
 
 def test_each_process_has_its_own_advice():
     """Softer grains save nothing in compression to a stress, but do in a pour and in shear. The scene's rate bounds I."""
-    pressed = modulus.advise(scene_of(study.Run("yade", "cycles"), process="oedometer", tolerance=0.3))
+    pressed = modulus.recommend_modulus(scene_of(study.Run("yade", "cycles"), process="oedometer", tolerance=0.3))
     assert pressed.factor == 1.0 and pressed.part == STEP_SAFETY
-    slow = modulus.advise(scene_of(study.Run("yade", "cycles"), process="oedometer", tolerance=0.3, rate=0.05))
+    slow = modulus.recommend_modulus(scene_of(study.Run("yade", "cycles"), process="oedometer", tolerance=0.3, rate=0.05))
     assert slow.rate == pytest.approx(0.05) and slow.inertial < pressed.inertial and slow.error < pressed.error
     assert slow.steps == pytest.approx(pressed.steps * pressed.inertial / slow.inertial)
     given = {"tolerance": 0.3, "rate": 0.05}
-    poured = modulus.advise(scene_of(study.Run("yade", "cycles"), process="pour", quantity="overlap", **given))
+    poured = modulus.recommend_modulus(scene_of(study.Run("yade", "cycles"), process="pour", quantity="overlap", **given))
     assert poured.factor > 1.0 and poured.steps < 0.6 and "height" in poured.lines()[-1]
-    sheared = modulus.advise(scene_of(study.Run("yade", "cycles"), process="shear", quantity="force", tolerance=0.3))
+    sheared = modulus.recommend_modulus(scene_of(study.Run("yade", "cycles"), process="shear", quantity="force", tolerance=0.3))
     assert sheared.factor > 1.0 and sheared.what == "peak strength" and sheared.error <= 0.3
 
 
 def test_what_is_not_known_is_refused():
     run = study.Run("yade", "cycles")
     for call in (
-        lambda: modulus.advise(Scene(radii=4e-3, materials=GRANITE, force=(1.0, 2.0), quantity="stiffness")),
-        lambda: modulus.advise(scene_of(run, quantity="restitution")),
-        lambda: modulus.advise(scene_of(run, process="shear")),  # stiffness: not measured there
+        lambda: modulus.recommend_modulus(Scene(radii=4e-3, materials=GRANITE, force=(1.0, 2.0), quantity="stiffness")),
+        lambda: modulus.recommend_modulus(scene_of(run, quantity="restitution")),
+        lambda: modulus.recommend_modulus(scene_of(run, process="shear")),  # stiffness: not measured there
         lambda: modulus.predict(PACKING, float("nan")),
     ):
         with pytest.raises(dl.DemlawsError):

@@ -28,6 +28,6 @@ thread.join()
 
 
 def test_the_child_compiles_too():
-    """Before: it waited for a lock that a thread of its parent held."""
+    """It does not wait for a lock that a thread of its parent holds."""
     done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, env=dict(os.environ))
     assert done.stdout == "0\n", done

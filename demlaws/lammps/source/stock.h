@@ -44,16 +44,11 @@ private:
   }
 };
 
-// Error::all (every rank comes here) or Error::one; they throw.
+// Error::all (every rank comes here) or Error::one; they print, flush and throw.
 [[noreturn]] void raise(void *lmp, bool every_rank, const std::string &what) {
   LAMMPS_NS::Error *const of = instance(lmp)->error;
-  try {
-    if (every_rank) of->all(FLERR, what);
-    of->one(FLERR, what);
-  } catch (...) { // in a pipe the message would be lost where mpirun ends this rank because another one has stopped
-    fflush(stdout);
-    throw;
-  }
+  if (every_rank) of->all(FLERR, what);
+  of->one(FLERR, what);
 }
 
 } // namespace

@@ -161,20 +161,15 @@ private:
 inline void *error_of(void *lmp) { return ((void **)lmp)[1]; }
 inline void *modify_of(void *lmp) { return ((void **)lmp)[10]; }
 
-// Error::all (every rank comes here) or Error::one; they throw.
+// Error::all (every rank comes here) or Error::one; they print, flush and throw.
 __attribute__((noinline, cold, noreturn)) void raise(void *lmp, bool every_rank, const std::string &what) {
   const Stock &stock = Stock::get();
   void *const error = error_of(lmp);
   const std::string file = "demlaws";
-  try {
-    if (every_rank && stock.all4) stock.all4(error, file, 0, -2, what);
-    if (every_rank && stock.all) stock.all(error, file, 0, what);
-    if (stock.one4) stock.one4(error, file, 0, -2, what);
-    if (stock.one) stock.one(error, file, 0, what);
-  } catch (...) { // in a pipe the message would be lost where mpirun ends this rank because another one has stopped
-    fflush(stdout);
-    throw;
-  }
+  if (every_rank && stock.all4) stock.all4(error, file, 0, -2, what);
+  if (every_rank && stock.all) stock.all(error, file, 0, what);
+  if (stock.one4) stock.one4(error, file, 0, -2, what);
+  if (stock.one) stock.one(error, file, 0, what);
   fprintf(stderr, "%s\n", what.c_str());
   abort();
 }

@@ -290,8 +290,8 @@ def test_spheres_keep_their_radius_under_every_choice(omega):
     assert found[0] > 0 and len(set(found)) == 1
 
 
-def test_a_rough_contact_follows_the_curvature(omega, level_sets):
-    """What the law needs of R besides Hertz's coefficient is renewed, too."""
+def test_a_rough_contact_has_the_radius_of_curvature(omega, level_sets):
+    """All that the law derives from R is of this R, not only Hertz's coefficient."""
     material()
     rough = functor("pohrt-popov", "hertz", radius="curvature")
     for height in (0.0, 2 * R - 2e-5):

@@ -70,6 +70,13 @@ print("kB", (resident() - first) / 60)
     assert float(done.stdout.split("kB")[1]) < 128.0
 
 
+def test_laws_of_one_kind_share_their_dtypes(omega):
+    """YADE keeps the functors of scenes that are gone: a third of what each law kept were dtypes of its own."""
+    one, other = functor(label="one").binding.pairs, functor(label="other").binding.pairs
+    assert one.row is other.row and one.contact is other.contact and one.saved is other.saved
+    assert one.records.dtype is other.records.dtype
+
+
 def test_rows_are_returned_with_their_scene(omega):
     """By a reset and by another scene; a law that is taken out of the engine list and put back continues its contacts."""
     law = acting(functor())

@@ -53,7 +53,7 @@ def test_a_script_with_one_law_loads_no_code_of_other_features(tmp_path):
     files = json.loads((tmp_path / "found.json").read_text())["loaded"]
     loaded = {Path(file).relative_to(PACKAGE).with_suffix("").as_posix() for file in files}
     assert {"yade/kernel", "yade/shear", "laws/pohrt_popov"} <= loaded
-    others = {"yade/curvature", "yade/slip", "yade/public", "core/slip", "curves/tabulate", "shear", "core/levels"}
+    others = {"yade/curvature", "yade/slip", "yade/public", "core/slip", "curves/tabulate", "shear"}
     others |= {"yade/contacts", "yade/saving"}
     others |= {"solvers/ellipsoid", "solvers/criterion", "responses/batch", "responses/path", "responses/results"}
     assert not loaded & others
