@@ -233,7 +233,9 @@ def main():
     parser.add_argument("--weak", action="store_true", help="also 97,336 spheres per rank")
     parser.add_argument("--portable", action="store_true", help="the plugin compiled for any processor, as the wheel's is")
     parser.add_argument("--laws", nargs="+", choices=list(OURS), metavar="LAW", help="only these laws of ours")
-    parser.add_argument("--springs", type=int, nargs="*", default=[], help="these laws with partial slip, too, of so many springs")
+    parser.add_argument(
+        "--springs", type=int, nargs="*", default=[], help="these laws with partial slip, too, of so many springs"
+    )
     options = parser.parse_args()
     for name in options.laws or ("pohrt-popov, elastic", "pohrt-popov, hertz unloading"):
         slips = {f"{name}, slip, {n} springs": f"{OURS[name]} shear slip springs {n}" for n in options.springs}
