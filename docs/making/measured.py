@@ -63,7 +63,7 @@ def judged_again(rows):
     for test, claim, verdict, reason in JUDGED_AGAIN:
         lines.append(f"| {claim} | {test} | {verdict} | {now[test, claim]} | {reason} |")
     table = "\n".join(lines)
-    return f"**Verdicts before and after**: those of {BEFORE}, that differ; {ADDED}\n\n{table}"
+    return f"**Verdicts before and after.** These differ from those of {BEFORE}; {ADDED}\n\n{table}"
 
 
 BEFORE = "2026-11-26 (5ff8ac44: 40 statements, 11 reproduced, 6 not, 8 built in, 15 cannot be decided)"
@@ -81,7 +81,7 @@ JUDGED_AGAIN = (
     ("rough spheres", "Goddard's stiffness might be very similar to Pohrt-Popov's", "reproduced",
      "within 10 %, not 26 %, which RMS meets as well"),
     ("RFC10", "after gross yield a stiffness of about 5000 N/mm", "built in",
-     "p_y is Hertz's p0 at that stiffness; the bulk keeps the tangent at yield, not a stiffness chosen to be the printed one"),
+     "the bulk keeps the tangent that it has at yield, not the printed stiffness, from which p_y is chosen"),
     ("FC5", "above 7 N much stiffer than Pohrt-Popov", "reproduced", "the stiffness jumped upwards at yield"),
 )  # fmt: skip
 """Test, statement, verdict at `BEFORE`, and why it differs."""
