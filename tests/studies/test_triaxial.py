@@ -88,7 +88,7 @@ def test_effects_and_packings_of_the_page_are_those_of_the_kept_runs():
 
 
 def test_what_the_page_says_was_not_run():
-    """Under q = 370 kPa at p = 10 and 30 kPa no test is measured and none was run; one usual law is at p = 60, q = 230 kPa only."""
+    """No test is measured and none was run with q = 370 kPa at p = 10 and 30 kPa; one law has p = 60, q = 230 kPa only."""
     rows = [row for row in read(cycles.RESULTS) if row["friction"] == 0.6 and row["grains"] == "tetrapods"]
     tests = {key[:2] for key in report.measured()}
     loads, packings, ends = {}, {}, {}
