@@ -190,12 +190,12 @@ def test_clumps_go_on_to_settle():
     rows = read(cycles.LONG)
     ((seed, one),) = report.longest(rows).items()
     number, settled = report.main_cycles(one)
-    assert seed == 1 and number[-1] == 631 and report.kind_of(cycles.case_of(one[0])) == report.ROUGH_CLUMPS
+    assert seed == 1 and number[-1] == 858 and report.kind_of(cycles.case_of(one[0])) == report.ROUGH_CLUMPS
     late = number >= 200
-    assert np.polyfit(np.log(number[late]), np.log(settled[late]), 1)[0] == pytest.approx(0.41, abs=5e-3)
-    assert report.settlement(one, 200) / settled[-1] == pytest.approx(0.63, abs=5e-3)
+    assert np.polyfit(np.log(number[late]), np.log(settled[late]), 1)[0] == pytest.approx(0.44, abs=5e-3)
+    assert report.settlement(one, 200) / settled[-1] == pytest.approx(0.53, abs=5e-3)
     fitted = np.array(report.fit(one, 200.0).at(number[-1])) / settled[-1]
-    assert fitted == pytest.approx((0.65, 0.72), abs=5e-3)
+    assert fitted == pytest.approx((0.56, 0.63), abs=5e-3)
     before = report.series(read(cycles.CONTROL))[report.ROUGH_CLUMPS][seed]
     assert report.settlement(one, 30) == pytest.approx(report.settlement(before, 30), rel=0.02)  # other machine code
 
