@@ -52,8 +52,39 @@ def claims(folder, out, printed):
         f"**{first}.** With E\\* = E/(2(1 - ν)) = 40.4 GPa in place of the text's E/(2(1 - ν²)) = 32.3 GPa: {second}. "
         f"{MODULUS}\n\n[All {len(rows)} statements](claims.csv) of "
         "Altuhafi, Baudet & Coop (2023), with the place in the paper, the results of runs, and the tolerance, which is "
-        f"ours, within which a statement counts as reproduced. {KINDS}\n\n{CONES}"
+        f"ours, within which a statement counts as reproduced. {KINDS}\n\n{judged_again(rows)}\n\n{CONES}"
     )
+
+
+def judged_again(rows):
+    """Table of the statements that had another verdict at `BEFORE`; KeyError for one that `rows` have not."""
+    now = {(row["test"], row["claim"]): row["verdict"] for row in rows}
+    lines = ["| statement | test | before | now | reason |", "|---|---|---|---|---|"]
+    for test, claim, verdict, reason in JUDGED_AGAIN:
+        lines.append(f"| {claim} | {test} | {verdict} | {now[test, claim]} | {reason} |")
+    table = "\n".join(lines)
+    return f"**Verdicts before and after.** These differ from those of {BEFORE}; {ADDED}\n\n{table}"
+
+
+BEFORE = "2026-11-26 (5ff8ac44: 40 statements, 11 reproduced, 6 not, 8 built in, 15 cannot be decided)"
+ADDED = """ten statements are new: the real area (reproduced), Table 2, κ, Eq. 13 and conclusion 5 (not reproduced), three
+built in, two that cannot be decided."""
+JUDGED_AGAIN = (
+    ("SS(18-18)", "displacement differs from that of VS by more than σ", "reproduced",
+     "above the crossover Pohrt–Popov's overlap exceeds Hertz's by 1.7 σ at any load"),
+    ("rough spheres", "Pohrt-Popov's exponent of stiffness is around 0.56", "reproduced",
+     "it is 0.2567 times the printed fractal dimension"),
+    ("SS(18-18), SS(12-18)", "RMS is too stiff above 70 N, not below", "reproduced",
+     "against Yip–Venart it is as much too stiff from 10 to 40 N"),
+    ("SS(18-18), SS(12-18)", "RMS overestimates deformation at low load", "cannot be decided",
+     "by its stiffness at 1 N over that of Yip–Venart"),
+    ("rough spheres", "Goddard's stiffness might be very similar to Pohrt-Popov's", "reproduced",
+     "within 10 %, not 26 %, which RMS meets as well"),
+    ("RFC10", "after gross yield a stiffness of about 5000 N/mm", "built in",
+     "the bulk keeps the tangent that it has at yield, not the printed stiffness, from which p_y is chosen"),
+    ("FC5", "above 7 N much stiffer than Pohrt-Popov", "reproduced", "the stiffness jumped upwards at yield"),
+)  # fmt: skip
+"""Test, statement, verdict at `BEFORE`, and why it differs."""
 
 
 KINDS = """*Built in*: true because of the chosen law, rule or parameter. *Cannot be decided*: mostly because the

@@ -59,7 +59,8 @@ def _many(ax, beds, clumps):
         way, law = np.geomspace(2, number[-1], 100), fit(rows, LONGEST)
         for formula, values, colour in zip(("a + b log N", "c N^d"), law.at(way), ("C0", "C1"), strict=True):
             add(way, values, colour, f"{formula}, fitted to cycles 2 to {LONGEST:.0f}", lw=1.2)
-    title = f"{rows[0]['cycles']:,.0f} cycles: fits to {LONGEST} fall short"
+    most = max(rows[0]["cycles"] for _, _, rows in marked)
+    title = f"Up to {most:,.0f} cycles: fits to {LONGEST} fall short"
     ax.set(xscale="log", yscale="log", ylim=(20.0, None), xlabel="cycle", ylabel="settlement (µm)", title=title)
     ax.legend(fontsize=8.5)
 

@@ -10,6 +10,7 @@ from bench_fit import history
 from examples import shared
 
 import demlaws as dl
+from demlaws import granite
 from demlaws.advice.fit_model import FORCE_ZERO
 from demlaws.advice.fit_report import _aicc
 
@@ -156,6 +157,16 @@ def test_a_load_cell_that_is_off(case):
     for name in free:
         one, other = tared.parameters[name], unknown.parameters[name]
         assert other.high - other.low > one.high - one.low
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_the_zero_of_the_force_is_released_last(seed):
+    """With a law that is not that of the points: fitted from the first step on, the zero leads to a misfit 15 % larger."""
+    contact = granite.find_test("SS(12-18)").contact
+    force = np.geomspace(0.05, 100.0, 60)
+    rows = points(dl.law("greenwood-tripp", contact, "elastic"), force, 2e-8, seed)
+    best = dl.fit(rows, contact, laws="pohrt-popov", unloading="elastic").best
+    assert best.misfit < 1.93e-7, best.parameters
 
 
 def test_a_straight_line_has_one_zero():

@@ -219,6 +219,19 @@ def test_a_file_is_replaced_only_by_the_command_that_wrote_it(words, name, tmp_p
     assert main([*words, str(file), "--overwrite"]) == 0 and file.read_bytes()[:30] != SCRIPT.encode()[:30]
 
 
+@pytest.mark.parametrize(
+    ("name", "head"),
+    [("a.png", b"\x89PNG\r\n\x1a\n"), ("a.svg", b"<?xml version='1.0'?><dc:title>a</dc:title>"), ("a.pdf", b"%PDF-1.4\n")],
+)
+def test_a_picture_of_another_program_is_replaced_only_by_overwrite(name, head, tmp_path):
+    """The test of files that only their writer replaces has files of demlaws and text."""
+    file = tmp_path / name
+    file.write_bytes(head + b"another program")
+    assert main([*HERTZ, "--figure", str(file)]) == 2 and file.read_bytes() == head + b"another program"
+    file.write_bytes(b"demlaws, a text: tEXtSoftware\0demlaws <dc:title>demlaws</dc:title> /Creator (demlaws)")
+    assert main([*HERTZ, "--figure", str(file)]) == 2
+
+
 def test_a_curve_is_not_replaced_by_a_table_nor_a_map_by_a_map(tmp_path):
     file, heights = tmp_path / "a.csv", tmp_path / "map.asc"
     assert main([*HERTZ, "--csv", str(file)]) == 0 and main([*TABLE, str(file)]) == 2

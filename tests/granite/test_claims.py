@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from making import measured
 
 import demlaws as dl
 from demlaws import granite
@@ -103,6 +104,18 @@ def test_verdicts_with_both_moduli():
     for part in ("around 73 N", "field of view", "below 0.09 mm"):
         (claim,) = (claim for claim in changed if part in claim)
         assert found[claim] == (NOT_REPRODUCED, REPRODUCED)
+
+
+def test_verdicts_before_and_after():
+    """The page's table has statements of the records, each with another verdict."""
+    rows = [claim._asdict() for claim in claims.granite_claims()]
+    table = [line for line in measured.judged_again(rows).splitlines() if line.startswith("| ")][1:]
+    assert len(table) == len(measured.JUDGED_AGAIN) == 7
+    for line, (test, claim, before, _) in zip(table, measured.JUDGED_AGAIN, strict=True):
+        (now,) = (row["verdict"] for row in rows if (row["test"], row["claim"]) == (test, claim))
+        assert before != now and f"| {claim} | {test} | {before} | {now} |" in line
+    with pytest.raises(KeyError):
+        measured.judged_again([row for row in rows if "Goddard" not in row["claim"]])
 
 
 # --- numbers

@@ -85,3 +85,19 @@ def test_effects_and_packings_of_the_page_are_those_of_the_kept_runs():
         near = [found[law._replace(q=370.0, seed=seed)] for seed in (1, 2, 3)]
         assert [round(one.at(200), 1) for one in near if np.isnan(one.collapsed)] == whole
         assert [one.collapsed for one in near if not np.isnan(one.collapsed)] == ends
+
+
+def test_what_the_page_says_was_not_run():
+    """No test is measured and none was run with q = 370 kPa at p = 10 and 30 kPa; one law has p = 60, q = 230 kPa only."""
+    rows = [row for row in read(cycles.RESULTS) if row["friction"] == 0.6 and row["grains"] == "tetrapods"]
+    tests = {key[:2] for key in report.measured()}
+    loads, packings, ends = {}, {}, {}
+    for row in rows:
+        case = cycles.case_of(row)
+        loads.setdefault((row["p"], row["q"]), set()).add(case.law)
+        packings.setdefault((row["p"], row["q"]), set()).add(case.seed)
+        ends[case] = max(ends.get(case, 0), row["cycle"])
+    assert {load for load, laws in loads.items() if "pohrt-popov" in laws} == {(60.0, 230.0)}
+    assert {(p, 370.0) for p in (10.0, 30.0)}.isdisjoint(tests | set(loads)) and set(loads) <= tests
+    assert {load: len(some) for load, some in packings.items() if len(some) != 3} == {(10.0, 230.0): 1}
+    assert {case for case, end in ends.items() if end > 200} == {report.SMOOTH, report.CORNERS}
