@@ -1,5 +1,5 @@
 """Coefficient of friction of a contact: YADE's constant one, or one that depends on the mean pressure. `apply` is compiled code
-in the contact step, before Coulomb's limit is computed."""
+in the contact step, before Coulomb's limit is computed; `keep_radius` writes what else scripts read of a MindlinPhysCDM."""
 
 import math
 from typing import NamedTuple
@@ -7,6 +7,7 @@ from typing import NamedTuple
 from demlaws.core.dispatch import bind, generic
 from demlaws.core.numba_compat import kernel
 from demlaws.core.shear import friction_at, mean_pressure
+from demlaws.core.unloading import Thornton
 from demlaws.errors import DemlawsError, did_you_mean
 from demlaws.yade import objects
 from demlaws.yade.records import view
@@ -45,6 +46,21 @@ def _by_pressure(friction, context, phys, phys_address, pair, row, rule, shape, 
 
 
 bind(ByPressure, apply=_by_pressure)
+
+
+@generic(lambda *_: lambda rule, phys_address, row, overlap, state: None)
+def keep_radius(rule, phys_address, row, overlap, state):
+    """Write R and isYielding of a MindlinPhysCDM, as the native law has them; `state` is of this step."""
+
+
+@kernel
+def _radius_of_thornton(rule, phys_address, row, overlap, state):
+    conical = view(phys_address, objects.MindlinPhysCDM)
+    conical.R = row.radius * state[2]
+    conical.isYielding = overlap >= state[0] and state[2] > 1.0
+
+
+bind(Thornton, keep_radius=_radius_of_thornton)
 
 
 class Choice:
