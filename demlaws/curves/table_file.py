@@ -45,6 +45,8 @@ def compose(contact: Contact, curve: TableCurve, unloading: Unloading, collapses
     }
     if math.isfinite(shape.bulk.area):
         header |= {"yield_area": shape.bulk.area, "yield_slope": shape.bulk.slope}
+    if not curve.area_known and not rule.keys:
+        header["area"] = "unknown"
     if rule.keys:
         header |= dict(zip(rule.keys, unloading.rule_parameters, strict=False))
     if curve.knots is not None:
@@ -99,7 +101,8 @@ def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
             overlap, force, uncertainty = np.reshape(own["knots"], (-1, 3)).T
             uncertainty = np.where(uncertainty > 0.0, uncertainty, math.nan)
             knots = Knots(overlap, force, uncertainty, round(own["points"]), own["departure"], own["smoothing"])
-        return TableCurve(definition, options, shape, nodes, certificate, values["rtol"], section.contact, alike, knots)
+        known = "area" not in values
+        return TableCurve(definition, options, shape, nodes, certificate, values["rtol"], section.contact, alike, knots, known)
 
     bulk, contact = NO_YIELD, sections[0].contact
     if values.get("yield_area", math.inf) < sections[0].nodes.curve()[1][-1]:

@@ -34,6 +34,10 @@ class Unloading(NamedTuple):
     rule_parameters: Any = None  # of a rule of the law's own where the curve is a table: the Shape that the rule reads
 
 
+UNKNOWN_AREA = (
+    "{} does not contain the contact area of the law, which friction by pressure needs: take the unloading rule of the law's "
+    "paper, or in Python and YADE the law without a table"
+)
 ELASTIC = Unloading(RULES["elastic"])
 _LOADED = 1e-5
 """Overlap over R from which on a contact is loaded: below it, `max_force` would leave no use of a law."""
@@ -60,6 +64,11 @@ class BoundLaw:
             refuse_unsound_rule(
                 self.name, unloading.rule, self.shape, params_at(self.params, 0), float(np.ravel(contact.radius)[0])
             )
+
+    @property
+    def knows_area(self) -> bool:
+        """Whether the contact area is the law's: a table may lack it, unless its rule has the numbers of it."""
+        return not self.curve.tabulated or self.curve.area_known or bool(self.unloading_parts.rule.keys)
 
     @property
     def unloading(self) -> str:

@@ -48,18 +48,19 @@ def pressures_loop(kind, params_kind, rule, pairs, contacts, out):
         if pair.smooth != 0:
             smooth, shape, p = rule_of_smooth_contact(rule), HertzShape(), HertzParams(c.hertz)
             force, stiffness, new = step(smooth, shape, p, c.overlap, old)
-            out[i] = mean_pressure(smooth, shape, p, c.radius, c.modulus, c.overlap, force, stiffness, new)
+            out[i] = mean_pressure(smooth, shape, p, c.modulus, c.overlap, force, stiffness, new)
         else:
             shape, p = shape_of(kind, pair), params_of(params_kind, c)
             force, stiffness, new = step(rule, shape, p, c.overlap, old)
-            out[i] = mean_pressure(rule, shape, p, c.radius, c.modulus, c.overlap, force, stiffness, new)
+            out[i] = mean_pressure(rule, shape, p, c.modulus, c.overlap, force, stiffness, new)
 
 
 def pressures(pairs, contacts):
-    """Mean pressures [Pa] of an array of `layout.contact_dtype`."""
+    """Mean pressures [Pa] of an array of `layout.contact_dtype`; NaN where the law's table does not contain the area."""
     out = np.zeros(len(contacts))
     pressures_loop(pairs.kind, pairs.params_kind, pairs.rule, pairs.records, contacts, out)
-    return out
+    known = [source is None or source.knows_area(pairs.unloading) for _, source in pairs.combined]
+    return np.where(np.array(known)[contacts["tag"].astype(int) - 1], out, np.nan) if len(contacts) else out
 
 
 SHEAR = {"shear_stored": "held", "shear_dissipated": "lost", "viscous": "viscous"}

@@ -41,7 +41,7 @@ def _by_pressure(friction, context, phys, phys_address, pair, row, rule, shape, 
             return
         conical = view(phys_address, objects.MindlinPhysCDM)
         mu0, c1, c2 = conical.mu0, conical.c1, conical.c2
-    pressure = mean_pressure(rule, shape, p, row.radius, row.modulus, overlap, force, stiffness, state)
+    pressure = mean_pressure(rule, shape, p, row.modulus, overlap, force, stiffness, state)
     phys.tangensOfFrictionAngle = friction_at(mu0, c1, c2, pressure)
 
 

@@ -10,6 +10,7 @@ from yade_scenes import (
     MODULUS,
     POISSON,
     YOUNG,
+    acting,
     advance,
     engine_list,
     fixed_pair,
@@ -248,6 +249,17 @@ def test_a_saved_scene_goes_on_with_its_friction(omega, tmp_path):
 def test_frictions_that_are_refused(friction, named):
     with pytest.raises(dl.DemlawsError, match=named):
         functor(friction=friction)
+
+
+def test_a_table_without_the_area_of_its_law_is_refused():
+    """Its pressures are not known in `contacts`, either."""
+    table = dl.law("kogut-etsion", dl.Contact(0.005, MODULUS), "elastic", yield_strength=0.3e9).tabulate(
+        rtol=1e-4, max_force=2e3
+    )
+    with pytest.raises(dl.DemlawsError, match="does not contain the contact area"):
+        functor(table, None, {"granite": dl.Surface(0.0)}, friction=FRICTION, smooth=True)
+    law = acting(functor(table, None, {"granite": dl.Surface(0.0)}, smooth=True))
+    assert math.isnan(law.contacts().mean_pressure[0]) and law.contacts().force[0] > 0.0
 
 
 def test_options_of_a_pair_are_those_of_its_law():
