@@ -317,8 +317,9 @@ def test_pressure_of_a_table_of_a_law_with_an_area_of_its_own(name, rule, tmp_pa
         with pytest.raises(dl.DemlawsError, match="does not contain the contact area"):
             quiet(sheared, one, overlap, [0.0, 1e-6], RATIO, friction=PRESSURE_FRICTION)
         assert quiet(sheared, one, overlap, [0.0, 1e-6], RATIO, friction=0.5).shear_force[1] > 0.0
+    below = np.array([0.3 * yields])
     small = quiet(law.tabulate, max_force=float(law.force(0.5 * yields)))
-    assert quiet(_pressure_along, small, [0.3 * yields]) == pytest.approx(quiet(_pressure_along, law, np.array([0.3 * yields])))
+    assert quiet(_pressure_along, small, below) == pytest.approx(quiet(_pressure_along, law, below))
 
 
 @pytest.mark.parametrize("rule", ["elastic", "hertz"])
