@@ -10,6 +10,7 @@ from demlaws.core.numba_compat import loop
 from demlaws.core.shear import mean_pressure
 from demlaws.core.unloading import rule_of_smooth_contact
 from demlaws.laws.hertz import HertzParams, HertzShape
+from demlaws.responses.results import Tabular
 from demlaws.units import number
 from demlaws.yade.kernel import params_of
 from demlaws.yade.tuples import shape_of, state_of as history_of
@@ -17,7 +18,7 @@ from demlaws.yade.tuples import shape_of, state_of as history_of
 O = yade.O  # noqa: E741  YADE's name
 
 
-class Totals(namedtuple("Energies", ("stored", "dissipated"))):
+class Totals(Tabular, namedtuple("Energies", ("stored", "dissipated"))):
     """Energies [J] in the normal direction: `stored` in the contacts, and `dissipated` by plasticity since the law began.
 
     shear_stored, shear_dissipated: of shear, the latter by friction and opening; viscous: taken by damping. unaccounted: number
@@ -31,9 +32,10 @@ class Totals(namedtuple("Energies", ("stored", "dissipated"))):
         vars(totals).update(more)
         return totals
 
-    def __repr__(self):
-        more = "".join(f", {name}={value!r}" for name, value in vars(self).items())
-        return f"Totals(stored={self.stored!r}, dissipated={self.dissipated!r}{more})"
+    def columns(self):
+        """One row: the energies and the number of contacts that are unaccounted for."""
+        energies = self._asdict() | vars(self)
+        return {name.replace("_", " ") + " (J)" * (name != "unaccounted"): [value] for name, value in energies.items()}
 
 
 @loop
