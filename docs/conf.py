@@ -64,7 +64,7 @@ def outdated(app, env, added, changed, removed):
 
 
 def doctree_read(app, doctree):
-    """On a narrow screen pictures of one column have its width, rows of panels 40 em, others the height of a panel (site.css)."""
+    """On a narrow screen pictures of one column have its width, rows of panels 40 em, others a height (site.css)."""
     for image in doctree.findall(nodes.image):
         if image["uri"].endswith(".png"):
             width, height = struct.unpack(">II", (HERE / image["uri"]).read_bytes()[16:24])
