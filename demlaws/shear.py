@@ -19,6 +19,7 @@ from demlaws.core.shear import (
     pressure_loop,
 )
 from demlaws.core.slip import SAMPLES, slip_loop
+from demlaws.curves.unloading import UNKNOWN_AREA
 from demlaws.errors import DemlawsError, warn
 from demlaws.law import Law, as_law
 from demlaws.units import as_float, number, unmasked, whole
@@ -50,8 +51,8 @@ class PressureFriction:
     unloading: that of the rule's curve. [our derivation] No step creates energy: a limit that falls below the shear force lets
     the contact slide, a limit that rises does nothing.
 
-    Tables of `jackson-green` and `kogut-etsion` with rule `elastic` have the area of Hertz's contact with the same force, not
-    the law's own: beyond the yield of the bulk their pressure is higher.
+    Tables of `jackson-green` and `kogut-etsion` with rule `elastic`, and of `rough-plastic` with `bulk_radius`, do not contain
+    the law's area: friction by pressure is refused with them.
 
     Examples
     --------
@@ -200,7 +201,9 @@ def sheared(
 def _pressure_along(law: Law, overlap: np.ndarray) -> np.ndarray:
     """Mean pressure P/(π a²) [Pa] of one contact at each point of a path of overlaps [m]; `PressureFriction` has the area."""
     pressure = np.empty(overlap.size)
-    known = law.rule_tag, law.shape, law.params, law.contact.radius, law.contact.modulus
+    if not law.knows_area:
+        raise DemlawsError(UNKNOWN_AREA.format(f"the table of law {law.name!r} with unloading {law.unloading!r}"))
+    known = law.rule_tag, law.shape, law.params, law.contact.modulus
     pressure_loop(*known, overlap, law.new_state(1).arrays, pressure)
     return pressure
 

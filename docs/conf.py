@@ -64,11 +64,13 @@ def outdated(app, env, added, changed, removed):
 
 
 def doctree_read(app, doctree):
-    """Pictures of one column are as wide as a narrow screen, others as high as one of their panels (site.css)."""
+    """On a narrow screen pictures of one column have its width, rows of panels 40 em, others a height (site.css)."""
     for image in doctree.findall(nodes.image):
         if image["uri"].endswith(".png"):
             width, height = struct.unpack(">II", (HERE / image["uri"]).read_bytes()[16:24])
-            if height > width:
+            if width > 1100 and height > 0.6 * width:
+                image["classes"].append("rows")
+            elif height > width:
                 image["classes"].append("column")
 
 

@@ -302,19 +302,36 @@ def test_the_limit_is_that_of_the_pressure(name, rule):
 
 @pytest.mark.parametrize("name", ["jackson-green", "kogut-etsion"])
 @pytest.mark.parametrize("rule", ["elastic", "etsion"])
-def test_pressure_of_a_table_of_a_law_with_an_area_of_its_own(name, rule):
-    """Rule elastic: of Hertz's contact with the same force; etsion: the law's. Values of docs/shear.md."""
+def test_pressure_of_a_table_of_a_law_with_an_area_of_its_own(name, rule, tmp_path):
+    """Rule elastic: the table has no area, etsion: the law's."""
     modulus, strength = 35e9, 175e6
     law = dl.law(name, dl.Contact(10e-3, modulus), yield_strength=strength, unloading=rule)
     yields = (0.5 * np.pi * 1.6 * strength / modulus) ** 2 * 10e-3  # overlap of first yield, nearly
     overlap = np.array([6.0, 130.0]) * yields
     table = quiet(law.tabulate, max_force=float(1.01 * law.force(overlap[-1])))
-    own, of_table = (quiet(_pressure_along, one, overlap) for one in (law, table))
-    force = table.force(overlap)
-    hertz = force / (np.pi * 10e-3 * (0.75 * force / modulus / 0.1) ** (2 / 3))
-    np.testing.assert_allclose(of_table, hertz if rule == "elastic" else own, rtol=1e-3)
-    if rule == "elastic":
-        np.testing.assert_allclose(of_table / own, [1.3, 3.4], rtol=0.04)
+    if rule == "etsion":
+        np.testing.assert_allclose(*(quiet(_pressure_along, one, overlap) for one in (law, table)), rtol=1e-3)
+        return
+    table.save(tmp_path / "law.tbl")
+    for one in (table, dl.Table.load(tmp_path / "law.tbl")):
+        with pytest.raises(dl.DemlawsError, match="does not contain the contact area"):
+            quiet(sheared, one, overlap, [0.0, 1e-6], RATIO, friction=PRESSURE_FRICTION)
+        assert quiet(sheared, one, overlap, [0.0, 1e-6], RATIO, friction=0.5).shear_force[1] > 0.0
+    below = np.array([0.3 * yields])
+    small = quiet(law.tabulate, max_force=float(law.force(0.5 * yields)))
+    assert quiet(_pressure_along, small, below) == pytest.approx(quiet(_pressure_along, law, below))
+
+
+@pytest.mark.parametrize("rule", ["elastic", "hertz"])
+def test_pressure_of_a_blunter_bulk(rule):
+    """Of rough-plastic with bulk_radius: Hertz's of R_b before yield, the yield pressure far beyond; the table has no area."""
+    law = dl.law("rough-plastic", GRANITE, rule, yield_pressure=0.2e9, bulk_radius=4 * GRANITE.radius)
+    overlap = quiet(law.overlap, [1.0, 3e4])
+    before, beyond = quiet(_pressure_along, law, overlap)
+    square = 4 * GRANITE.radius * (0.75 / GRANITE.modulus / (4 * GRANITE.radius) ** 0.5) ** (2 / 3)
+    assert before == pytest.approx(1.0 / (np.pi * square), rel=1e-9) and beyond == pytest.approx(0.2e9, rel=2e-2)
+    with pytest.raises(dl.DemlawsError, match="does not contain the contact area"):
+        quiet(sheared, quiet(law.tabulate), overlap[:1], [0.0], RATIO, friction=PRESSURE_FRICTION)
 
 
 @pytest.mark.parametrize("paths", [20, pytest.param(1000, marks=pytest.mark.slow)])

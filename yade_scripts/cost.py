@@ -65,6 +65,11 @@ def of_rule(name, rule):
 EVERY = {
     f"{name}, {rule}": lambda name=name, rule=rule: of_rule(name, rule) for name in dl.laws() for rule in find(name).offered()
 }
+EVERY["pohrt-popov, hertz, friction by pressure"] = lambda: (
+    "pohrt-popov",
+    "hertz",
+    {"friction": dl.PressureFriction(0.3, 0.4, 1e-9)},
+)
 PEERS = ("native Hertz-Mindlin", "native linear", "native Conical Damage Model")
 
 

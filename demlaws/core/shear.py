@@ -174,20 +174,27 @@ def shear_loop(choice, rule, shape, p, overlap, state):
 # --- the pressure of the contact
 
 
+@kernel
+def smooth_radius(p, modulus):
+    """Radius [m] of the contact's Hertz curve: R, or that of a blunter bulk (`bulk_radius`), to which a²/R belongs."""
+    root = 0.75 * p.hertz_coefficient / modulus
+    return root * root
+
+
 def _pressure(*kinds):
     rule = rule_of(kinds[0].instance_class)
     remembers = bool(rule.state) and rule.state[0] == "maximum_overlap"
     if not rule.state:
-        return lambda rule, shape, p, radius, modulus, overlap, force, stiffness, state: (
-            over_area(force, radius * first_loading(shape, p, overlap)[3]) if force > 0.0 else 0.0
+        return lambda rule, shape, p, modulus, overlap, force, stiffness, state: (
+            over_area(force, smooth_radius(p, modulus) * first_loading(shape, p, overlap)[3]) if force > 0.0 else 0.0
         )
 
-    def pressure(rule, shape, p, radius, modulus, overlap, force, stiffness, state):
+    def pressure(rule, shape, p, modulus, overlap, force, stiffness, state):
         if not force > 0.0:
             return 0.0
         if remembers and overlap >= state[0]:
             area = contact_area(rule, shape, p, overlap, first_loading(shape, p, overlap)[3])
-            return over_area(force, radius * area)
+            return over_area(force, smooth_radius(p, modulus) * area)
         a = 0.5 * max(unloading_stiffness(rule, shape, p, overlap, force, stiffness, state), 0.0) / modulus
         return over_area(force, a * a)
 
@@ -195,7 +202,7 @@ def _pressure(*kinds):
 
 
 @generic(_pressure)
-def mean_pressure(rule, shape, p, radius, modulus, overlap, force, stiffness, state):
+def mean_pressure(rule, shape, p, modulus, overlap, force, stiffness, state):
     """Mean pressure P/(π a²) [Pa] of a contact; force, stiffness and state are those that `step` has just returned.
 
     a² is that of first loading, for a rule that keeps a radius the one from which it unloads; where the contact unloads,
@@ -216,9 +223,9 @@ def over_area(force, square):
 
 
 @loop
-def pressure_loop(rule, shape, p, radius, modulus, overlap, state, pressure):
+def pressure_loop(rule, shape, p, modulus, overlap, state, pressure):
     """Mean pressure [Pa] along a path of one contact: `pressure` is written, `state` is moved on as in `follow_loop`."""
     for n in range(overlap.size):
         force, tangent, new = step(rule, shape, p, overlap[n], gather(state, 0))
         scatter(state, 0, new)
-        pressure[n] = mean_pressure(rule, shape, p, radius, modulus, overlap[n], force, tangent, new)
+        pressure[n] = mean_pressure(rule, shape, p, modulus, overlap[n], force, tangent, new)

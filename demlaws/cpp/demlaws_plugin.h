@@ -95,6 +95,12 @@ struct Law {
                                table.path() + " has " + table.text("unloading"));
     return judge_modulus(table, modulus);
   }
+  // Throws where friction by pressure would have another contact area than the law's.
+  static void require_area(const Table &table) {
+    if (!table.text("area").empty())
+      throw std::runtime_error("'friction_pressure' needs the contact area of the law, which " + table.path() +
+                               " does not contain: make the table with the unloading rule of the law's paper");
+  }
   // Of the contacts that begin under this law and keep so many values: never 0.
   double mark(int values) const { return ONE_SHAPE * (2 * values + (slips ? 2 : 1)) + checksum_; }
   // Whether a contact with another mark goes on: it keeps nothing that depends on the law, and as many values.

@@ -44,6 +44,7 @@ class TableCurve:
     made_for: Contact
     collapses: bool  # whether one dimensionless curve serves all contacts
     knots: "Knots | None" = None  # of a table made of points
+    area_known: bool = True  # whether a²/R of the law is δ_H, or described by `shape.bulk`
 
     tabulated = True
 

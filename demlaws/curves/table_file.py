@@ -9,14 +9,14 @@ import numpy as np
 
 from demlaws.contact import Contact, contact_at
 from demlaws.core.grid import shape_from_nodes
-from demlaws.core.loops import FINITE, UNBOUNDED, batch_loop, energies_loop, loading_part
+from demlaws.core.loops import loading_part
 from demlaws.core.table_types import NO_YIELD, BulkYield
 from demlaws.curves import table_grammar
 from demlaws.curves.closed import Certificate
 from demlaws.curves.points import Knots
 from demlaws.curves.table import TableCurve
 from demlaws.curves.table_grammar import OF_CONTACT, ROUNDING
-from demlaws.curves.unloading import BoundLaw, Unloading
+from demlaws.curves.unloading import BoundLaw, Unloading, after_loading
 from demlaws.errors import DemlawsError
 from demlaws.files import as_path, read_bytes
 from demlaws.laws.definition import Definition, Rules, no_limits
@@ -45,6 +45,8 @@ def compose(contact: Contact, curve: TableCurve, unloading: Unloading, collapses
     }
     if math.isfinite(shape.bulk.area):
         header |= {"yield_area": shape.bulk.area, "yield_slope": shape.bulk.slope}
+    if not curve.area_known and not rule.keys:
+        header["area"] = "unknown"
     if rule.keys:
         header |= dict(zip(rule.keys, unloading.rule_parameters, strict=False))
     if curve.knots is not None:
@@ -99,7 +101,8 @@ def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
             overlap, force, uncertainty = np.reshape(own["knots"], (-1, 3)).T
             uncertainty = np.where(uncertainty > 0.0, uncertainty, math.nan)
             knots = Knots(overlap, force, uncertainty, round(own["points"]), own["departure"], own["smoothing"])
-        return TableCurve(definition, options, shape, nodes, certificate, values["rtol"], section.contact, alike, knots)
+        known = "area" not in values
+        return TableCurve(definition, options, shape, nodes, certificate, values["rtol"], section.contact, alike, knots, known)
 
     bulk, contact = NO_YIELD, sections[0].contact
     if values.get("yield_area", math.inf) < sections[0].nodes.curve()[1][-1]:
@@ -128,9 +131,7 @@ def _refuse_unless_passive(sections, law):
     aside = 1e-12 * (np.append(0.0, width == 0.0) - np.append(width == 0.0, 1.0))  # of kinks, and before the last row
     place = np.concatenate([u[0] * 0.5 ** np.arange(_OCTAVES_BELOW, 0, -1), u * (1.0 + aside)])
     overlap = place * float(loading_part(law.params).length)
-    state = tuple(np.zeros(overlap.size) for _ in rule.state)
-    batch_loop(rule.tag, law.shape, law.params, overlap, state, UNBOUNDED, FINITE, *np.empty((2, overlap.size)))
-    stored, dissipated = energies_loop(rule.tag, law.shape, law.params, overlap, state)
+    _, stored, dissipated = after_loading(law, law.params, overlap)
     work = stored + dissipated
     share = ROUNDING + 2.0 * sum(one.values["force_error"] + one.values["stiffness_error"] for one in sections)
     with np.errstate(invalid="ignore"):

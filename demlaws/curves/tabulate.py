@@ -172,7 +172,21 @@ def tabulate(contact: Contact, curve: Any, rtol: float, largest_overlap: float |
         bulk=lambda highest: curve.bulk(plain, coefficient, length, highest),
         straight=curve.starts_from_force,
     )
-    return TableCurve(definition, curve.options, shape, nodes, certificate, rtol, contact, curve.collapses)
+    known = curve.area_known if curve.tabulated else _keeps_area(curve.shape, plain, coefficient, length, shape, nodes.u, rtol)
+    return TableCurve(definition, curve.options, shape, nodes, certificate, rtol, contact, curve.collapses, area_known=known)
+
+
+def _keeps_area(law_shape, plain, coefficient, length, table, u, rtol):
+    """Whether a² of a law is that of its table: R δ_H, beyond the yield of the bulk as `BulkYield` has it."""
+    bulk, blunter = table.bulk, (plain.hertz_coefficient / coefficient) ** 2
+    with np.errstate(all="ignore"):
+        rows = [first_loading(law_shape, plain, x * length) for x in u[:: max(len(u) // 32, 1)]]
+        force, area = np.array([(row[0], row[3]) for row in rows]).T
+        own = np.cbrt(force / coefficient) ** 2 / length
+        yielded = bulk.area + bulk.slope * (own**1.5 - bulk.area**1.5)
+        return bool(
+            np.all(np.abs(blunter * area / length - np.where(own > bulk.area, yielded, own)) <= (1e-4 + 10.0 * rtol) * own)
+        )
 
 
 def rescaled(table: TableCurve, contact: Contact, unloading: Unloading) -> TableCurve:

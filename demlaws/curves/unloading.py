@@ -6,7 +6,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from demlaws.contact import PER_CONTACT, Contact
-from demlaws.core.loops import bind_params, force_loop, inverse_loop, loading_part, params_at
+from demlaws.core.loops import (
+    FINITE,
+    UNBOUNDED,
+    batch_loop,
+    bind_params,
+    energies_loop,
+    force_loop,
+    inverse_loop,
+    loading_part,
+    params_at,
+)
 from demlaws.core.table_types import TableParams
 from demlaws.core.unloading import GIVEN, RULES, JoinedParams, JoinedShape, Rule
 from demlaws.curves.closed import FormulaCurve
@@ -24,6 +34,10 @@ class Unloading(NamedTuple):
     rule_parameters: Any = None  # of a rule of the law's own where the curve is a table: the Shape that the rule reads
 
 
+UNKNOWN_AREA = (
+    "{} does not contain the contact area of the law, which friction by pressure needs: take the unloading rule of the law's "
+    "paper, or in Python and YADE the law without a table"
+)
 ELASTIC = Unloading(RULES["elastic"])
 _LOADED = 1e-5
 """Overlap over R from which on a contact is loaded: below it, `max_force` would leave no use of a law."""
@@ -50,6 +64,11 @@ class BoundLaw:
             refuse_unsound_rule(
                 self.name, unloading.rule, self.shape, params_at(self.params, 0), float(np.ravel(contact.radius)[0])
             )
+
+    @property
+    def knows_area(self) -> bool:
+        """Whether the contact area is the law's: a table may lack it, unless its rule has the numbers of it."""
+        return not self.curve.tabulated or self.curve.area_known or bool(self.unloading_parts.rule.keys)
 
     @property
     def unloading(self) -> str:
@@ -95,10 +114,13 @@ def _ratios(contact, other):
 
 def refuse_unless_passive(law: Any, max_force: float = math.inf) -> None:
     """Raise NotPassive unless at every load, up to `max_force` [N], K(P) is at most that of the unloading curve; for Hertz-like
-    rules, Hertz's."""
-    if law.unloading_parts.rule.curve not in ("hertz", "given"):
+    rules, Hertz's. A rule with a larger radius may also be passive where K is above Hertz's of R."""
+    rule = law.unloading_parts.rule
+    if rule.curve not in ("hertz", "given"):
         return
     excess, force, first = largest_stiffness_ratio(law, max_force)
+    if excess > 1.0 and rule is RULES["thornton"] and _loses_work(law, max_force):
+        return
     curve = law.unloading_parts.curve
     # the stiffness of a table is as exact as its certificate states
     uncertainty = 0.0 if curve is None else law.curve.certificate.stiffness_error + curve.certificate.stiffness_error
@@ -114,6 +136,26 @@ def refuse_unless_passive(law: Any, max_force: float = math.inf) -> None:
             f"{whose}, so that unloading would return more work than loading took; "
             f"use unloading {remedy!r}{more}"
         )
+
+
+def after_loading(law: BoundLaw, p: Any, overlap: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Force [N] at overlaps [m] of first loading, and the energies [J] that contacts of Params `p` store and have lost."""
+    rule = law.unloading_parts.rule
+    state, force = tuple(np.zeros(overlap.size) for _ in rule.state), np.empty(overlap.size)
+    batch_loop(rule.tag, law.shape, p, overlap, state, UNBOUNDED, FINITE, force, np.empty(overlap.size))
+    return force, *energies_loop(rule.tag, law.shape, p, overlap, state)
+
+
+def _loses_work(law, max_force):
+    """Whether the lost energy never falls on first loading over the range of `largest_stiffness_ratio`."""
+    for index in law.contact.representatives():
+        p = params_at(law.params, index)
+        radius = float(np.broadcast_to(law.contact.radius, law.contact.size or 1)[index])
+        force, stored, lost = after_loading(law, p, np.geomspace(1e-12, 0.1, 2000) * radius)
+        rise, work = np.diff(lost), stored + lost
+        if not np.all((rise >= -1e-9 * np.diff(work)) | ~(force[1:] <= max_force)):
+            return False
+    return True
 
 
 def unloading_curve_at(law: Any, p: Any, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -184,7 +184,7 @@ def points_figure(table, overlap, load):
 def fit_figure(ranking, source=""):
     """Measured points with the best fits of different laws, and what remains of the displacement."""
     displacement, force = ranking.points
-    fig, (left, right) = figure(columns=2, width=5.6)
+    fig, (left, right) = figure(columns=2, width=5.0)
     left.plot(displacement * 1e6, force, "k.", ms=4, label=f"measured {source}".strip())
     names, widest = [], 0.0
     for fit in ranking:
@@ -201,6 +201,6 @@ def fit_figure(ranking, source=""):
     right.axhline(0.0, color="k", lw=0.8)
     right.set(title="misfit of the fitted laws")
     right.set(xlabel="force (N)", ylabel="measured - fitted displacement (µm)", ylim=(-1.2e6 * widest, 1.2e6 * widest))
-    left.legend(fontsize=7)
-    right.legend(fontsize=7)
+    left.legend(fontsize=8)
+    right.legend(fontsize=8)
     return fig

@@ -75,7 +75,7 @@ def surface_figure(heights, wavelengths=None):
     ax.plot(np.arange(rows) * heights.pixel_y * MICRO, heights.heights[:, columns // 2] * MICRO, lw=0.9, label="along y")
     ax.set(xlabel="distance (µm)", ylabel="height (µm)", title="profiles through the middle")
     ax.title.set_fontsize(10)
-    ax.legend(fontsize=8)
+    ax.legend(fontsize=9)
     ax = axes[1, 0]
     q, density, _ = heights.spectrum()
     ax.loglog(q, density, ".-", ms=4, lw=0.7)
@@ -99,5 +99,5 @@ def surface_figure(heights, wavelengths=None):
     ax.loglog(sizes * pixel * MICRO, fit, "k--", lw=1.2, label=f"N ∝ size$^{{-{boxes:.2f}}}$")
     ax.set(xlabel="box side (µm)", ylabel="boxes N / N(largest side)")
     ax.set_title(f"box counting: Df = {boxes:.3f}", fontsize=10)
-    ax.legend(fontsize=8)
+    ax.legend(fontsize=9)
     return fig

@@ -10,6 +10,7 @@ from demlaws.core.numba_compat import loop
 from demlaws.core.shear import mean_pressure
 from demlaws.core.unloading import rule_of_smooth_contact
 from demlaws.laws.hertz import HertzParams, HertzShape
+from demlaws.responses.results import Tabular
 from demlaws.units import number
 from demlaws.yade.kernel import params_of
 from demlaws.yade.tuples import shape_of, state_of as history_of
@@ -17,7 +18,7 @@ from demlaws.yade.tuples import shape_of, state_of as history_of
 O = yade.O  # noqa: E741  YADE's name
 
 
-class Totals(namedtuple("Energies", ("stored", "dissipated"))):
+class Totals(Tabular, namedtuple("Energies", ("stored", "dissipated"))):
     """Energies [J] in the normal direction: `stored` in the contacts, and `dissipated` by plasticity since the law began.
 
     shear_stored, shear_dissipated: of shear, the latter by friction and opening; viscous: taken by damping. unaccounted: number
@@ -31,9 +32,10 @@ class Totals(namedtuple("Energies", ("stored", "dissipated"))):
         vars(totals).update(more)
         return totals
 
-    def __repr__(self):
-        more = "".join(f", {name}={value!r}" for name, value in vars(self).items())
-        return f"Totals(stored={self.stored!r}, dissipated={self.dissipated!r}{more})"
+    def columns(self):
+        """One row: the energies and the number of contacts that are unaccounted for."""
+        energies = self._asdict() | vars(self)
+        return {name.replace("_", " ") + " (J)" * (name != "unaccounted"): [value] for name, value in energies.items()}
 
 
 @loop
@@ -48,18 +50,19 @@ def pressures_loop(kind, params_kind, rule, pairs, contacts, out):
         if pair.smooth != 0:
             smooth, shape, p = rule_of_smooth_contact(rule), HertzShape(), HertzParams(c.hertz)
             force, stiffness, new = step(smooth, shape, p, c.overlap, old)
-            out[i] = mean_pressure(smooth, shape, p, c.radius, c.modulus, c.overlap, force, stiffness, new)
+            out[i] = mean_pressure(smooth, shape, p, c.modulus, c.overlap, force, stiffness, new)
         else:
             shape, p = shape_of(kind, pair), params_of(params_kind, c)
             force, stiffness, new = step(rule, shape, p, c.overlap, old)
-            out[i] = mean_pressure(rule, shape, p, c.radius, c.modulus, c.overlap, force, stiffness, new)
+            out[i] = mean_pressure(rule, shape, p, c.modulus, c.overlap, force, stiffness, new)
 
 
 def pressures(pairs, contacts):
-    """Mean pressures [Pa] of an array of `layout.contact_dtype`."""
+    """Mean pressures [Pa] of an array of `layout.contact_dtype`; NaN where the law's table does not contain the area."""
     out = np.zeros(len(contacts))
     pressures_loop(pairs.kind, pairs.params_kind, pairs.rule, pairs.records, contacts, out)
-    return out
+    known = [source is None or source.knows_area(pairs.unloading) for _, source in pairs.combined]
+    return np.where(np.array(known)[contacts["tag"].astype(int) - 1], out, np.nan) if len(contacts) else out
 
 
 SHEAR = {"shear_stored": "held", "shear_dissipated": "lost", "viscous": "viscous"}

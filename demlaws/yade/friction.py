@@ -1,5 +1,5 @@
 """Coefficient of friction of a contact: YADE's constant one, or one that depends on the mean pressure. `apply` is compiled code
-in the contact step, before Coulomb's limit is computed."""
+in the contact step, before Coulomb's limit is computed; `keep_radius` writes what else scripts read of a MindlinPhysCDM."""
 
 import math
 from typing import NamedTuple
@@ -7,6 +7,7 @@ from typing import NamedTuple
 from demlaws.core.dispatch import bind, generic
 from demlaws.core.numba_compat import kernel
 from demlaws.core.shear import friction_at, mean_pressure
+from demlaws.core.unloading import Thornton
 from demlaws.errors import DemlawsError, did_you_mean
 from demlaws.yade import objects
 from demlaws.yade.records import view
@@ -40,11 +41,26 @@ def _by_pressure(friction, context, phys, phys_address, pair, row, rule, shape, 
             return
         conical = view(phys_address, objects.MindlinPhysCDM)
         mu0, c1, c2 = conical.mu0, conical.c1, conical.c2
-    pressure = mean_pressure(rule, shape, p, row.radius, row.modulus, overlap, force, stiffness, state)
+    pressure = mean_pressure(rule, shape, p, row.modulus, overlap, force, stiffness, state)
     phys.tangensOfFrictionAngle = friction_at(mu0, c1, c2, pressure)
 
 
 bind(ByPressure, apply=_by_pressure)
+
+
+@generic(lambda *_: lambda rule, phys_address, row, overlap, state: None)
+def keep_radius(rule, phys_address, row, overlap, state):
+    """Write R and isYielding of a MindlinPhysCDM, as the native law has them; `state` is of this step."""
+
+
+@kernel
+def _radius_of_thornton(rule, phys_address, row, overlap, state):
+    conical = view(phys_address, objects.MindlinPhysCDM)
+    conical.R = row.radius * state[2]
+    conical.isYielding = overlap >= state[0] and state[2] > 1.0
+
+
+bind(Thornton, keep_radius=_radius_of_thornton)
 
 
 class Choice:

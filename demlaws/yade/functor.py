@@ -148,6 +148,11 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         """Energy of shear [J] dissipated by friction and by the opening of contacts, as in `totals()`."""
         return self.totals().shear_dissipated
 
+    def ratioYieldingContacts(self):
+        """Share of the real contacts that crush in this step, as in HertzMindlinCDM: of MindlinPhysCDM with rule `thornton`."""
+        yielding = [getattr(contact.phys, "isYielding", False) for contact in O.interactions if contact.isReal]
+        return sum(yielding) / len(yielding) if yielding else math.nan
+
     def attributes(self):
         """Attributes of the native functor that are saved with a scene: settings, and YADE's own sums of energy."""
         return {name: value for name, value in self.dict().items() if name != "label" and isinstance(value, bool | int | float)}

@@ -19,7 +19,7 @@ from demlaws.core.vectors import assign, vector
 from demlaws.laws.hertz import HertzParams, HertzShape
 from demlaws.units import LARGEST_OVERLAP, LARGEST_ROUGHNESS, RANGES, SMALL_OVERLAP
 from demlaws.yade import layout, objects
-from demlaws.yade.friction import Constant, apply as apply_friction
+from demlaws.yade.friction import Constant, apply as apply_friction, keep_radius
 from demlaws.yade.layout import CONTEXT, SHAPE
 from demlaws.yade.mindlin import Pointers, body_of, native_go, with_states
 from demlaws.yade.records import (
@@ -465,6 +465,8 @@ def go(kind, params_kind, shear, mode, rule, friction, pair_dtype, row_dtype, co
         phys.kno, phys.kso = coefficients(force, sideways, overlap, row.ratio)
         row.written = phys.kno + phys.kso
         tangential = phys.kso * math.sqrt(overlap)
+        if phys.vtable == context.conical:
+            keep_radius(rule, phys_address, row, overlap, new)
     elif overlap - overlap != 0.0:
         record_fault(context, layout.NOT_FINITE, interaction, overlap)  # NaN: a body's position is not finite
     keep_state(new, row)

@@ -139,7 +139,9 @@ class Layout:
             if hasattr(yade.MindlinPhys, name):
                 found["MindlinPhys"]["damping_exponent"] = "f8", find_number(yade.MindlinPhys, name)
         conical = getattr(yade, "MindlinPhysCDM", None)
-        found["MindlinPhysCDM"] = {name: ("f8", find_number(conical, name) if conical else 0) for name in ("mu0", "c1", "c2")}
+        numbers_of_conical = ("R", "mu0", "c1", "c2")
+        found["MindlinPhysCDM"] = {name: ("f8", find_number(conical, name) if conical else 0) for name in numbers_of_conical}
+        found["MindlinPhysCDM"]["isYielding"] = "u1", find_flag(conical(), "isYielding") if conical else 0
         found["State"]["ori"] = "f8", (4,), find_vector(yade.State, "ori", 4)
         found["State"]["blockedDOFs"] = "u4", find_degrees_of_freedom()
         bodies = {name: ("i4", find_number(yade.Interaction, name, ctypes.c_int32, NUMBERS)) for name in ("id1", "id2")}

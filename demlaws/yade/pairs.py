@@ -12,7 +12,7 @@ from demlaws.core.loops import clamped_roughness, loading_part, scale_contact
 from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, LARGEST_SHEAR_RATIO, MOST_LEVELS, SLIP, SPRINGS
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.curves.closed import FormulaCurve
-from demlaws.curves.unloading import BoundLaw, Unloading, refuse_unless_passive
+from demlaws.curves.unloading import UNKNOWN_AREA, BoundLaw, Unloading, refuse_unless_passive
 from demlaws.errors import DemlawsError, MissingQuantity, did_you_mean, quiet
 from demlaws.laws import HERTZ
 from demlaws.laws.definition import HERTZ_CURVE
@@ -20,7 +20,7 @@ from demlaws.laws.hertz import HertzShape
 from demlaws.laws.registry import find, laws
 from demlaws.units import number
 from demlaws.yade import kernel, layout, tuples
-from demlaws.yade.friction import Choice
+from demlaws.yade.friction import ByPressure, Choice
 from demlaws.yade.radii import Radii
 from demlaws.yade.shear import MODES, Levels
 
@@ -99,6 +99,10 @@ class LawSource:
     def needs_one_contact(self):
         """Whether the law's curve of first loading is solved for one R and E* alone: a height map's."""
         return any(definition.needs_map for definition in self._loading_definitions())
+
+    def knows_area(self, unloading):
+        """Whether a²/R of contacts with a rule is the law's; a table may lack it."""
+        return self.table is None or self.table.curve.area_known or bool(self.definition.rule(unloading).keys)
 
     def definitions(self):
         """Those that take part: the law's, its loading's, the unloading curve's. (A table stands for itself.)"""
@@ -396,6 +400,8 @@ class Pairs:
             if not complete and len(self.labels) > 1:
                 return None, (math.nan, math.nan)  # such a contact, should it occur, stops the simulation
             raise DemlawsError(f"{names}: {error}{where}") from None
+        if isinstance(self.friction.tag, ByPressure) and not source.knows_area(self.unloading):
+            raise DemlawsError(UNKNOWN_AREA.format(f"{names}: the table of law {source.name!r}"))
         return shape, (0.0, 0.0) if shape is None else source.serves_only()
 
     def number(self, first, second):

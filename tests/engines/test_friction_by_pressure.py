@@ -144,6 +144,19 @@ def test_words_that_are_refused(engine, tmp_path, words, named):
 
 
 @both
+def test_a_table_without_the_area_of_its_law_is_refused(engine, tmp_path):
+    """The same table with constant friction, and one with the law's own rule, run."""
+    smooth = ROUGH.with_values(sigma=0.0)
+    for rule, words in (("elastic", WORDS), ("elastic", ""), ("etsion", WORDS)):
+        dl.law("kogut-etsion", smooth, rule, yield_strength=0.3e9).tabulate(rtol=1e-4, max_force=2e3).save(tmp_path / "law.tbl")
+        text = spheres(engine, words, SLID[:1])
+        if rule == "elastic" and words:
+            assert "'friction_pressure' needs the contact area of the law" in refused(engine, tmp_path, text)
+        else:
+            simulate(engine, tmp_path, text)
+
+
+@both
 def test_another_tangential_model_is_refused(engine, tmp_path):
     save_law(tmp_path, "rough")
     text = spheres(engine, WORDS, SLID[:1])

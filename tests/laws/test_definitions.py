@@ -74,6 +74,29 @@ def test_warnings_begin_where_their_reasons_state():
     assert limit.maximum_force == pytest.approx(quiet(law.force, law.params.yield_overlap), rel=1e-12)
 
 
+@pytest.mark.parametrize("share", [0.99, 1.01, 2.4])
+def test_crushed_tips_unload_where_they_store_less_than_was_done(share):
+    """A = `share` h/5; 2.4 is YADE's example HertzMindlinExtended_periodicSimpleShear.py, whose K is above Hertz's of R0."""
+    contact, strength = dl.Contact(0.05, 1e7 / 1.82), 5e5
+    h = (0.5 * math.pi * strength / contact.modulus) ** 2
+    options = {"strength": strength, "angle": math.asin(1.0 / (1.0 + share * h / 5.0))}
+    if share < 1.0:
+        with pytest.raises(dl.errors.NotPassive):
+            quiet(dl.law, "conical-damage", contact, "thornton", **options)
+        return
+    law = quiet(dl.law, "conical-damage", contact, "thornton", **options)
+    assert quiet(law.tabulate, rtol=1e-5).unloading == "thornton"
+    turns = 0.09 * contact.radius * np.random.default_rng(2).random(60)
+    overlap = np.interp(np.linspace(0.0, 60.0, 60_001), np.arange(61), [*turns, 1e-9 * contact.radius])
+    path, loading = quiet(law.follow, overlap), dl.law("conical-damage", contact, "elastic", **options)
+    force = quiet(loading.force, overlap.max())
+    smooth = dl.law("hertz", contact)
+    assert quiet(loading.stiffness, overlap.max()) > 1.3 * quiet(smooth.stiffness, quiet(smooth.overlap, force))
+    lost = np.sum(0.5 * (path.force[1:] + path.force[:-1]) * np.diff(overlap)) + path.stored[0] + path.dissipated[0]
+    assert lost == pytest.approx(path.dissipated[-1], rel=1e-4) and path.dissipated[-1] > 0.0
+    assert np.diff(path.dissipated).min() >= -1e-12 * path.dissipated.max()
+
+
 REFUSED = {"bahrami": {"hertz"}}
 """Rules of a law that its example's contact would return work with."""
 

@@ -118,12 +118,22 @@ def test_addresses_are_filled_in_one_place(tmp_path, monkeypatch, capsys):
     """Python's messages, the C++ header, the metadata and the citation take them from demlaws/errors.py."""
     errors = tmp_path / "errors.py"
     errors.write_text(release.ERRORS.read_text())
+    readme = tmp_path / "README.md"
+    readme.write_text(release.README.read_text())
     monkeypatch.setattr(release, "ERRORS", errors)
+    monkeypatch.setattr(release, "README", readme)
+    assert "\n<!-- badges -->\n" in readme.read_text()  # no address yet
     assert release.main(["--fill", "https://example.org/demlaws/", "https://example.org/code"]) == 0
     assert release.addresses() == {"ADDRESS": "https://example.org/demlaws", "REPOSITORY": "https://example.org/code"}
     filled = {}
     exec(compile(errors.read_text(), "errors.py", "exec"), filled)
     assert filled["page"]("how-to/cluster") == "https://example.org/demlaws/how-to/cluster.html"
+    assert "(https://example.org/demlaws)" in readme.read_text() and "example.org/code" not in readme.read_text()
+    for repository in ("https://github.com/some/fork", "https://github.com/some/code"):  # GitHub has a badge of its tests
+        assert release.main(["--fill", "", repository]) == 0
+    text = readme.read_text()
+    assert text.count("https://github.com/some/code/actions/workflows/tests.yml/badge.svg") == 1 and "some/fork" not in text
+    assert text.count("(https://example.org/demlaws)") == 1
     assert release.main(["--fill", "example.org", ""]) == 1 and "https://" in capsys.readouterr().err
 
 
@@ -135,7 +145,7 @@ def test_readme_of_the_metadata_has_no_relative_link(site, monkeypatch):
         monkeypatch.setitem(sys.modules, name, module)
     hook = runpy.run_path(str(release.ROOT / "hatch_build.py"))["Addresses"]()
     hook.root = release.ROOT
-    links = re.findall(r"\]\(([^)]*)\)", hook.readme(site))
+    links = re.findall(r"\]\((?!https://img.shields.io/)([^)]*)\)", hook.readme(site))  # but badges
     assert links and not [link for link in links if not link.startswith(("#", f"{site}/" if site else "#"))]
     pages = {link.removeprefix(f"{site}/").partition("#")[0] for link in links if link.endswith(".html")}
     assert not [page for page in pages if not (release.ROOT / "docs" / page).with_suffix(".md").exists()]

@@ -18,7 +18,7 @@ import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-ERRORS = ROOT / "demlaws" / "errors.py"
+ERRORS, README = ROOT / "demlaws" / "errors.py", ROOT / "README.md"
 
 
 class ReleaseError(Exception):
@@ -36,7 +36,7 @@ def addresses():
 
 
 def fill(site, repository):
-    """Write the addresses into their one place; empty ones stay as they are."""
+    """Write the addresses into their one place, empty ones stay as they are; README then shows badges with them."""
     text = ERRORS.read_text()
     for name, value in {"ADDRESS": site.rstrip("/"), "REPOSITORY": repository.rstrip("/")}.items():
         if value and not re.fullmatch(r"https://[\w./~-]+", value):
@@ -44,6 +44,16 @@ def fill(site, repository):
         if value:
             text = re.sub(rf'^{name} = ".*"$', f'{name} = "{value}"', text, flags=re.MULTILINE)
     ERRORS.write_text(text)
+    known = addresses()
+    badges = "".join(
+        f" [![{name}]({picture})]({page})"
+        for name, picture, page in (
+            ("tests", f"{known['REPOSITORY']}/actions/workflows/tests.yml/badge.svg", f"{known['REPOSITORY']}/actions"),
+            ("documentation", "https://img.shields.io/badge/documentation-site-blue", known["ADDRESS"]),
+        )
+        if page.startswith("https://github.com/" if name == "tests" else "https://")
+    )
+    README.write_text(re.sub("(?<=<!-- badges -->).*", badges, README.read_text()))
 
 
 def notes(number, changelog, today):

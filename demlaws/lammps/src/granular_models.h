@@ -114,6 +114,7 @@ template <class ABI> struct Granular {
       shear_ = (demlaws::Shear)(int)coeffs[SHEAR];
       std::string doubt;
       try {
+        if (friction_.c1 > 0.) law_.require_area(table_);
         doubt = law_.set(table_, modulus, coeffs[ROUGHNESS], shear_);
       } catch (const std::exception &problem) {
         refuse(problem.what());

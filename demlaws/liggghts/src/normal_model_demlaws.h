@@ -294,13 +294,14 @@ private:
     }
     std::string doubt;
     try {
+      type.friction = of_types(now_.friction, i, j);
+      if (type.friction.c1 > 0.) type.require_area(table);
       doubt = type.set(table, effective_modulus_[i][j], sigma, now_.shear);
     } catch (const std::exception &problem) {
       stop(who + problem.what());
     }
     type.mark = type.Law::mark(shear_size_);
     if (!doubt.empty()) instance_->announce(doubt, "model demlaws/table: " + who + doubt);
-    type.friction = of_types(now_.friction, i, j);
     type.damping = -2. * 0.91287092917527685576 * beta_[i][j];
     type.tangential = now_.shear_ratio > 0. ? now_.shear_ratio : 4. * effective_shear_[i][j] / effective_modulus_[i][j];
     type.tangential_damping = damp_tangentially_ ? sqrt(type.tangential) : 0.;

@@ -10,6 +10,7 @@ from yade_scenes import (
     MODULUS,
     POISSON,
     YOUNG,
+    acting,
     advance,
     engine_list,
     fixed_pair,
@@ -67,10 +68,12 @@ def ramp(omega, constant, make):
         advance(20)
         rows = [(*b.state.pos, *b.state.vel, *(0.01 * b.state.angVel)) for b in omega.bodies if b.dynamic]
         pressed = [c.phys for c in omega.interactions if c.phys.normalForce.norm() > 0.0]  # of others isSliding is stale
-        of_contacts = [(phys.shearForce.norm(), phys.tangensOfFrictionAngle, phys.isSliding) for phys in pressed]
-        seen.append((np.array(rows), np.array(sorted(of_contacts), float)))
-    grown = [phys.R > 1.001 * phys.radius for phys in pressed]  # of the native law
-    return seen, any(grown)
+        of_contacts = [
+            (phys.shearForce.norm(), phys.tangensOfFrictionAngle, phys.isSliding, phys.R, phys.isYielding) for phys in pressed
+        ]
+        yielding = [[law.ratioYieldingContacts()]] if pressed else [[0.0]]
+        seen.append((np.array(rows), np.array(sorted(of_contacts), float), np.array(yielding)))
+    return seen
 
 
 @pytest.mark.parametrize("make", [crushed, crushed_with_options])
@@ -85,14 +88,16 @@ def test_a_ramp_of_two_materials_is_that_of_the_native_law(omega, constant, make
         with pytest.warns(dl.ValidityWarning, match="can create energy"):
             return make(shear="native"), yade.Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM()
 
-    (wanted, crushes), (found, _) = ramp(omega, constant, native), ramp(omega, constant, ours)
-    assert sum(contacts[:, 2].any() for _, contacts in wanted) > 10
-    assert crushes and max(len(contacts) for _, contacts in wanted) == 24
-    for (motion, contacts), (expected, theirs) in zip(found, wanted, strict=True):
-        assert contacts.shape == theirs.shape
-        for ours_now, now in ((motion, expected), (contacts, theirs)):
-            assert np.abs(ours_now - now).max(initial=0.0) <= 1e-9 * np.abs(now).max(initial=0.0)
-    frictions = np.concatenate([contacts[:, 1] for _, contacts in found])
+    wanted, found = ramp(omega, constant, native), ramp(omega, constant, ours)
+    assert sum(contacts[:, 2].any() for _, contacts, _ in wanted) > 10
+    assert max(len(contacts) for _, contacts, _ in wanted) == 24
+    assert sum(0.0 < yielding[0, 0] < 1.0 for _, _, yielding in wanted) > 10
+    assert np.ptp(np.concatenate([contacts[:, 3] for _, contacts, _ in wanted])) > 1e-5  # radii have grown
+    for now, then in zip(found, wanted, strict=True):
+        assert now[1].shape == then[1].shape
+        for ours_now, native_now in zip(now, then, strict=True):
+            assert (np.abs(ours_now - native_now).max(0, initial=0.0) <= 1e-9 * np.abs(native_now).max(0, initial=0.0)).all()
+    frictions = np.concatenate([contacts[:, 1] for _, contacts, _ in found])
     constants = {math.tan(one["frictionAngle"]) for one in (SAND, STONE)}
     assert set(np.round(frictions, 12)) == set(np.round([*constants], 12)) if constant else np.ptp(frictions) > 0.05
 
@@ -244,6 +249,17 @@ def test_a_saved_scene_goes_on_with_its_friction(omega, tmp_path):
 def test_frictions_that_are_refused(friction, named):
     with pytest.raises(dl.DemlawsError, match=named):
         functor(friction=friction)
+
+
+def test_a_table_without_the_area_of_its_law_is_refused():
+    """Its pressures are not known in `contacts`, either."""
+    table = dl.law("kogut-etsion", dl.Contact(0.005, MODULUS), "elastic", yield_strength=0.3e9).tabulate(
+        rtol=1e-4, max_force=2e3
+    )
+    with pytest.raises(dl.DemlawsError, match="does not contain the contact area"):
+        functor(table, None, {"granite": dl.Surface(0.0)}, friction=FRICTION, smooth=True)
+    law = acting(functor(table, None, {"granite": dl.Surface(0.0)}, smooth=True))
+    assert math.isnan(law.contacts().mean_pressure[0]) and law.contacts().force[0] > 0.0
 
 
 def test_options_of_a_pair_are_those_of_its_law():

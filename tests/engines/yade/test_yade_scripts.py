@@ -29,6 +29,9 @@ SAID = {
 }
 MORE = {"examples": ["--only", "FEMxDEM", "beside", "batch"]}
 """Arguments beside --quick: all of YADE's examples take minutes."""
+YADES = Path("/usr/share/doc/yade")
+CDM = 'Law2_ScGeom_MindlinPhysCDM_HertzMindlinCDM(label="lawHMCDM")'
+BESIDE = ',\n                 Law2_ScGeom_MindlinPhys_Mindlin(label="lawHM")'
 
 
 def test_every_script_is_tested():
@@ -57,6 +60,36 @@ def test_a_script_with_one_law_loads_no_code_of_other_features(tmp_path):
     others |= {"yade/contacts", "yade/saving"}
     others |= {"solvers/ellipsoid", "solvers/criterion", "responses/batch", "responses/path", "responses/results"}
     assert not loaded & others
+
+
+def of_conical_damage(path, tmp_path, native, end):
+    """Printed lines of a script of YADE's Conical Damage Model after its last line `end`, with the native functor or ours."""
+    text = (YADES / path).read_text().replace("\nplot.plot()", "")
+    assert text.count(CDM) == 1
+    if not native:
+        ours = 'Law2_ScGeom_MindlinPhys_Demlaws("conical-damage", shear="native", label="lawHMCDM")'
+        text = "from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws\n" + text.replace(CDM, ours).replace(BESIDE, "")
+    (tmp_path / "script.py").write_text("class YadeCheckError(Exception):\n    pass\n" + text + end)
+    done = run.run(tmp_path / "script.py", capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return [line.removeprefix("ROW ") for line in done.stdout.splitlines() if line.startswith("ROW ")]
+
+
+def test_yades_check_of_the_conical_damage_model_passes(tmp_path):
+    """Overlap, force, phys.R and stress to 1e-5 of the script's own values, on a facet, a wall and a sphere."""
+    script = "scripts/checks-and-tests/checks/checkHertzExtended.py"
+    assert of_conical_damage(script, tmp_path, False, '\nprint("ROW", lawHMCDM.ratioYieldingContacts())\n') == ["1.0"]
+
+
+@pytest.mark.slow
+def test_yades_example_of_the_conical_damage_model_is_that_of_the_native_law(tmp_path):
+    """Periodic packing with c1 = 1.3: mean stress, phys.R, ratioYieldingContacts() and friction of its own addData()."""
+    script = "examples/test/HertzMindlinExtended/HertzMindlinExtended_periodicSimpleShear.py"
+    end = "\nO.run(2400, True)\naddData()\nprint('ROW', *(plot.data[name][-1] for name in NAMES))\n"
+    end = end.replace("NAMES", "('szz', 'averageContactRadius', 'PercentYieldCont', 'averageMu')")
+    native, ours = (of_conical_damage(script, tmp_path, native, end)[0].split() for native in (True, False))
+    assert np.array(ours, float) == pytest.approx(np.array(native, float), rel=1e-3)
+    assert float(native[2]) > 50.0 and float(native[1]) > 0.06
 
 
 # --- the command
