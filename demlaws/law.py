@@ -31,7 +31,8 @@ class Law(Response):
     """A curve of first loading on a contact, joined with an unloading rule. Made by `demlaws.law(...)`.
 
     Overlaps in m, forces in N, stiffnesses in N/m, energies in J. The methods take a number or an array and return the
-    same; with a contact that is an array of contacts, arrays have one entry per contact.
+    same; with a contact that is an array of contacts, arrays have one entry per contact, and a number, too, returns an array
+    (a type checker expects a number there: give `np.full(n, overlap)`).
 
     >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
     >>> print(f"{law.force(1e-6):.4f} N, {law.stiffness(1e-6):.0f} N/m, {law.overlap(10.0) * 1e6:.3f} µm")

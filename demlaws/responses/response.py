@@ -2,7 +2,7 @@
 
 import functools
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -125,6 +125,12 @@ class Response(BoundLaw):
         end = self._largest_unloading_force()
         return text if end == math.inf else f"{text}, and its unloading curve is a table that ends at {end:g} N"
 
+    @overload
+    def force(self, overlap: float | str) -> float: ...
+
+    @overload
+    def force(self, overlap: ArrayLike) -> np.ndarray: ...
+
     def force(self, overlap: ArrayLike) -> Any:
         """Force P of first loading.
 
@@ -140,6 +146,12 @@ class Response(BoundLaw):
         """
         return as_given(self._force_and_stiffness(overlap)[0])
 
+    @overload
+    def stiffness(self, overlap: float | str) -> float: ...
+
+    @overload
+    def stiffness(self, overlap: ArrayLike) -> np.ndarray: ...
+
     def stiffness(self, overlap: ArrayLike) -> Any:
         """Tangent stiffness K = dP/dδ of first loading.
 
@@ -154,6 +166,12 @@ class Response(BoundLaw):
             Stiffness [N/m], 0 at δ ≤ 0.
         """
         return as_given(self._force_and_stiffness(overlap)[1])
+
+    @overload
+    def overlap(self, force: float | str) -> float: ...
+
+    @overload
+    def overlap(self, force: ArrayLike) -> np.ndarray: ...
 
     def overlap(self, force: ArrayLike) -> Any:
         """Overlap δ at which first loading carries a force.
@@ -180,6 +198,12 @@ class Response(BoundLaw):
         last = self.curve.largest_force(loading_part(self.params))
         beyond = f": law {self.name!r} is defined up to max_force = {last:g} N" if force > last else ""
         return f"force up to {force:g} N has no finite overlap{beyond}"
+
+    @overload
+    def energy(self, overlap: float | str) -> float: ...
+
+    @overload
+    def energy(self, overlap: ArrayLike) -> np.ndarray: ...
 
     def energy(self, overlap: ArrayLike) -> Any:
         """Work ∫P dδ of first loading.
@@ -402,6 +426,16 @@ class Response(BoundLaw):
 
         return Path(values, force, stiffness, maximum, plastic, stored, dissipated)
 
+    @overload
+    def shear_stiffness(
+        self, overlap: float | str, ratio: float, shear: str = ..., *, state: "State | None" = ...
+    ) -> float: ...
+
+    @overload
+    def shear_stiffness(
+        self, overlap: ArrayLike, ratio: float, shear: str = ..., *, state: "State | None" = ...
+    ) -> np.ndarray: ...
+
     def shear_stiffness(self, overlap: ArrayLike, ratio: float, shear: str = DEFAULT, *, state: "State | None" = None) -> Any:
         """Tangential stiffness K_t [N/m] of one contact along a sequence of overlaps [m]; `state` is updated.
 
@@ -419,6 +453,12 @@ class Response(BoundLaw):
         if not np.all(np.isfinite(result)):
             raise DemlawsError(self._out_of_range(float(values.max())))
         return as_given(ratio * result.reshape(shape))
+
+    @overload
+    def unloading_overlap(self, force: float | str, state: "State") -> float: ...
+
+    @overload
+    def unloading_overlap(self, force: ArrayLike, state: "State") -> np.ndarray: ...
 
     def unloading_overlap(self, force: ArrayLike, state: "State") -> Any:
         """Overlap [m] at which a contact with this history, below its maximum overlap, carries `force` ≥ 0 [N]."""
