@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.errors import DemlawsError, MissingQuantity, did_you_mean, warn
-from demlaws.units import RANGES, as_float, as_given, judge, number, outside, positive, refuse_plain_radius
+from demlaws.units import RANGES, as_float, as_given, as_typed, judge, number, outside, positive, refuse_plain_radius, typed
 
 PER_CONTACT = ("radius", "modulus", "sigma")
 """Fields of a `Contact` that may have one entry per contact."""
@@ -25,8 +25,9 @@ def hardness_doubt(hardness: float | None, modulus: Any) -> str | None:
     if hardness is None or not np.any(hardness > HIGHEST_HARDNESS * np.asarray(modulus)):
         return None
     return (
-        f"hardness = {hardness:g} Pa is {hardness / float(np.min(modulus)):.3g} times the effective modulus: no sphere reaches "
-        "this pressure (0.42 E* where a = R), so that nothing deforms plastically; give the hardness of the softer body in Pa"
+        f"hardness = {as_typed(hardness, 'Pa')} is {hardness / float(np.min(modulus)):.3g} times the effective modulus: no "
+        "sphere reaches this pressure (0.42 E* where a = R), so that nothing deforms plastically; give the "
+        "hardness of the softer body in Pa"
     )
 
 
@@ -40,7 +41,7 @@ def _check(owner: Any, *names: str, scalar: bool = True) -> None:
         bad = np.flatnonzero(outside(name, array))
         if bad.size:
             where = f" (entry {bad[0]})" if array.ndim else ""
-            text = judge(**{name: float(array.flat[bad[0]])})[0].text
+            text = judge(**{name: typed(array.flat[bad[0]], value, RANGES[name].unit)})[0].text
             raise DemlawsError(text.replace(":", f"{where}:", 1))
         object.__setattr__(owner, name, as_given(array))
 
@@ -246,14 +247,14 @@ class Contact:
         _check(self, "fractal_dimension", "hardness")
         _refuse_lengths({name: getattr(self, name) for name in PER_CONTACT})
         if self.hardness is not None:
-            pressure_of(self, self.hardness, "hardness")
-        text = hardness_doubt(self.hardness, self.modulus)
+            pressure_of(self, hardness, "hardness")
+        text = hardness_doubt(self.hardness and typed(self.hardness, hardness, "Pa"), self.modulus)
         if text is not None:
             warn(text)
         # the relatively roughest contact and the largest one
-        radius, sigma = (np.atleast_1d(v) for v in np.broadcast_arrays(self.radius, self.sigma_or_zero))
-        for place in {int(np.argmax(sigma / radius)), int(np.argmax(radius))} if radius.size else ():
-            for finding in judge(radius=float(radius[place]), sigma=float(sigma[place])):
+        radii, heights = (np.atleast_1d(v) for v in np.broadcast_arrays(self.radius, self.sigma_or_zero))
+        for place in {int(np.argmax(heights / radii)), int(np.argmax(radii))} if radii.size else ():
+            for finding in judge(radius=typed(radii[place], radius, "m"), sigma=typed(heights[place], sigma, "m")):
                 if not finding.admissible:
                     raise DemlawsError(finding.text)
                 warn(finding.text)
@@ -316,8 +317,8 @@ class Contact:
         radius1, radius2 = values["radius1"], values["radius2"]
         if np.any(np.isinf(radius1) & np.isinf(radius2)):
             raise DemlawsError("radius1 and radius2 are both inf: two flats have no Hertz contact; give one a radius in m")
-        for name in ("roughness1", "roughness2"):
-            refuse_rough(name, values.get(name), effective_radius(radius1, radius2))
+        for name, roughness in (("roughness1", roughness1), ("roughness2", roughness2)):
+            refuse_rough(name, roughness, effective_radius(radius1, radius2))
         if fractal_dimension is None:
             fractal_dimension = first.combined(second).fractal_dimension
         if hardness is None:
@@ -426,7 +427,7 @@ def pressure_of(contact: Contact, value: Any, name: str) -> float:
     if np.any(pressure < LOWEST_HARDNESS * np.asarray(contact.modulus)):
         share = pressure / float(np.max(contact.modulus))
         raise DemlawsError(
-            f"{name} = {pressure:g} Pa is {share:.1g} of the effective modulus: check the units (give Pa, or "
+            f"{name} = {as_typed(value, 'Pa')} is {share:.1g} of the effective modulus: check the units (give Pa, or "
             '"6.3GPa"; a Vickers number in kgf/mm² times 9.807e6)',
         )
     return pressure
@@ -461,9 +462,10 @@ def _lengths_of(**lengths: Any) -> dict[str, np.ndarray]:
         if is_radius:
             length = _as_radius(name, length)
         values[name] = value = as_float(length, name, "m", array=True)
-        if not np.all(value > 0 if is_radius else value >= 0):
+        bad = np.flatnonzero(~(value > 0 if is_radius else value >= 0))
+        if bad.size:
             remedy = "a radius must be positive (inf for a flat)" if is_radius else RANGES["roughness"].remedy
-            raise DemlawsError(f"{name} = {value} m: {remedy}")
+            raise DemlawsError(f"{name} = {as_typed(typed(value.flat[bad[0]], length, 'm'), 'm')}: {remedy}")
     _refuse_lengths(values)
     return values
 
@@ -485,11 +487,11 @@ def refuse_rough(name: str, roughness: Any, radius: Any) -> None:
     """Refuse the roughness Sq of one surface [m] that is too large for the effective radius [m] of its contact."""
     if roughness is None:
         return
-    pairs = np.broadcast_arrays(np.atleast_1d(roughness), radius)
+    pairs = np.broadcast_arrays(np.atleast_1d(as_float(roughness, name, "m", array=True)), radius)
     if pairs[0].size == 0:
         return  # an empty array is refused where contacts are made
     worst = int(np.argmax(pairs[0] / pairs[1]))
-    for finding in judge(roughness=float(pairs[0][worst]), radius=float(pairs[1][worst])):
+    for finding in judge(roughness=typed(pairs[0][worst], roughness, "m"), radius=float(pairs[1][worst])):
         if not finding.admissible:
             raise DemlawsError(finding.text.replace(finding.quantity, name, 1))
 

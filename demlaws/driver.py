@@ -15,7 +15,7 @@ from demlaws.errors import DemlawsError
 from demlaws.law import Law, as_law
 from demlaws.responses.path import Path
 from demlaws.shear import Sheared as Sheared, sheared as sheared
-from demlaws.units import as_float, number, whole
+from demlaws.units import as_float, as_typed, number, typed, whole
 
 
 def _branches(law, turning_points, unit, steps):
@@ -28,13 +28,16 @@ def _branches(law, turning_points, unit, steps):
     return [np.linspace(a, b, steps + 1)[1:] for a, b in itertools.pairwise([0.0, *points])]
 
 
-def _kinetic(mass, speed):
-    kinetic = 0.5 * mass * speed * speed
+def _moving(mass, speed):
+    """A mass [kg], its speed [m/s] and its kinetic energy [J]."""
+    m, v = number(mass, "mass", "kg"), number(speed, "speed", "m/s")
+    kinetic = 0.5 * m * v * v
     if not 1e-200 < kinetic < math.inf:
         raise DemlawsError(
-            f"speed = {speed:g} m/s: the kinetic energy of {mass:g} kg is {kinetic:g} J, beyond what can be computed"
+            f"speed = {as_typed(speed, 'm/s')}: the kinetic energy of mass = {as_typed(mass, 'kg')} is {kinetic:g} J, beyond "
+            "what can be computed"
         )
-    return kinetic
+    return m, v, kinetic
 
 
 def displacement_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> Path:
@@ -67,7 +70,7 @@ def displacement_controlled(law: Law, turning_points: ArrayLike, steps: int = 20
     (array([0., 1., 2., 1., 0.]), array([0.   , 2.698, 7.632, 2.698, 0.   ]))
     """
     branches = _branches(law, turning_points, "m", steps)
-    return law.follow(np.concatenate([[0.0], *branches]))
+    return law._follow(np.concatenate([[0.0], *branches]), None, turning_points)
 
 
 def force_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> Path:
@@ -104,13 +107,14 @@ def force_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> P
     branches = _branches(law, turning_points, "N", steps)
     lowest = min(forces[-1] for forces in branches)
     if lowest < 0.0:
-        raise DemlawsError(f"force {lowest:g} N: a contact without adhesion carries no tension; turn at 0 N or above")
+        text = as_typed(typed(lowest, turning_points, "N"), "N")
+        raise DemlawsError(f"force {text}: a contact without adhesion carries no tension; turn at 0 N or above")
     state, largest, overlaps = law.new_state(1), 0.0, [np.zeros(1)]
     for forces in branches:
         branch = np.empty(forces.size)
         new = forces >= largest
         if np.any(new):
-            branch[new] = law.overlap(forces[new])
+            branch[new] = law._overlap(forces[new], turning_points)
         if not np.all(new):
             branch[~new] = law.unloading_overlap(forces[~new], state)
         law.follow(branch, state)
@@ -170,16 +174,16 @@ class Impact(NamedTuple):
     force: np.ndarray
 
 
-def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -> Impact:
+def impact(law: Law, mass: float | str, speed: float | str, steps_per_contact: int = 1000) -> Impact:
     """Impact of a body on the contact, damped only by the law.
 
     Parameters
     ----------
     law : Law
         Law of one contact.
-    mass : float
+    mass : float or str
         Mass of the body [kg]; of two bodies m1 m2/(m1 + m2).
-    speed : float
+    speed : float or str
         Speed of approach [m/s].
     steps_per_contact : int
         Steps per elastic loading and unloading.
@@ -204,9 +208,9 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
     >>> round(dl.driver.impact(law, mass=0.01, speed=0.1).restitution, 6)
     1.0
     """
-    mass, speed = number(mass, "mass", "kg"), number(speed, "speed", "m/s")
     count = number(steps_per_contact, "steps_per_contact", "", 3, 10_000_000, allow_low=True)
-    p, kinetic = as_law(law).single_params(), _kinetic(mass, speed)
+    p = as_law(law).single_params()
+    m, v, kinetic = _moving(mass, speed)
     peak, duration = elastic_contact(law, mass, speed)
     dt = duration / count
     state = law.new_state(1).arrays
@@ -214,22 +218,22 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
     limit = int(100 * count)
     room = np.empty((min(limit, int(4 * count) + 16), 3))
     start = law.rule_tag, law.shape, p
-    steps, overlap, velocity, dissipated, _ = impact_loop(*start, state, mass, speed, dt, 0.0, limit, room)
+    steps, overlap, velocity, dissipated, _ = impact_loop(*start, state, m, v, dt, 0.0, limit, room)
     if steps > len(room):  # of slow separation: again with room for every step
         room, state = np.empty((steps, 3)), law.new_state(1).arrays
-        steps, overlap, velocity, dissipated, _ = impact_loop(*start, state, mass, speed, dt, 0.0, limit, room)
+        steps, overlap, velocity, dissipated, _ = impact_loop(*start, state, m, v, dt, 0.0, limit, room)
     if not math.isfinite(velocity):
         raise DemlawsError(law._out_of_range(peak))
     if overlap > 0.0:
         raise DemlawsError(
-            f"speed = {speed:g} m/s: no separation within {limit} steps; is the law's plastic overlap that large?"
+            f"speed = {as_typed(speed, 'm/s')}: no separation within {limit} steps; is the law's plastic overlap that large?"
         )
     record = room[:steps]
     path = law.follow(record[:, 0])
-    after = 0.5 * mass * velocity**2
+    after = 0.5 * m * velocity**2
     return Impact(
         rebound_speed=-velocity,
-        restitution=-velocity / speed,
+        restitution=-velocity / v,
         peak_force=float(record[:, 2].max()),
         peak_overlap=float(record[:, 0].max()),
         plastic_overlap=float(path.plastic_overlap.max(initial=0.0)),
@@ -245,16 +249,16 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
     )
 
 
-def elastic_contact(law: Law, mass: float, speed: float) -> tuple[float, float]:
+def elastic_contact(law: Law, mass: float | str, speed: float | str) -> tuple[float, float]:
     """Largest overlap and duration of an elastic impact, from the energy of first loading.
 
     Parameters
     ----------
     law : Law
         Law of one contact.
-    mass : float
+    mass : float or str
         Effective mass [kg].
-    speed : float
+    speed : float or str
         Relative normal speed at first touch [m/s].
 
     Returns
@@ -264,8 +268,8 @@ def elastic_contact(law: Law, mass: float, speed: float) -> tuple[float, float]:
     """
     from scipy.optimize import brentq
 
-    mass, speed = number(mass, "mass", "kg"), number(speed, "speed", "m/s")
-    params, kinetic = as_law(law).single_params(), _kinetic(mass, speed)
+    params = as_law(law).single_params()
+    m, v, kinetic = _moving(mass, speed)
 
     def work(overlaps):  # without the advice that `law.energy` gives on overlaps which no impact reaches
         return energy_loop(law.shape, params, np.atleast_1d(np.asarray(overlaps, float)))
@@ -274,11 +278,12 @@ def elastic_contact(law: Law, mass: float, speed: float) -> tuple[float, float]:
     if not work(high)[0] > kinetic:  # also where a table ends before: its energy is not a number there
         high = min(high, float(law.largest_overlap)) * (1.0 - 1e-12)
         if not work(high)[0] > kinetic:
-            raise DemlawsError(f"speed = {speed:g} m/s: the contact cannot take {kinetic:g} J within its radius or its table")
+            text = f"speed = {as_typed(speed, 'm/s')}"
+            raise DemlawsError(f"{text}: the contact cannot take {kinetic:g} J within its radius or its table")
     peak = brentq(lambda overlap: work(overlap)[0] - kinetic, 0.0, high, xtol=1e-300, rtol=1e-13, maxiter=1000)
     # t = ∫dδ/v, with δ = peak (1 - x²) to take the square root out of the end
     places, weights = np.polynomial.legendre.leggauss(64)
     x = 0.5 * (places + 1.0)
-    v2 = speed**2 - 2.0 / mass * work(peak * (1.0 - x**2))
-    times = weights * x * peak / np.sqrt(np.maximum(v2, 1e-300))
+    squares = v * v - 2.0 / m * work(peak * (1.0 - x**2))
+    times = weights * x * peak / np.sqrt(np.maximum(squares, 1e-300))
     return peak, 2.0 * float(np.sum(times))

@@ -19,7 +19,7 @@ from demlaws.errors import DemlawsError, NotPassive
 from demlaws.files import names_a_file, write_atomically
 from demlaws.laws.definition import HERTZ_CURVE
 from demlaws.responses.response import Response
-from demlaws.units import as_given, number
+from demlaws.units import as_given, as_typed, number
 
 if TYPE_CHECKING:
     from demlaws.core.grid import Nodes
@@ -31,7 +31,8 @@ class Law(Response):
     """A curve of first loading on a contact, joined with an unloading rule. Made by `demlaws.law(...)`.
 
     Overlaps in m, forces in N, stiffnesses in N/m, energies in J. The methods take a number or an array and return the
-    same; with a contact that is an array of contacts, arrays have one entry per contact.
+    same; with a contact that is an array of contacts, arrays have one entry per contact, and a number, too, returns an array
+    (a type checker expects a number there: give `np.full(n, overlap)`).
 
     >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
     >>> print(f"{law.force(1e-6):.4f} N, {law.stiffness(1e-6):.0f} N/m, {law.overlap(10.0) * 1e6:.3f} µm")
@@ -143,11 +144,7 @@ class Law(Response):
 
     def overlap_of(self, max_force: float | str) -> Any:
         """`overlap` at a force that the user typed as max_force [N], which an error names."""
-        force = number(max_force, "max_force", "N")
-        try:
-            return self.overlap(np.broadcast_to(force, self.contact.size or ()))
-        except DemlawsError as error:
-            raise DemlawsError(f"max_force = {force:g} N is too large for this contact: {error}") from None
+        return as_given(self._overlap(number(max_force, "max_force", "N"), max_force, "max_force"))
 
     def tabulate(self, rtol: float = 1e-5, max_force: float | None = None) -> "Table":
         """The smallest `Table` of this law whose force and stiffness lie within `rtol`, measured between the nodes.
@@ -315,12 +312,15 @@ class Table(Law):
 
     def _out_of_range(self, overlap):
         return (
-            f"overlap {overlap:g} m is beyond the table, which ends at {self.largest_overlap:g} m ({self.largest_force:g} N): "
-            "make it with a larger max_force"
+            f"overlap {as_typed(overlap, 'm')} is beyond the table, which ends at {self.largest_overlap:g} m "
+            f"({self.largest_force:g} N): make it with a larger max_force"
         )
 
     def _force_out_of_range(self, force):
-        return f"force {force:g} N is beyond the table, which ends at {self.largest_force:g} N: make it with a larger max_force"
+        return (
+            f"force {as_typed(force, 'N')} is beyond the table, which ends at {self.largest_force:g} N: make it with a larger "
+            "max_force"
+        )
 
     # --- files
 

@@ -25,7 +25,7 @@ from demlaws.solvers.criterion import (
     transition_force,
     transition_sigma,
 )
-from demlaws.units import check_overlaps, number
+from demlaws.units import as_typed, check_overlaps, number
 
 __all__ = [
     "BAND",
@@ -91,14 +91,16 @@ class Regime(NamedTuple):
         )
 
 
-def _check_load(contact: Contact, force: Any) -> None:
-    """DemlawsError where a smooth contact's overlap under `force` [N] is beyond R, a warning where it is beyond R/10."""
+def _check_load(contact: Contact, force: Any) -> float:
+    """The force [N]; an error where a smooth contact's overlap under it is beyond R, a warning where it is beyond R/10."""
+    load = number(force, "force", "N")
     try:
-        text = check_overlaps(smooth_overlap(contact, force), contact.radius)
+        text = check_overlaps(smooth_overlap(contact, load), contact.radius)
     except DemlawsError as error:
-        raise DemlawsError(f"load {np.max(force):g} N: {error}") from None
+        raise DemlawsError(f"load {as_typed(force, 'N')}: {error}") from None
     if text is not None:
-        warn(f"load {np.max(force):g} N: {text}")
+        warn(f"load {as_typed(force, 'N')}: {text}")
+    return load
 
 
 def regime(contact: Contact, force: Any, mu: float | None = None, *, yield_pressure: float | str | None = None) -> Regime:
@@ -138,8 +140,7 @@ def regime(contact: Contact, force: Any, mu: float | None = None, *, yield_press
     """
     if as_contact(contact).size is not None:
         raise DemlawsError("regime takes one contact; this one is an array: use pressure_ratio and transition_force")
-    force = number(force, "force", "N")
-    _check_load(contact, force)
+    force = _check_load(contact, force)
     p0, alpha = float(hertz_pressure(contact, force)), float(contact.roughness_parameter(force))
     if yield_pressure is not None:
         limit = number(yield_pressure, "yield_pressure", "Pa", *YIELD_PRESSURES)
@@ -201,8 +202,7 @@ def advise(contact: Contact, force: Any, yield_pressure: Any = None, *, mu: floa
     Without hardness and yield pressure the bulk is not judged, and the reason states it.
     """
     as_contact(contact)
-    force = number(force, "force", "N")
-    _check_load(contact, force)
+    force = _check_load(contact, force)
     alpha = float(np.max(contact.roughness_parameter(FIRST * force)))
     if yield_pressure is not None:
         limit = number(yield_pressure, "yield_pressure", "Pa", *YIELD_PRESSURES)

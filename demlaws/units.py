@@ -23,23 +23,23 @@ def large_overlap(overlap, radius, count=1, total=1):
     """Text about overlaps beyond SMALL_OVERLAP of the radius, for Python and engines alike: largest one [m], its R [m]."""
     those = f" ({count} of {total} contacts are beyond {SMALL_OVERLAP:g} R)" if total > 1 else ""
     return (
-        f"overlap {overlap:g} m is {overlap / radius:.3g} of the effective radius R = {radius:g} m{those}: contact laws are "
-        f"valid for overlaps up to {SMALL_OVERLAP:g} R; check units, loads and the step"
+        f"overlap {as_typed(overlap, 'm')} is {overlap / radius:.3g} of the effective radius R = {radius:g} m{those}: contact "
+        f"laws are valid for overlaps up to {SMALL_OVERLAP:g} R; check units, loads and the step"
     )
 
 
 def too_large_overlap(overlap, radius):
     """Text about an overlap [m] beyond LARGEST_OVERLAP of its radius [m], for Python and engines alike."""
     return (
-        f"overlap {overlap:g} m is {overlap / radius:.3g} times the effective radius R = {radius:g} m: contact laws are valid "
-        f"for overlaps up to {SMALL_OVERLAP:g} R and undefined beyond R; check units, loads and the step"
+        f"overlap {as_typed(overlap, 'm')} is {overlap / radius:.3g} times the effective radius R = {radius:g} m: contact laws "
+        f"are valid for overlaps up to {SMALL_OVERLAP:g} R and undefined beyond R; check units, loads and the step"
     )
 
 
-def check_overlaps(overlap, radius):
+def check_overlaps(overlap, radius, source=()):
     """None, or the text for a warning where some overlap [m] is beyond SMALL_OVERLAP of its radius [m].
 
-    Raises DemlawsError where one is beyond LARGEST_OVERLAP of it. Both may be arrays, which broadcast.
+    Raises DemlawsError where one is beyond LARGEST_OVERLAP of it. Both may be arrays, which broadcast. source: see `typed`.
     """
     if np.size(overlap) == 0:
         return None
@@ -50,6 +50,7 @@ def check_overlaps(overlap, radius):
     if not worst > SMALL_OVERLAP * (1.0 + 1e-9):
         return None
     value, own = (float(np.broadcast_to(one, ratio.shape).flat[where]) for one in (overlap, radius))
+    value = typed(value, source, "m")
     if worst > LARGEST_OVERLAP:
         raise DemlawsError(too_large_overlap(value, own))
     return large_overlap(value, own, int(np.sum(ratio > SMALL_OVERLAP)), ratio.size)
@@ -105,6 +106,12 @@ def plain_unit(text):
     return text.replace("µ", "u").replace("μ", "u").replace("\u212b", "Å")
 
 
+class Typed(float):
+    """A number in SI units with the text that it was read from."""
+
+    text: str
+
+
 def quantity(text, name, unit=""):
     """A number in the SI unit `unit` from text such as "3mm", "2.4 µm", "60GPa" or "6e10". Raises DemlawsError."""
     text = text.strip()
@@ -112,7 +119,9 @@ def quantity(text, name, unit=""):
     factors = UNITS.get(unit, {unit: 1.0} if unit else {})
     symbol = plain_unit(match[2]) if match else ""
     if match and (not symbol or symbol in factors):
-        return float(match[1]) * factors.get(symbol, 1.0)
+        value = Typed(float(match[1]) * factors.get(symbol, 1.0))
+        value.text = text
+        return value
     units = f" in {unit}, or with one of the units {', '.join(factors)}" if factors else f" in {unit}" if unit else ""
     raise DemlawsError(f"{name} must be a number{units}, got {text!r:.60}")
 
@@ -165,8 +174,19 @@ def number(value, name, unit="", low=0.0, high=math.inf, allow_low=False):
 
 def as_typed(value, unit=""):
     """A number with its unit in words: as the user typed it, in Python or at the command line, else in SI."""
-    typed = value if isinstance(value, str) else getattr(value, "typed", "")
-    return typed.strip() or f"{float(value):g} {unit}".rstrip()
+    value = quantity(value, "", unit) if isinstance(value, str) else value
+    if not isinstance(value, Typed):
+        return f"{float(value):g} {unit}".rstrip()
+    return f"{value.text} {unit}".rstrip() if value.text[-1] in "0123456789." else value.text
+
+
+def typed(value, source, unit):
+    """A number [SI] with the user's text if `source`, a number or text or a list of them, has it as text; else as it is."""
+    for one in source if isinstance(source, list | tuple) else (source,):
+        one = quantity(one, "", unit) if isinstance(one, str) else one
+        if isinstance(one, Typed) and one == value:
+            return one
+    return float(value)
 
 
 def positive(value, name, unit):
@@ -257,14 +277,18 @@ def judge(**quantities: float) -> list[Finding]:
     for name, value in quantities.items():
         if outside(name, value):
             remedy = "it must be positive" if value <= 0.0 < RANGES[name].low else RANGES[name].remedy
-            findings.append(Finding(False, name, f"{name} = {value:g} {RANGES[name].unit}".rstrip() + f": {remedy}"))
+            findings.append(Finding(False, name, f"{name} = {as_typed(value, RANGES[name].unit)}: {remedy}"))
     if findings:
         return findings
     radius, rough = quantities.get("radius", 0.0), "sigma" if "sigma" in quantities else "roughness"
     height = quantities.get(rough, 0.0)
     if radius > LARGE_RADIUS:
         findings.append(
-            Finding(True, "radius", f"radius = {radius:g} m is above {LARGE_RADIUS:g} m; did you mean mm (1 mm = 0.001 m)?")
+            Finding(
+                True,
+                "radius",
+                f"radius = {as_typed(radius, 'm')} is above {LARGE_RADIUS:g} m; did you mean mm (1 mm = 0.001 m)?",
+            )
         )
     if radius and height > LARGE_ROUGHNESS * radius:
         admissible = height <= LARGEST_ROUGHNESS * radius
@@ -273,8 +297,8 @@ def judge(**quantities: float) -> list[Finding]:
             Finding(
                 admissible,
                 rough,
-                f"{rough} = {height:g} m is {height / radius:.3g} times the radius {radius:g} m, above {limit:g}: the "
-                "laws assume a roughness far below the radius; did you mean µm (1 µm = 1e-6 m)?",
+                f"{rough} = {as_typed(height, 'm')} is {height / radius:.3g} times the radius {as_typed(radius, 'm')}, above "
+                f"{limit:g}: the laws assume a roughness far below the radius; did you mean µm (1 µm = 1e-6 m)?",
             )
         )
     return findings

@@ -256,7 +256,7 @@ def test_radius_of_a_tip():
 
 
 @pytest.mark.parametrize("radius", [2.5e-3, -2.5e-3, 4.35e-3])
-def test_a_ball_leaves_nothing(radius):
+def test_a_ball_leaves_nothing(radius, monkeypatch):
     """Its paraboloid leaves h⁴/(8R³): 18 µm at the rim of the smaller ball, 40 nm on the other."""
     half, (rows, columns) = (1.7e-3 if abs(radius) < 3e-3 else 0.35e-3), (90, 110)
     x, y = np.linspace(-half, half, columns), np.linspace(-0.8 * half, 0.8 * half, rows)[:, None]
@@ -269,6 +269,9 @@ def test_a_ball_leaves_nothing(radius):
     assert left.form_order == "sphere" and left.sq < 1e-12
     rough = self_affine((rows, columns), ball.pixel_x, 0.8, roughness=50e-9, seed=1, longest=20 * ball.pixel_x)
     assert ball.with_heights(z + rough.heights).without_form(2).sq == pytest.approx(50e-9, rel=0.02)
+    monkeypatch.setattr(HeightMap, "_form", None)
+    assert ball.without_form(2) is left  # one fit for radii and form
+    monkeypatch.undo()
     # a paraboloid stays one
     cap = HeightMap(np.zeros((rows, columns)) - (x**2 + y**2) / (2 * radius), x[1] - x[0], float(y[1, 0] - y[0, 0]))
     assert cap.without_form(2).form_order == 2

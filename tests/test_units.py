@@ -64,6 +64,38 @@ def test_a_number_that_is_refused_is_shown_as_typed():
         number("0", "count")
 
 
+LAW = dl.law("hertz", PAIR)
+TABLE = dl.law("hertz", PAIR, max_force=10.0)
+TYPED = {
+    "radius = -4mm:": lambda: dl.Contact("-4mm", 32e9),
+    r"radius = -4mm \(entry 1\):": lambda: dl.Contact(["8mm", "-4mm"], 32e9),
+    "sigma = 50mm is": lambda: dl.Contact("4mm", 32e9, sigma="50mm"),
+    "hardness = 6Pa is": lambda: dl.Contact("4mm", 32e9, hardness="6Pa"),
+    "young = 60 Pa:": lambda: dl.Material("60", 0.2),
+    "young = -60GPa:": lambda: dl.Material("-60GPa", 0.2),
+    "radius1 = -5mm:": lambda: dl.Contact.between(dl.materials.glass, dl.materials.glass, radius1="-5mm", radius2="flat"),
+    "overlap 5cm is": lambda: LAW.force(["1um", "5cm"]),
+    "^overlap 5cm is": lambda: LAW.energy("5cm"),
+    "^overlap 5cm is .* times": lambda: dl.driver.displacement_controlled(LAW, ["1um", "5cm", 0]),
+    "force = 1e9kN is too large": lambda: LAW.overlap("1e9kN"),
+    "^force = 1e9kN is too large": lambda: dl.driver.force_controlled(LAW, ["1kN", "1e9kN"]),
+    "max_force = 1e9kN is too large": lambda: LAW.tabulate(max_force="1e9kN"),
+    "force -3mN:": lambda: dl.driver.force_controlled(LAW, [1.0, "-3mN"]),
+    "overlap 100um is beyond the table": lambda: dl.driver.displacement_controlled(TABLE, ["100um", 0]),
+    "force 1kN is beyond the table": lambda: dl.driver.force_controlled(TABLE, ["1kN", 0]),
+    "speed = 1e9mm/s: the contact": lambda: dl.driver.impact(LAW, "1g", "1e9mm/s"),
+    "speed = 1e-99mm/s: the kinetic energy of mass = 1g": lambda: dl.driver.impact(LAW, "1g", "1e-99mm/s"),
+    r"speed = 1e\+06 m/s: the contact": lambda: dl.driver.impact(LAW, 1e-3, 1e6),
+    "load 1e9kN: overlap": lambda: dl.regime(PAIR, "1e9kN"),
+}
+
+
+@pytest.mark.parametrize("text", TYPED)
+def test_an_error_shows_a_quantity_as_typed(text):
+    with pytest.raises(dl.DemlawsError, match=text):
+        TYPED[text]()
+
+
 @pytest.mark.parametrize("n", ["", -1, [2]])
 def test_a_state_has_a_whole_number_of_contacts(n):
     """An elastic law has no arrays, and took any."""

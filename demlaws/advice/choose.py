@@ -144,7 +144,7 @@ def table_name(path, scene, kinds):
     return path if len(scene.materials) == 1 else path.with_name(f"{path.stem}-{kinds[0]}-{kinds[1]}{path.suffix}")
 
 
-class Choices(Tabular, list):
+class Choices(Tabular, list[Choice]):
     """Choices, ordered by cost; those within the tolerance come first."""
 
     def __init__(self, choices, scene, reference, ruled_out, notes):

@@ -27,7 +27,7 @@ from demlaws.units import number
 _DECISIVE = 10.0  # decrease of AICc from which a note mentions a fixed quantity
 
 
-class Ranking(Tabular, list):
+class Ranking(Tabular, list[Fit]):
     """Fits from the best to the worst, and the laws that were not fitted; `print(ranking)` shows them as a table."""
 
     def __init__(self, fits, skipped, points):

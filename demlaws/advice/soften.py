@@ -8,7 +8,7 @@ rule [our derivation]. With σ left as it is a contact slides to another branch 
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -26,9 +26,10 @@ EXPONENTS = {
     Contact: {"radius": 0.0, "modulus": -1.0, "sigma": 2 / 3, "fractal_dimension": 0.0, "hardness": PRESSURE},
 }
 """Exponent of the factor by which each measured quantity grows."""
+_Thing = TypeVar("_Thing")
 
 
-def soften(thing: Any, factor: float) -> Any:
+def soften(thing: _Thing, factor: float) -> _Thing:
     """Rescale contacts to a lower modulus on the same branch of their law.
 
     Parameters

@@ -237,7 +237,7 @@ def execute(parser, arguments):
             sys.stdout.flush()
         return status
     except DemlawsError as error:
-        return _failed(_as_typed(str(error), arguments))
+        return _failed(error)
     except OverflowError:
         return _failed("a value exceeds the range of numbers: check the units")
     except MemoryError:
@@ -255,20 +255,6 @@ def execute(parser, arguments):
             _drop_output(sys.stdout)
         place = f"{error.filename}: " if error.filename else "output: "
         return _failed(f"{place}{error.strerror or error}")
-
-
-def _as_typed(message, words):
-    """The message with quantities as the command line has them: `50mm` in place of `0.05 m`."""
-    from demlaws.units import UNITS, quantity
-
-    for text in {word.rpartition("=")[2] for word in words}:
-        for unit in filter(None, UNITS):
-            if text[-1:].isdigit():
-                continue  # without a unit
-            with contextlib.suppress(DemlawsError):
-                value = re.escape(f"{quantity(text, '', unit):g} {unit}")
-                message = re.sub(rf"(?<![\w.+-]){value}(?![\w/·²³])", lambda _, text=text: text, message)
-    return message
 
 
 def _failed(reason):

@@ -6,22 +6,14 @@ import math
 from demlaws.errors import DemlawsError
 
 
-class Typed(float):
-    """A number in SI units with the text that the user typed."""
-
-    typed: str
-
-
 def _quantity(unit, kind, metavar):
     def convert(text):
         from demlaws.units import quantity
 
         try:
-            value = Typed(quantity(text, kind, unit))
+            return quantity(text, kind, unit)
         except DemlawsError as error:
             raise argparse.ArgumentTypeError(str(error)) from None
-        value.typed = text.strip()
-        return value
 
     convert.metavar = metavar
     return convert

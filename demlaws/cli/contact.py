@@ -137,7 +137,7 @@ def contact_from(arguments, base=None, **measured):
     }
     if (radii := _pair(arguments, "radius", "effective_radius")) is not None:
         if len(arguments.radius) < 2:
-            one = as_typed(arguments.radius[0])
+            one = getattr(arguments.radius[0], "text", "flat")
             raise DemlawsError(
                 f"--radius {one}: give both bodies, --radius {one} flat for a sphere on a flat, --radius {one} {one} for two "
                 "equal spheres (or --effective-radius)"

@@ -48,7 +48,7 @@ class Points(NamedTuple):
 
 
 _COLUMNS = {
-    "displacement": (("displacement", "disp", "overlap", "depth", "penetration", "extension"), UNITS["m"]),
+    "displacement": (("displacement", "disp", "overlap", "depth", "penetration", "extension", "stroke"), UNITS["m"]),
     "force": (("force", "load"), UNITS["N"]),
 }
 _NOT_VALUES = ("increment", "error", "uncertainty", "deviation")
@@ -119,7 +119,7 @@ def _table(lines, path):
 
     Comments begin with #, % or //; the titles may be in one (numpy.savetxt), where no row precedes it.
     """
-    titles, title_line, rows, mark = [], 0, [], None
+    titles, title_line, rows, mark, untitled = [], 0, [], None, []
     for number, line in enumerate(lines, 1):
         text = line.strip().lstrip("#%/ ")
         cells = split(text, separator(text))
@@ -131,9 +131,10 @@ def _table(lines, path):
                 )
             titles, title_line, rows, mark = cells, number, [], separator(text)
         elif not titles and not comment and _is_row(cells):
-            raise DemlawsError(
-                f"{path}, line {number}: {_NEED}; above the first numbers: {' '.join(lines[: number - 1])[-60:]!r}"
-            )
+            untitled.append(number)
+            if len(untitled) == FEWEST_POINTS:  # fewer are a summary of the test
+                above = " ".join(lines[: untitled[0] - 1])[-60:]
+                raise DemlawsError(f"{path}, line {untitled[0]}: {_NEED}; above the first numbers: {above!r}")
         elif titles and not comment:
             rows.append((number, split(line.strip(), mark)))
     if not rows:

@@ -8,7 +8,7 @@ import csv
 import functools
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from demlaws.contact import Material, Surface
 from demlaws.errors import DemlawsError, did_you_mean
@@ -127,11 +127,13 @@ def material(name: str) -> Material:
     return Material(values["young"], values["poisson"], values["hardness"], values["density"], surface)
 
 
-def __getattr__(name: str) -> Any:
-    """The material of this name with its usual surface."""
-    if name.startswith("_") or name not in _read():
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}; materials: {', '.join(names())}")
-    return material(name)
+if not TYPE_CHECKING:  # a type checker knows the names above and reports any other
+
+    def __getattr__(name: str) -> Material:
+        """The material of this name with its usual surface."""
+        if name.startswith("_") or name not in _read():
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}; materials: {', '.join(names())}")
+        return material(name)
 
 
 def __dir__() -> list[str]:

@@ -345,7 +345,7 @@ class _Liggghts(_Input):
         without = f" without {model.lacks}" if model.lacks else ""
         if any(table.law != model.law for table in self.tables.values()):
             raise NotConverted(
-                f"model {normal}: the nearest law is {model.law},{without or ' the same'}: `demlaws table --law {model.law} "
+                f"model {normal}: the nearest law is {model.law}{without}: `demlaws table --law {model.law} "
                 f"{model.options} ... --out FILE`; with its table convert replaces this line"
             )
         return f", law {model.law}{without}"

@@ -5,7 +5,7 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
@@ -103,6 +103,12 @@ class Contacts(Tabular):
 
     def __len__(self) -> int:
         return len(self.body1)
+
+    @overload
+    def __getitem__(self, which: str) -> np.ndarray: ...
+
+    @overload
+    def __getitem__(self, which: Any) -> "Contacts": ...
 
     def __getitem__(self, which: Any) -> Any:
         if isinstance(which, str):

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
@@ -51,6 +51,12 @@ class Path(Tabular):
 
     def __len__(self) -> int:
         return np.size(self.overlap)
+
+    @overload
+    def __getitem__(self, index: str) -> np.ndarray: ...
+
+    @overload
+    def __getitem__(self, index: Any) -> "Path": ...
 
     def __getitem__(self, index: Any) -> Any:
         if isinstance(index, str):

@@ -2,7 +2,7 @@
 
 import functools
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -24,7 +24,7 @@ from demlaws.core.loops import (
 from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
 from demlaws.curves.unloading import ELASTIC, BoundLaw, Unloading
 from demlaws.errors import DemlawsError, LargeOverlap, warn
-from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, as_float, as_given, check_overlaps, number
+from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, as_float, as_given, as_typed, check_overlaps, number, typed
 
 if TYPE_CHECKING:
     from demlaws.curves.closed import FormulaCurve
@@ -109,10 +109,10 @@ class Response(BoundLaw):
 
     def _force_and_stiffness(self, overlap):
         values, shape = self._shaped(overlap, "overlap", "m")
-        self._check_range(values)
+        self._check_range(values, overlap)
         force, stiffness = force_loop(self.shape, self.params, values.ravel())
         if not np.all(np.isfinite(force)):
-            raise DemlawsError(self._out_of_range(float(values.max())))
+            raise DemlawsError(self._out_of_range(typed(values.max(), overlap, "m")))
         self._warn_of_limits(force)
         return force.reshape(shape), stiffness.reshape(shape)
 
@@ -120,10 +120,17 @@ class Response(BoundLaw):
         radius = float(np.max(self.contact.radius))
         last = self.curve.largest_force(loading_part(self.params))
         if overlap > float(np.min(self.curve.end(loading_part(self.params)))):
-            return f"overlap {overlap:g} m is beyond that of max_force = {last:g} N, up to which law {self.name!r} is defined"
-        text = f"overlap up to {overlap:g} m gives a force that is not finite: the contact's radius is {radius:g} m"
+            text = f"overlap {as_typed(overlap, 'm')} is beyond that of max_force = {last:g} N"
+            return f"{text}, up to which law {self.name!r} is defined"
+        text = f"overlap up to {as_typed(overlap, 'm')} gives a force that is not finite: the contact's radius is {radius:g} m"
         end = self._largest_unloading_force()
         return text if end == math.inf else f"{text}, and its unloading curve is a table that ends at {end:g} N"
+
+    @overload
+    def force(self, overlap: float | str) -> float: ...
+
+    @overload
+    def force(self, overlap: ArrayLike) -> np.ndarray: ...
 
     def force(self, overlap: ArrayLike) -> Any:
         """Force P of first loading.
@@ -140,6 +147,12 @@ class Response(BoundLaw):
         """
         return as_given(self._force_and_stiffness(overlap)[0])
 
+    @overload
+    def stiffness(self, overlap: float | str) -> float: ...
+
+    @overload
+    def stiffness(self, overlap: ArrayLike) -> np.ndarray: ...
+
     def stiffness(self, overlap: ArrayLike) -> Any:
         """Tangent stiffness K = dP/dδ of first loading.
 
@@ -155,6 +168,12 @@ class Response(BoundLaw):
         """
         return as_given(self._force_and_stiffness(overlap)[1])
 
+    @overload
+    def overlap(self, force: float | str) -> float: ...
+
+    @overload
+    def overlap(self, force: ArrayLike) -> np.ndarray: ...
+
     def overlap(self, force: ArrayLike) -> Any:
         """Overlap δ at which first loading carries a force.
 
@@ -168,18 +187,32 @@ class Response(BoundLaw):
         float or ndarray
             Overlap [m], 0 at P ≤ 0.
         """
+        return as_given(self._overlap(force, force))
+
+    def _overlap(self, force, source, name="force"):
+        """Overlaps at forces; an error shows the user's own, `source`, with their name."""
         values, shape = self._shaped(force, "force", "N")
         result = inverse_loop(self.shape, self.params, values.ravel())
         if not np.all(np.isfinite(result)):
-            raise DemlawsError(self._force_out_of_range(float(values.max())))
-        self._check_range(result.reshape(shape))
+            raise DemlawsError(self._force_out_of_range(typed(values.max(), source, "N")))
+        try:
+            self._check_range(result)
+        except DemlawsError as error:
+            text = as_typed(typed(values.max(), source, "N"), "N")
+            raise DemlawsError(f"{name} = {text} is too large for this contact: {error}") from None
         self._warn_of_limits(values)
-        return as_given(result.reshape(shape))
+        return result.reshape(shape)
 
     def _force_out_of_range(self, force):
         last = self.curve.largest_force(loading_part(self.params))
         beyond = f": law {self.name!r} is defined up to max_force = {last:g} N" if force > last else ""
-        return f"force up to {force:g} N has no finite overlap{beyond}"
+        return f"force up to {as_typed(force, 'N')} has no finite overlap{beyond}"
+
+    @overload
+    def energy(self, overlap: float | str) -> float: ...
+
+    @overload
+    def energy(self, overlap: ArrayLike) -> np.ndarray: ...
 
     def energy(self, overlap: ArrayLike) -> Any:
         """Work ∫P dδ of first loading.
@@ -195,7 +228,7 @@ class Response(BoundLaw):
             Work [J].
         """
         values, shape = self._shaped(overlap, "overlap", "m")
-        self._check_range(values)
+        self._check_range(values, overlap)
         result = energy_loop(self.shape, self.params, values.ravel())
         return as_given(result.reshape(shape))
 
@@ -341,9 +374,9 @@ class Response(BoundLaw):
                 return str(error)
         return self._out_of_range(overlap)
 
-    def _check_range(self, overlap):
+    def _check_range(self, overlap, source=()):
         """Refuse overlaps beyond R, and warn of those beyond a tenth of it: with one text per law, as Python's filters need."""
-        if check_overlaps(overlap, self._radius) is not None:
+        if check_overlaps(overlap, self._radius, source) is not None:
             radius = float(np.min(self._radius))
             warn(
                 f"{self.name}: overlap above {SMALL_OVERLAP * radius:.6g} m, {SMALL_OVERLAP:g} of the effective radius "
@@ -357,13 +390,13 @@ class Response(BoundLaw):
             raise DemlawsError("a path is followed by one contact; this law holds an array of contacts: use evaluate")
         return self.params
 
-    def _path_of(self, overlap, state):
+    def _path_of(self, overlap, state, source):
         """Overlaps [m] of one contact's path, the shape in which they were given, and the arrays of its state."""
         self.single_params()
         values, shape = self._shaped(overlap, "overlap", "m")
         if values.ndim > 1:
             raise DemlawsError(f"a path is a 1-D sequence of overlaps in m, got an array of shape {values.shape}")
-        self._check_range(values)
+        self._check_range(values, source)
         return values.ravel(), shape, self._arrays_of(self.new_state(1) if state is None else state, 1)
 
     def follow(self, overlap: ArrayLike, state: "State | None" = None) -> "Path":
@@ -380,8 +413,12 @@ class Response(BoundLaw):
         -------
         Path
         """
+        return self._follow(overlap, state, overlap)
+
+    def _follow(self, overlap, state, source):
+        """As `follow`; source: the user's own overlaps, which an error shows."""
         state = self.new_state(1) if state is None else state
-        values, _, arrays = self._path_of(overlap, state)
+        values, _, arrays = self._path_of(overlap, state, source)
         columns = [np.empty(values.size) for _ in range(4)]
         history = tuple(np.zeros(values.size) for _ in self.state_names)
         banked = follow_loop(self.rule_tag, self.shape, self.params, values, arrays, history, *columns)
@@ -389,7 +426,7 @@ class Response(BoundLaw):
         dissipated += state.banked
         state.banked += max(banked, 0.0)  # rounding of an elastic contact
         if not np.all(np.isfinite(force)):
-            raise DemlawsError(self._out_of_range(float(values.max())))
+            raise DemlawsError(self._out_of_range(typed(values.max(), source, "m")))
         self._warn_of_limits(force)
         quantities = dict(zip(self.state_names, history, strict=True))
         maximum = quantities.get("maximum_overlap", np.maximum.accumulate(np.maximum(values, 0.0)))
@@ -397,6 +434,16 @@ class Response(BoundLaw):
         from demlaws.responses.path import Path
 
         return Path(values, force, stiffness, maximum, plastic, stored, dissipated)
+
+    @overload
+    def shear_stiffness(
+        self, overlap: float | str, ratio: float, shear: str = ..., *, state: "State | None" = ...
+    ) -> float: ...
+
+    @overload
+    def shear_stiffness(
+        self, overlap: ArrayLike, ratio: float, shear: str = ..., *, state: "State | None" = ...
+    ) -> np.ndarray: ...
 
     def shear_stiffness(self, overlap: ArrayLike, ratio: float, shear: str = DEFAULT, *, state: "State | None" = None) -> Any:
         """Tangential stiffness K_t [N/m] of one contact along a sequence of overlaps [m]; `state` is updated.
@@ -410,11 +457,17 @@ class Response(BoundLaw):
                 f"shear must be {', '.join(map(repr, CHOICES))}, got {shear!r}: the normal stiffness used to compute K_t"
             )
         ratio = number(ratio, "ratio")
-        values, shape, arrays = self._path_of(overlap, state)
+        values, shape, arrays = self._path_of(overlap, state, overlap)
         result = shear_loop(CHOICES[shear].tag, self.rule_tag, self.shape, self.params, values, arrays)
         if not np.all(np.isfinite(result)):
-            raise DemlawsError(self._out_of_range(float(values.max())))
+            raise DemlawsError(self._out_of_range(typed(values.max(), overlap, "m")))
         return as_given(ratio * result.reshape(shape))
+
+    @overload
+    def unloading_overlap(self, force: float | str, state: "State") -> float: ...
+
+    @overload
+    def unloading_overlap(self, force: ArrayLike, state: "State") -> np.ndarray: ...
 
     def unloading_overlap(self, force: ArrayLike, state: "State") -> Any:
         """Overlap [m] at which a contact with this history, below its maximum overlap, carries `force` ≥ 0 [N]."""

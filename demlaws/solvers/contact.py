@@ -30,7 +30,7 @@ from demlaws.solvers.ellipsoid import (
 )
 from demlaws.solvers.scan import AREA, EDGE, LIMIT, SPREAD, VOLUME, X0, Y0, X, Y, gather_patches, paraboloid, scan
 from demlaws.surfaces.plausibility import field_doubts
-from demlaws.units import number
+from demlaws.units import as_typed, number
 
 
 @kernel
@@ -260,7 +260,7 @@ class RoughContact:
             touches_edge=bool(micro.edge.any()),
         )
 
-    def _solve(self, load, rtol):
+    def _solve(self, load, rtol, typed):
         """Overlap at which the patches carry `load` within `rtol`.
 
         The force falls in jumps where patches merge, and rises continuously between: a bracket whose upper end carries more
@@ -283,14 +283,14 @@ class RoughContact:
         deepest = math.log(self.highest - float(np.nanmin(self.gap)) + 10 * scale)
         while excess(high) < 0.0:
             if high > deepest:
-                raise DemlawsError(f"force = {load:g} N brings the whole map into contact: use a smaller force or a larger map")
+                raise DemlawsError(f"force = {typed} brings the whole map into contact: use a smaller force or a larger map")
             high += 1.0
         while excess(low) > 0.0:
             low -= 1.0
         root = brentq(excess, low, high, xtol=1e-14, maxiter=300)
         if excess(root) != 0.0:
             raise DemlawsError(
-                f"no separation carries {load:g} N within rtol = {rtol:g}: the force is discontinuous there; give a larger one "
+                f"no separation carries {typed} within rtol = {rtol:g}: the force is discontinuous there; give a larger one "
                 "or a map with more pixels in contact"
             )
         return base + math.exp(root)
@@ -301,8 +301,7 @@ class RoughContact:
         Warns (ValidityWarning) where the regime criterion says that the bulk yields too, and where the contact reaches
         the edge of the map.
         """
-        force = number(force, "force", "N")
-        step = self.at(self._solve(force, number(rtol, "rtol", high=1.0)))
+        step = self.at(self._solve(number(force, "force", "N"), number(rtol, "rtol", high=1.0), as_typed(force, "N")))
         self.warn_of_edge(step)
         return step
 

@@ -12,10 +12,11 @@ is reproduced (studies/jamari).
 """
 
 import math
+from typing import Any
 
 import numpy as np
 
-from demlaws.contact import as_contact, smooth_overlap
+from demlaws.contact import Contact, as_contact, smooth_overlap
 from demlaws.errors import DemlawsError, MissingQuantity
 from demlaws.solvers import master_curves
 from demlaws.solvers.master_curves import ELASTIC_LAYER, YIELD_RATIO
@@ -32,13 +33,13 @@ FIT_LIMIT = 10.0
 """α above which `pressure_drop` is far from the solution that it fits."""
 
 
-def hertz_pressure(contact, force):
+def hertz_pressure(contact: Contact, force: Any) -> float | Any:  # any: an array, here and below
     """p0 = (6 P E*²/(π³ R²))^(1/3) [Pa], the largest pressure of a smooth contact under `force` [N]."""
     contact, force = as_contact(contact), positive(force, "force", "N")
     return (6.0 * force * contact.modulus**2 / (math.pi**3 * contact.radius**2)) ** (1 / 3)
 
 
-def pressure_drop(roughness_parameter):
+def pressure_drop(roughness_parameter: Any) -> float | Any:
     """p(0)/p0 = 1 - exp(-2/(3 α^0.6)): their fit (Eq. 4) to Greenwood & Tripp's results for μ = 4 to 17.
 
     Within 12 % of them from α = 0.05 to 2 and up to twice as high beyond `FIT_LIMIT` (tests/test_regime.py).
@@ -48,7 +49,7 @@ def pressure_drop(roughness_parameter):
         return -np.expm1(-2.0 / (3.0 * alpha**0.6))
 
 
-def central_pressure(roughness_parameter, mu):
+def central_pressure(roughness_parameter: Any, mu: float) -> float | Any:
     """p(0)/p0 by Greenwood & Tripp's own solution at α and μ = (8/3) η σ √(2Rβ): numbers, or arrays of α."""
     alpha = np.maximum(_parameter(roughness_parameter), 1e-4)  # there the ratio is 1 within 1e-3
     mu = number(mu, "mu", "", master_curves.LOWEST, master_curves.HIGHEST, allow_low=True)
@@ -63,7 +64,7 @@ def _parameter(value):
     return alpha
 
 
-def pressure_ratio(contact, force, mu=None):
+def pressure_ratio(contact: Contact, force: Any, mu: float | None = None) -> float | Any:
     """p(0)/H_m under `force` [N] (number or array), of a contact that has a hardness; mu: see `central_pressure`."""
     force = positive(force, "force", "N")
     alpha = as_contact(contact).roughness_parameter(force)
@@ -71,13 +72,13 @@ def pressure_ratio(contact, force, mu=None):
     return as_given(hertz_pressure(contact, force) * drop / hardness_of(contact))
 
 
-def deforming_part(ratio):
+def deforming_part(ratio: float) -> str:
     """ "asperities", "both" or "bulk" for a ratio p(0)/H_m."""
     ratio = number(ratio, "ratio", allow_low=True)
     return "asperities" if ratio < YIELD_RATIO - BAND else "bulk" if ratio > YIELD_RATIO + BAND else "both"
 
 
-def transition_force(contact, mu=None):
+def transition_force(contact: Contact, mu: float | None = None) -> float | Any:
     """Force [N] at which p(0)/H_m reaches `YIELD_RATIO`; below it only asperities deform.
 
     p(0) rises with the force at every roughness, as P^0.733 where roughness rules and as P^(1/3) without it, so there is
@@ -105,7 +106,7 @@ def transition_force(contact, mu=None):
     return as_given(np.exp(log))
 
 
-def transition_sigma(contact, force, *, mu=None):
+def transition_sigma(contact: Contact, force: Any, *, mu: float | None = None) -> float | Any:
     """Combined roughness σ [m] at which p(0)/H_m equals `YIELD_RATIO` under `force` [N]; 0 where no roughness is needed.
 
     mu: see `central_pressure`; of one contact and one force, to 1e-5."""
@@ -130,7 +131,7 @@ def _root(function, near):
     return math.exp(brentq(lambda log: function(math.exp(log)), middle - math.log(1e3), middle + math.log(1e3), xtol=1e-6))
 
 
-def hardness_of(contact):
+def hardness_of(contact: Contact) -> float:
     """Hardness H_m of the contact [Pa]; DemlawsError where it has none."""
     if as_contact(contact).hardness is None:
         raise MissingQuantity.of("the criterion", "hardness")

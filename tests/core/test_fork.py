@@ -27,6 +27,29 @@ thread.join()
 """
 
 
+IMPORTS = """
+import multiprocessing, threading
+
+def work():
+    import demlaws as dl
+    return dl.law("hertz", dl.Contact(4e-3, 32e9)).force(1e-6)
+
+if __name__ == "__main__":
+    thread = threading.Thread(target=work)
+    thread.start()
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        print(thread.is_alive(), round(pool.apply_async(work).get(100), 3))
+    thread.join()
+"""
+
+
+def test_a_spawned_process_works_while_a_thread_imports(tmp_path):
+    """A forked one waits for an import lock of CPython that nobody holds, with any package (docs/how-to/cluster.md)."""
+    (tmp_path / "script.py").write_text(IMPORTS)
+    done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=200)
+    assert done.stdout.endswith(" 2.698\n"), done
+
+
 def test_the_child_compiles_too():
     """It does not wait for a lock that a thread of its parent holds."""
     done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, env=dict(os.environ))

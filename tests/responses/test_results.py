@@ -113,7 +113,7 @@ radii = np.asarray(dl.Contact(radius=[1e-3, 2e-3], modulus="32GPa", sigma=dl.Sur
 law = dl.law("pohrt-popov", pair, unloading="hertz")
 force: float = law.force("1um")
 forces = law.force(np.linspace(0, 1e-6, 5))
-print(force, forces.max(), law.overlap(50.0), law.stiffness([1e-6]))
+print(force + 1, forces.max(), law.overlap(50.0), law.stiffness([1e-6]).size, law.energy(np.float64(1e-6)))
 path = dl.driver.force_controlled(law, [50, 0, 100, 0])
 print(path.overlap.max(), path.force[0], path.to_dataframe())
 law.plot(unload_at=50.0)
@@ -123,10 +123,42 @@ print(table.evaluate([1e-6, 2e-6, 3e-6], state)[0], state.maximum_overlap)
 print(dl.driver.impact(law, 1e-3, 0.1).restitution, dl.timestep(law, 1e-3, 10.0))
 scene = dl.Scene(radii=[1e-3], materials=[granite], force=[1, 10])
 print(dl.choose(scene).best.describe(), dl.laws(), dl.regime(pair, 10.0), dl.regime.transition_force(pair))
+softer: dl.Law = dl.soften(law, 8)
+load: float = dl.regime.transition_force(pair.with_values(hardness="6GPa"))
 limit: float = dl.timestep.pair_limit(1e6, 1e-3, 1e-3)
 basalt: float = dl.materials.basalt.poisson
 print(dl.fit(np.column_stack([path.overlap, path.force]), pair).best.misfit)
 """
+GIVEN = """import numpy as np
+import demlaws as dl
+granite = dl.materials.granite
+pair = dl.Contact.between(granite, granite, radius1="8mm", radius2="flat")
+law = dl.law("pohrt-popov", pair, unloading="hertz")
+state = law.new_state()
+path = law.follow([1e-6])
+"""
+WRONG = [
+    "a1: float = dl.materials.granite",
+    "a2 = dl.materials.granit",
+    "a3: str = law.force(1e-6)",
+    "a4: str = law.force('1um')",
+    "a5: float = law.force(np.array([1e-6]))",
+    "a6: float = law.force([1e-6])",
+    "a7 = law.stiffness(1e-6)[0]",
+    "a8: str = law.overlap(1.0)",
+    "a9: float = law.energy([1e-6])",
+    "b1: str = law.unloading_overlap(1.0, state)",
+    "b2: float = law.shear_stiffness([1e-6], 0.8)",
+    "b3: float = dl.soften(law, 8.0)",
+    "b4: str = dl.fit(path, pair)[0]",
+    "b5: float = path['force']",
+    "b6: str = path[0]",
+    "b7: str = dl.regime.transition_force(pair)",
+    "b8: str = dl.regime.hertz_pressure(pair, 1.0)",
+    "b9: str = granite.young",
+    "c1: str = dl.choose(dl.Scene(radii=[1e-3], materials=[granite], force=[1, 10]))[0]",
+]
+"""Each line is an error to a type checker: a result that is typed Any would pass."""
 
 
 @pytest.mark.slow
@@ -136,5 +168,9 @@ def test_a_users_script_passes_strict_types(tmp_path):
     command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path / "cache"), "script.py"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout
-    (tmp_path / "script.py").write_text("import demlaws as dl\nfelsite: float = dl.materials.granite\n")
-    assert "Material" in subprocess.run(command, cwd=tmp_path, capture_output=True, text=True).stdout
+    (tmp_path / "script.py").write_text(GIVEN + "\n".join(WRONG))
+    output = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True).stdout
+    reported = {int(line.split(":")[1]) for line in output.splitlines() if ": error: " in line}
+    first = len(GIVEN.splitlines()) + 1
+    assert [line for number, line in enumerate(WRONG, first) if number not in reported] == [], output
+    assert min(reported) >= first, output
