@@ -68,7 +68,7 @@ template <int N> struct SpringLanes {
     for (int g = 0; g < G; g++) of[g] = other.of[g];
     return *this;
   }
-  // Of `count` springs; `rest` in the other places. Up to three numbers behind them may be read.
+  // The numbers of `count` springs, then `rest`. Up to three numbers behind them may be read.
   DEMLAWS_INLINE SpringLanes(const double *numbers, int count, double rest) {
     if (count > N - 4) {
       for (int g = 0; g < G; g++) __builtin_memcpy(&of[g], numbers + W * g, sizeof of[g]);

@@ -32,6 +32,9 @@ class Totals(Tabular, namedtuple("Energies", ("stored", "dissipated"))):
         vars(totals).update(more)
         return totals
 
+    def __array__(self, dtype=None, copy=None):
+        return np.array(tuple(self), dtype)
+
     def columns(self):
         """One row: the energies and the number of contacts that are unaccounted for."""
         energies = self._asdict() | vars(self)

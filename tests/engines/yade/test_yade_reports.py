@@ -139,6 +139,7 @@ def test_energies_of_an_oblique_impact(omega, tmp_path, shear):
         advance(800)
         assert omega.energy.total() == pytest.approx(start, rel=2e-3)
     totals, energy = law.totals(), dict(omega.energy.items())
+    assert np.array(totals).tolist() == [totals.stored, totals.dissipated] and "stored (J)" in str(totals)
     assert energy["demlawsElastic"] == totals.stored
     assert energy["demlawsShearLost"] == pytest.approx(totals.shear_dissipated, rel=1e-12)
     omega.save(str(tmp_path / "scene.xml"))
