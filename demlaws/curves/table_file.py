@@ -16,7 +16,7 @@ from demlaws.curves.closed import Certificate
 from demlaws.curves.points import Knots
 from demlaws.curves.table import TableCurve
 from demlaws.curves.table_grammar import OF_CONTACT, ROUNDING
-from demlaws.curves.unloading import BoundLaw, Unloading, after_loading
+from demlaws.curves.unloading import BoundLaw, Unloading, after_loading, knows_area
 from demlaws.errors import DemlawsError
 from demlaws.files import as_path, read_bytes
 from demlaws.laws.definition import Definition, Rules, no_limits
@@ -45,7 +45,7 @@ def compose(contact: Contact, curve: TableCurve, unloading: Unloading, collapses
     }
     if math.isfinite(shape.bulk.area):
         header |= {"yield_area": shape.bulk.area, "yield_slope": shape.bulk.slope}
-    if not curve.area_known and not rule.keys:
+    if not knows_area(curve, rule):
         header["area"] = "unknown"
     if rule.keys:
         header |= dict(zip(rule.keys, unloading.rule_parameters, strict=False))

@@ -67,8 +67,8 @@ class BoundLaw:
 
     @property
     def knows_area(self) -> bool:
-        """Whether the contact area is the law's: a table may lack it, unless its rule has the numbers of it."""
-        return not self.curve.tabulated or self.curve.area_known or bool(self.unloading_parts.rule.keys)
+        """Whether the contact area is the law's."""
+        return knows_area(self.curve, self.unloading_parts.rule)
 
     @property
     def unloading(self) -> str:
@@ -136,6 +136,11 @@ def refuse_unless_passive(law: Any, max_force: float = math.inf) -> None:
             f"{whose}, so that unloading would return more work than loading took; "
             f"use unloading {remedy!r}{more}"
         )
+
+
+def knows_area(curve: Any, rule: Rule) -> bool:
+    """Whether the contact area of a curve is the law's: a table may lack it, unless the rule has the numbers of it."""
+    return not curve.tabulated or curve.area_known or bool(rule.keys)
 
 
 def after_loading(law: BoundLaw, p: Any, overlap: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -12,7 +12,7 @@ from demlaws.core.loops import clamped_roughness, loading_part, scale_contact
 from demlaws.core.shear import CHOICES, DEFAULT, DEFAULT_LEVELS, LARGEST_SHEAR_RATIO, MOST_LEVELS, SLIP, SPRINGS
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.curves.closed import FormulaCurve
-from demlaws.curves.unloading import UNKNOWN_AREA, BoundLaw, Unloading, refuse_unless_passive
+from demlaws.curves.unloading import UNKNOWN_AREA, BoundLaw, Unloading, knows_area, refuse_unless_passive
 from demlaws.errors import DemlawsError, MissingQuantity, did_you_mean, quiet
 from demlaws.laws import HERTZ
 from demlaws.laws.definition import HERTZ_CURVE
@@ -101,8 +101,8 @@ class LawSource:
         return any(definition.needs_map for definition in self._loading_definitions())
 
     def knows_area(self, unloading):
-        """Whether a²/R of contacts with a rule is the law's; a table may lack it."""
-        return self.table is None or self.table.curve.area_known or bool(self.definition.rule(unloading).keys)
+        """Whether a²/R of contacts with a rule is the law's."""
+        return self.table is None or knows_area(self.table.curve, self.definition.rule(unloading))
 
     def definitions(self):
         """Those that take part: the law's, its loading's, the unloading curve's. (A table stands for itself.)"""

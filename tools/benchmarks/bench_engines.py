@@ -237,11 +237,11 @@ def main():
         "--springs", type=int, nargs="*", default=[], help="these laws with partial slip, too, of so many springs"
     )
     options = parser.parse_args()
-    for name in options.laws or ("pohrt-popov, elastic", "pohrt-popov, hertz unloading"):
-        slips = {f"{name}, slip, {n} springs": f"{OURS[name]} shear slip springs {n}" for n in options.springs}
-        OURS.update(slips)
-        if options.laws:
-            options.laws = [*options.laws, *slips]
+    laws = options.laws or ("pohrt-popov, elastic", "pohrt-popov, hertz unloading")
+    slips = {f"{name}, slip, {n} springs": f"{OURS[name]} shear slip springs {n}" for name in laws for n in options.springs}
+    OURS.update(slips)
+    if options.laws:
+        options.laws += slips
     rates = {n: bandwidth(n) for n in range(1, CORES + 1)}
     print("copies, bytes read and written: " + ", ".join(f"{n} cores {rate / 1e9:.1f} GB/s" for n, rate in rates.items()))
     tables = [[(side, n) for n in options.ranks] for side in options.sides]
