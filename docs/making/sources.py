@@ -61,7 +61,7 @@ MEASURED = {
     "tables/case-ballast.csv": "python -m studies.cases ballast --rows docs/tables/case-ballast.csv",
     "tables/case-compression.csv": "python -m studies.cases compression --rows docs/tables/case-compression.csv",
     "tables/case-waves.csv": "python -m studies.cases waves --rows docs/tables/case-waves.csv",
-    "tables/cost-instructions.csv": "valgrind --tool=callgrind on the engine; docs/cost.md",
+    "tables/cost-instructions.csv": "python tools/benchmarks/cachegrind.py liggghts",
     "tables/cost-memory.csv": "python tools/benchmarks/history.py; YADE: sizes of its objects",
     "tables/cost-scale.csv": "make bench-scale",
     "tables/cost-steps.csv": "the command of each row",

@@ -6,8 +6,9 @@
 
 The block is a shaken simple cubic lattice in a periodic box (side³ spheres of three sizes, about 2 contacts each), so that no
 packing need settle first. Every sphere keeps its own velocity: contacts load, unload, open and close, the same ones under
-every law. The laws are timed in turn, round after round. --springs: partial slip, too. --portable: the plugin compiled for
-any processor. Columns:
+every law. The laws are timed in turn, round after round. --springs: partial slip, too; --levels: other numbers of levels, too.
+--portable: the plugin compiled for any processor. --neighbour: another process copies arrays of 256 MB all the time;
+use it with one rank less than cores. Columns:
 
 step, pair     median of the ratios of the whole step and of the pair loop to the stock model of the same round
 fastest        ratio of the fastest rounds (what is left where other programs share the machine)
@@ -28,6 +29,7 @@ import tempfile
 import time
 import warnings
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple
@@ -153,6 +155,20 @@ def bandwidth(threads):
     return 2 * threads * arrays[0][0].nbytes / fastest
 
 
+@contextmanager
+def neighbour(wanted):
+    """A process that reads and writes memory while the block runs."""
+    line = [sys.executable, "-c", "import numpy as np\na, b = np.zeros((2, 1 << 25))\nwhile True: np.copyto(a, b)"]
+    if not wanted:
+        yield
+        return
+    process = subprocess.Popen(line)
+    try:
+        yield
+    finally:
+        process.kill()
+
+
 class Run(NamedTuple):
     """One law in one round."""
 
@@ -236,18 +252,23 @@ def main():
     parser.add_argument(
         "--springs", type=int, nargs="*", default=[], help="these laws with partial slip, too, of so many springs"
     )
+    parser.add_argument(
+        "--levels", type=int, nargs="*", default=[], help="these laws with so many levels of the default shear, too"
+    )
+    parser.add_argument("--neighbour", action="store_true", help="another process reads and writes memory all the time")
     options = parser.parse_args()
     laws = options.laws or ("pohrt-popov, elastic", "pohrt-popov, hertz unloading")
-    slips = {f"{name}, slip, {n} springs": f"{OURS[name]} shear slip springs {n}" for name in laws for n in options.springs}
-    OURS.update(slips)
+    more = {f"{name}, slip, {n} springs": f"{OURS[name]} shear slip springs {n}" for name in laws for n in options.springs}
+    more |= {f"{name}, {n} levels": f"{OURS[name]} levels {n}" for name in laws for n in options.levels}
+    OURS.update(more)
     if options.laws:
-        options.laws += slips
+        options.laws += more
     rates = {n: bandwidth(n) for n in range(1, CORES + 1)}
     print("copies, bytes read and written: " + ", ".join(f"{n} cores {rate / 1e9:.1f} GB/s" for n, rate in rates.items()))
     tables = [[(side, n) for n in options.ranks] for side in options.sides]
     if options.weak:
         tables.append([(round(46 * n ** (1 / 3)), n) for n in options.ranks])
-    with tempfile.TemporaryDirectory() as scratch:
+    with tempfile.TemporaryDirectory() as scratch, neighbour(options.neighbour):
         prepare(options.engine, Path(scratch))
         for cases in tables:
             measure(Path(scratch), cases, rates, options)
