@@ -214,7 +214,7 @@ def advise(contact: Contact, force: Any, yield_pressure: Any = None, *, mu: floa
         ratio = float(np.max(pressure_ratio(contact, force, mu)))
         yields, state = ratio > YIELD_RATIO, f"p(0)/H_m = {ratio:.2f}"
     conditions = Conditions(contact, alpha, float(pressure_drop(alpha)), yields, state)
-    advice = {name: definition.advice.advise(conditions) for name, definition in registry().items()}
+    advice = {name: definition.advice.suits(conditions) for name, definition in registry().items()}
     return [LawAdvice(name, bool(fits), reason) for name, (fits, reason) in advice.items()]
 
 

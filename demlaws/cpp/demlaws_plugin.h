@@ -102,10 +102,10 @@ struct Law {
                                " does not contain: make the table with the unloading rule of the law's paper");
   }
   // Of the contacts that begin under this law and keep so many values: never 0.
-  double mark(int values) const { return ONE_SHAPE * (2 * values + (slips ? 2 : 1)) + checksum_; }
-  // Whether a contact with another mark goes on: it keeps nothing that depends on the law, and as many values.
-  static bool can_continue(double mark, double now, bool keeps) {
-    return mark == 0. || (!keeps && std::floor(mark / ONE_SHAPE) == std::floor(now / ONE_SHAPE));
+  double identity(int values) const { return ONE_SHAPE * (2 * values + (slips ? 2 : 1)) + checksum_; }
+  // Whether a contact with another identity goes on: it keeps nothing that depends on the law, and as many values.
+  static bool can_continue(double identity, double now, bool keeps) {
+    return identity == 0. || (!keeps && std::floor(identity / ONE_SHAPE) == std::floor(now / ONE_SHAPE));
   }
   // After a step with this force [N].
   UnloadingCurve unloading_curve(double force, double overlap, const double *state) const {

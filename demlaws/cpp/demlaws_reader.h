@@ -192,13 +192,13 @@ inline Table::Table(const std::string &bytes, const std::string &path) : path_(p
   const int end = (int)lines.size();
   for (int i = 0; i + 1 < end || i == 0; i++)
     fingerprint_ = crc32(crc32(fingerprint_, lines[i].data(), lines[i].size()), "\n", 1);
-  char mark[16];
-  snprintf(mark, sizeof mark, "crc: %08x", (unsigned)fingerprint_);
+  char expected[16];
+  snprintf(expected, sizeof expected, "crc: %08x", (unsigned)fingerprint_);
   const std::string &last = lines.back();
-  if (last.compare(0, 5, mark, 5) != 0 || last.size() != 13 ||
+  if (last.compare(0, 5, expected, 5) != 0 || last.size() != 13 ||
       last.find_first_not_of("0123456789abcdef", 5) != std::string::npos)
     fail(end, "the last line is not the checksum, 'crc: ...': the file was cut short");
-  if (last != mark) fail(end, "the checksum does not match: the text above was changed; make the table again");
+  if (last != expected) fail(end, "the checksum does not match: the text above was changed; make the table again");
   for (int i = 1; i + 1 < end; i++)
     lines[i].find(": ") == std::string::npos ? read_row(i + 1, lines[i]) : read_key(i + 1, lines[i]);
   const bool given = text("unloading") == RULE_NAMES[GIVEN];

@@ -119,7 +119,7 @@ def _table(lines, path):
 
     Comments begin with #, % or //; the titles may be in one (numpy.savetxt), where no row precedes it.
     """
-    titles, title_line, rows, mark, untitled = [], 0, [], None, []
+    titles, title_line, rows, delimiter, untitled = [], 0, [], None, []
     for number, line in enumerate(lines, 1):
         text = line.strip().lstrip("#%/ ")
         cells = split(text, separator(text))
@@ -129,14 +129,14 @@ def _table(lines, path):
                 raise DemlawsError(
                     f"{path} has several tables of points, with titles in lines {title_line} and {number}: keep one"
                 )
-            titles, title_line, rows, mark = cells, number, [], separator(text)
+            titles, title_line, rows, delimiter = cells, number, [], separator(text)
         elif not titles and not comment and _is_row(cells):
             untitled.append(number)
             if len(untitled) == FEWEST_POINTS:  # fewer are a summary of the test
                 above = " ".join(lines[: untitled[0] - 1])[-60:]
                 raise DemlawsError(f"{path}, line {untitled[0]}: {_NEED}; above the first numbers: {above!r}")
         elif titles and not comment:
-            rows.append((number, split(line.strip(), mark)))
+            rows.append((number, split(line.strip(), delimiter)))
     if not rows:
         raise DemlawsError(f"{path}: {_NEED}; the file begins with {' '.join(lines)[:60]!r}")
     with_units = _with_units(titles, rows[0][1])

@@ -248,7 +248,7 @@ LAW = Definition(
         "plastic_factor": Option("", POSITIVE, "c_h: fully plastic pressure over hardness; default: 0.71 of aluminium"),
         "plastic_ratio": Option("", POSITIVE, "c_A: 2 ω2/ω1 of a sphere; default: 160 of aluminium"),
     },
-    advice=Advice(advise=plastic_asperities),
+    advice=Advice(suits=plastic_asperities),
     drawing=Drawing(
         colour="#e377c2",
         example={

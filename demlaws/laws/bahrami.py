@@ -188,6 +188,6 @@ LAW = Definition(
         ),
     },
     fitting=Fitting(parameters={"sigma": SIGMA, "hardness": HARDNESS}, free=("sigma",)),
-    advice=Advice(advise=plastic_asperities),
+    advice=Advice(suits=plastic_asperities),
     drawing=Drawing(colour="#9467bd"),
 )

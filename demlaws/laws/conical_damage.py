@@ -168,7 +168,7 @@ LAW = Definition(
         free=("strength", "angle"),
     ),
     advice=Advice(
-        advise=lambda conditions: elastic_bulk(
+        suits=lambda conditions: elastic_bulk(
             conditions, False, f"{conditions.state}: calibrated on ballast in bulk, not measured on contacts"
         ),
         smooth=True,

@@ -49,7 +49,7 @@ def no_limits(contact: Contact, **options: Any) -> list[Limit]:
 
 
 class Conditions(NamedTuple):
-    """Conditions of a contact up to a load, from which a law decides whether it applies (`Advice.advise`)."""
+    """Conditions of a contact up to a load, from which a law decides whether it applies (`Advice.suits`)."""
 
     contact: Contact
     roughness_parameter: float  # largest α, at a hundredth of the load
@@ -228,7 +228,7 @@ class Fitting(NamedTuple):
 class Advice(NamedTuple):
     """What `choose`, `regime` and `soften` know of a law."""
 
-    advise: Callable = elastic_asperities  # Conditions → (whether the law's physics fits, reason)
+    suits: Callable = elastic_asperities  # Conditions → (whether the law's physics fits, reason)
     rank: int = 0  # `choose` takes the law of highest rank that a scene's quantities determine as its reference; 0: never
     smooth: bool = False  # of a smooth contact: it leaves roughness out
     candidate: bool = False  # `choose` tries it in place of its reference

@@ -199,6 +199,6 @@ LAW = Definition(
         },
         free=("softness", "stiffness_ratio"),
     ),
-    advice=Advice(advise=plastic_from_the_start),
+    advice=Advice(suits=plastic_from_the_start),
     drawing=Drawing(colour="#01665e", example={"stiffness_ratio": 3.0}, example_curve={"softness": 4.0}),
 )

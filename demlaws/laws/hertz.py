@@ -64,7 +64,7 @@ def _limits(contact):
     return limits
 
 
-def _advise(conditions):
+def _suits(conditions):
     drop = float(conditions.pressure_drop)
     reason = f"α = {conditions.roughness_parameter:.2g} at low load: roughness lowers the pressure by {100 * (1 - drop):.0f} %"
     return elastic_bulk(conditions, drop > 0.95, reason)
@@ -82,7 +82,7 @@ LAW = Definition(
     loading=Loading(computed=HERTZ_CURVE),
     fitting=Fitting(free=("modulus",)),
     advice=Advice(
-        advise=_advise,
+        suits=_suits,
         rank=1,
         smooth=True,
         candidate=True,

@@ -162,7 +162,7 @@ LAW = Definition(
     fitting=Fitting(identifiable=False, parameters={"yield_strength": STRENGTH}, free=("yield_strength",)),
     advice=Advice(
         rigid="its hardness goes with a/R and S_y/E*, which softer contacts change; take kogut-etsion or thornton-ning",
-        advise=yielding_bulk,
+        suits=yielding_bulk,
         smooth=True,
     ),
     drawing=Drawing(colour="#de77ae", line="-.", example={"yield_strength": 1.0375e9}),

@@ -156,6 +156,6 @@ LAW = Definition(
     ),
     options={"yield_strength": STRENGTH_OPTION, "poisson": POISSON_OPTION},
     fitting=Fitting(identifiable=False, parameters={"yield_strength": STRENGTH}, free=("yield_strength",)),
-    advice=Advice(advise=yielding_bulk, smooth=True),
+    advice=Advice(suits=yielding_bulk, smooth=True),
     drawing=Drawing(colour="#4d9221", line="--", example={"yield_strength": 1.0375e9}),
 )

@@ -72,7 +72,7 @@ LAW = Definition(
         },
         free=("loading_stiffness", "stiffness_ratio", "plasticity_depth"),
     ),
-    advice=Advice(advise=plastic_from_the_start),
+    advice=Advice(suits=plastic_from_the_start),
     drawing=Drawing(
         colour="#c51b7d",
         example={"loading_stiffness": 3e6, "stiffness_ratio": 5.0, "plasticity_depth": 0.005},

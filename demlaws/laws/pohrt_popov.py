@@ -134,7 +134,7 @@ LAW = Definition(
     rules=Rules(default="hertz"),
     fitting=Fitting(parameters={"sigma": SIGMA, "fractal_dimension": DIMENSION}, free=("sigma", "fractal_dimension")),
     advice=Advice(
-        advise=lambda conditions: elastic_asperities(
+        suits=lambda conditions: elastic_asperities(
             conditions, conditions.contact.fractal_dimension is not None, "needs a fractal dimension"
         ),
         rank=4,

@@ -137,7 +137,7 @@ def _check(definition: Any) -> None:
     for field, value, right, needed in (
         *((field, text, isinstance(text, str) and text.isprintable(), "one line of text") for field, text in texts.items()),
         *((field, function, callable(function), "a function") for field, function in functions.items()),
-        ("advise", definition.advice.advise, callable(definition.advice.advise), "a function"),
+        ("suits", definition.advice.suits, callable(definition.advice.suits), "a function"),
         ("rank", definition.advice.rank, definition.advice.rank == 0, "0: the references of choose are laws of the package"),
         ("length", definition.length, definition.length in ("roughness", "radius"), "'roughness' or 'radius'"),
         ("needs", definition.loading.needs, set(definition.loading.needs) <= set(fields), f"names of {', '.join(fields)}"),

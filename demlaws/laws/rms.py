@@ -115,7 +115,7 @@ def _limits(contact):
     return [*bulk_yield(contact), *beyond]
 
 
-def _advise(conditions):
+def _suits(conditions):
     alpha = conditions.roughness_parameter
     return elastic_asperities(conditions, alpha <= 1.0, f"α = {alpha:.2g} at low load: the fit covers α up to 1")
 
@@ -130,6 +130,6 @@ LAW = Definition(
     loading=Loading(needs=("sigma",)),
     rules=Rules(default="hertz"),
     fitting=Fitting(parameters={"sigma": SIGMA}, free=("sigma",)),
-    advice=Advice(advise=_advise, rank=2, candidate=True),
+    advice=Advice(suits=_suits, rank=2, candidate=True),
     drawing=Drawing(colour="#1f77b4"),
 )

@@ -195,7 +195,7 @@ def _limits(contact, **options):
     return [limit._replace(maximum_force=math.inf) for limit in limits if limit.minimum_force > 0.0]
 
 
-def _advise(conditions):
+def _suits(conditions):
     part = "the bulk yields" if conditions.yields else "the bulk is elastic; a rough law alone will do"
     return conditions.yields, f"{conditions.state}: {part}"
 
@@ -231,6 +231,6 @@ LAW = Definition(
         },
         free=("sigma", "fractal_dimension", "yield_pressure"),
     ),
-    advice=Advice(advise=_advise),
+    advice=Advice(suits=_suits),
     drawing=Drawing(colour="#ff7f0e", line="-.", example={"yield_pressure": GRANITE_YIELD_PRESSURE}),
 )

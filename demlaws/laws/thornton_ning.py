@@ -71,6 +71,6 @@ LAW = Definition(
         ),
     },
     fitting=Fitting({"yield_pressure": pressure_option(1e-4, 1.0, *np.geomspace(0.01, 0.3, 4))}, ("yield_pressure",)),
-    advice=Advice(advise=yielding_bulk, smooth=True),
+    advice=Advice(suits=yielding_bulk, smooth=True),
     drawing=Drawing(colour="#bcbd22", example={"yield_pressure": GRANITE_YIELD_PRESSURE}),
 )

@@ -74,7 +74,7 @@ LAW = Definition(
         parameters=STRAIGHT,
         free=("loading_stiffness", "stiffness_ratio"),
     ),
-    advice=Advice(advise=plastic_from_the_start),
+    advice=Advice(suits=plastic_from_the_start),
     drawing=Drawing(
         colour="#7b3294", example={"loading_stiffness": 3e6, "stiffness_ratio": 2.0}, example_curve={"loading_stiffness": 6e6}
     ),

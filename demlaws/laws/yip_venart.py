@@ -59,6 +59,6 @@ LAW = Definition(
         parameters={"sigma": SIGMA, "hardness": HARDNESS},
         free=("sigma",),
     ),
-    advice=Advice(advise=plastic_asperities, rank=3),
+    advice=Advice(suits=plastic_asperities, rank=3),
     drawing=Drawing(colour="#2ca02c"),
 )

@@ -109,7 +109,7 @@ def _columns(case):
         return [*names, FIRST_OF_HISTORY + 3]
     state = case.bound(case.grains[0].contact(case.grains[0])).state_size
     first = FIRST_OF_HISTORY + 4 * (DEFAULT_LEVELS if case.levels is None else case.levels)
-    return [*names, *range(first, first + min(state, 2)), first + state + 1]  # one before the last: the law's mark
+    return [*names, *range(first, first + min(state, 2)), first + state + 1]  # one before the last: the identity of the law
 
 
 _LOOSE = 0.2  # volume fraction at which grains are let go

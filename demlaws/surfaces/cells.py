@@ -38,11 +38,11 @@ def separator(line: str) -> str | None:
     return next((mark for mark in (";", "\t", ",") if mark in line), None)
 
 
-def split(line: str, mark: str | None) -> list[str]:
+def split(line: str, delimiter: str | None) -> list[str]:
     """Cells of a line, without quotation marks. Blanks before a bracket split no title: "force (N)"."""
-    if mark is None:
+    if delimiter is None:
         return [cell.strip('"') for cell in re.split(r"\s+(?![(\[])", line.strip())]
-    return next(csv.reader([line], delimiter=mark, skipinitialspace=True)) if '"' in line else line.split(mark)
+    return next(csv.reader([line], delimiter=delimiter, skipinitialspace=True)) if '"' in line else line.split(delimiter)
 
 
 def decimal_mark(cells: Sequence[str], path: object) -> str:

@@ -165,7 +165,7 @@ class Compared(NamedTuple):
     decades: dict  # decade of δ/R → the same against the law or table that the engine was given, in ε
     later: float  # worst error on unloading and reloading over the largest force so far, in ε
     reload: float  # force at exactly the overlap of before, in ε
-    broken: int  # contacts closed again whose force is not the virgin one
+    broken: int  # contacts closed again whose force is not that of a new contact
 
     @classmethod
     def joined(cls, parts):

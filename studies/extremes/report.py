@@ -56,7 +56,7 @@ def failures(rows):
         if not c.reload <= 16.0:
             found.append(f"{label}: the force at the maximum comes back {c.reload:.1e} ε away")
         if c.broken:
-            found.append(f"{label}: {c.broken} contacts closed again differ from virgin ones, or act without touching")
+            found.append(f"{label}: {c.broken} contacts closed again differ from new ones, or act without touching")
         for name, p in r.packings.items():
             if p.not_finite or not p.drift <= DRIFT:
                 found.append(f"{label}, {name} packing: energy changes by {p.drift:.1e}, {p.not_finite} balances not finite")

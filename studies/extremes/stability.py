@@ -148,7 +148,7 @@ def cycle_loop(rule, shape, p, state, top, bottom, cycles):
 
 @loop
 def broken_loop(rule, shape, p, state, overlap, count):
-    """Contact made and broken every step: how often force or stiffness differ from a virgin contact's."""
+    """Contact made and broken every step: how often force or stiffness differ from those of a new contact."""
     first, stiff, _ = dispatch.step(rule, shape, p, overlap, gather(state, 0))
     s = gather(state, 0)
     differ = 0
@@ -222,7 +222,7 @@ class Figures(NamedTuple):
     ratcheting: float  # relative change of force over the tiny cycles
     kink: float  # jump of force across a kink, in ε
     reload: float  # force at exactly the maximum against the first time, in ε; one ulp below it in ε × 1.5 δ/δ_H
-    broken: int  # steps at which a contact closed again differs from a virgin one
+    broken: int  # steps at which a contact closed again differs from a new one
     gains: dict  # steps per contact → largest energy gain per impact
     safe_steps: float  # steps per contact from which on the gain stays below 1e-4
     step_ratio: tuple  # dl.timestep over the measured stable step: smallest and largest over contacts
@@ -476,7 +476,7 @@ def failures(rows):
         if r.ratcheting > 4.0 * EPS:
             found.append(f"{label}: tiny cycles change the force by {r.ratcheting:.1e}")
         if r.broken:
-            found.append(f"{label}: {r.broken} contacts closed again differ from virgin ones")
+            found.append(f"{label}: {r.broken} contacts closed again differ from new ones")
         if not 0.5 <= r.step_ratio[0] or r.step_ratio[1] > 1.001:
             found.append(f"{label}: dl.timestep is {r.step_ratio[0]:.3f} to {r.step_ratio[1]:.3f} of the measured stable step")
     return found

@@ -241,7 +241,7 @@ def law(force, stiffness=slope, **functions):
     return dl.define("bad", force, stiffness, **functions)
 
 
-BAD = {  # faults of values alone: tests/curves/test_given.py
+BAD = {  # faults of values alone: tests/curves/test_user_curves.py
     "NaN somewhere": law(lambda p, d: 3e9 * d**1.7 if d < 1e-5 else math.nan),
     "derivative": law(power, lambda p, d: 5.3e9 * d**0.7),
     "NaN stiffness": law(power, lambda p, d: math.nan),

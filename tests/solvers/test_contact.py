@@ -259,28 +259,28 @@ def aluminium_on(seed):
 @pytest.mark.parametrize("seed", range(3))
 def test_rising_loads_end_where_direct_loading_ends(seed):
     """Loaded to 0.02 N, unloaded and loaded to 0.04 N a map kept 0.5 of the worn volume of direct loading."""
-    rng, virgin = np.random.default_rng(seed), aluminium_on(seed)
+    rng, new = np.random.default_rng(seed), aluminium_on(seed)
     for _ in range(4):
-        contact, highest = virgin, 0.0
+        contact, highest = new, 0.0
         for load in rng.uniform(0.005, 0.06, 4):  # in any order; what lies below the highest changes next to nothing
             worn = contact.unload(contact.load(load, 1e-6))
             if load < highest:
-                assert worn.change_from(contact) < 1e-3 * worn.change_from(virgin)
+                assert worn.change_from(contact) < 1e-3 * worn.change_from(new)
             contact, highest = worn, max(load, highest)
         for load in highest * np.array([1.0001, 1.1, 2.0]):
-            later, direct = contact.load(load, 1e-7), virgin.load(load, 1e-7)
+            later, direct = contact.load(load, 1e-7), new.load(load, 1e-7)
             assert later.overlap == pytest.approx(direct.overlap, rel=1e-3)
             assert later.contact_area == pytest.approx(direct.contact_area, rel=1e-3)
-            after, expected = contact.unload(later), virgin.unload(direct)
-            assert after.change_from(expected) < 1e-3 * expected.change_from(virgin)
+            after, expected = contact.unload(later), new.unload(direct)
+            assert after.change_from(expected) < 1e-3 * expected.change_from(new)
 
 
 @pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 def test_at_another_place_the_memory_is_that_of_the_pixels():
-    virgin = aluminium_on(1)
-    worn = virgin.unload(virgin.load(0.02))
-    assert worn.before is virgin
-    for change in ({"centre": (20e-6, 20e-6)}, {"pair": virgin.pair.with_values(radius=2e-3)}):
+    new = aluminium_on(1)
+    worn = new.unload(new.load(0.02))
+    assert worn.before is new
+    for change in ({"centre": (20e-6, 20e-6)}, {"pair": new.pair.with_values(radius=2e-3)}):
         moved = dataclasses.replace(worn, **change)
         assert moved.before is None and moved.limit is worn.limit
 

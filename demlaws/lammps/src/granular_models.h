@@ -73,8 +73,8 @@ template <class ABI> struct Granular {
         into = 256. * into + (unsigned char)file[n];
       }
       this->material_properties = 1;
-      // The largest state, and the mark of the law: PairGranular::transfer_history moves the values of a pair of types
-      // whose sub-models have other sizes than those of another pair to the wrong place.
+      // The largest state, and the identity of the law: PairGranular::transfer_history moves the values of a pair of
+      // types whose sub-models have other sizes than those of another pair to the wrong place.
       this->size_history = demlaws::MOST_STATE + 1;
       // the state is the same seen from either particle: the default factor -1 is not for it
       this->nondefault_history_transfer = 1;
@@ -153,7 +153,7 @@ template <class ABI> struct Granular {
     }
     // After GranularModel::init() has dealt the history.
     void after_init() {
-      mark_ = law_.mark(gm->size_history);
+      identity_ = law_.identity(gm->size_history);
       // A rolling displacement and an angle of twist are the same seen from either particle (the relative spin and the
       // normal both turn), but LAMMPS turns their signs whenever a pair changes its order, unless told otherwise.
       int at = 0;
@@ -210,7 +210,7 @@ template <class ABI> struct Granular {
       if (__builtin_expect(m->contact_type > LAST_TYPE, 0)) refuse_contact();
       if (__builtin_expect(now.outside | law_.watch.exceeds(m->delta, m->Reff), 0)) examine(now);
       if (__builtin_expect(!law_.pair.serves(m->Reff, coeffs[TOLERANCE]), 0)) refuse_radius();
-      if (__builtin_expect(state[demlaws::MOST_STATE] != mark_, 0)) check_mark();
+      if (__builtin_expect(state[demlaws::MOST_STATE] != identity_, 0)) check_identity();
       stiffness_ = now.stiffness;
       force_ = now.force;
       shear_stiffness_ = demlaws::shear_stiffness(shear_, law_.pair, m->Reff, m->delta, now, state);
@@ -275,7 +275,7 @@ template <class ABI> struct Granular {
     Ledger &ledger_;
     demlaws::Law law_;
     double force_ = 0., stiffness_ = 0., shear_stiffness_ = 0., per_stiffness_ = 0.;
-    double mark_ = 0., friction_above_ = 0.;
+    double identity_ = 0., friction_above_ = 0.;
     demlaws::PressureFriction friction_;
     demlaws::Shear shear_ = demlaws::ELASTIC_SHEAR;
 
@@ -318,13 +318,13 @@ template <class ABI> struct Granular {
       Report report(*this);
       law_.watch.examine_friction(pressure, report);
     }
-    // A contact that begins, or that another law has marked, of which an elastic one without springs keeps nothing.
-    __attribute__((noinline, cold)) void check_mark() const {
-      double *const state = gm->history + history_index, &mark = state[demlaws::MOST_STATE];
+    // A contact that begins, or is of another law, of which an elastic one without springs keeps nothing.
+    __attribute__((noinline, cold)) void check_identity() const {
+      double *const state = gm->history + history_index, &identity = state[demlaws::MOST_STATE];
       const bool kept =
           unloads_otherwise() || slips() || std::count(state, state + demlaws::MOST_STATE, 0.) < demlaws::MOST_STATE;
-      if (!demlaws::Law::can_continue(mark, mark_, kept)) raise(lmp, false, who() + demlaws::other_law());
-      if (gm->history_update) mark = mark_;
+      if (!demlaws::Law::can_continue(identity, identity_, kept)) raise(lmp, false, who() + demlaws::other_law());
+      if (gm->history_update) identity = identity_;
     }
     __attribute__((noinline, cold)) void refuse_radius() const {
       raise(lmp, false, who() + demlaws::other_radius(law_.pair, gm->Reff, coeffs[TOLERANCE]));

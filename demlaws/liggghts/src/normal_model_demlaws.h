@@ -13,7 +13,7 @@ struct TypePair : Law {
   double damping;            // -2 sqrt(5/6) beta
   double tangential;         // kt / K = 4 G* / E*
   double tangential_damping; // gamma_t / gamma_n, or 0
-  double mark;               // of its contacts
+  double identity;           // of its contacts
   PressureFriction friction;
 };
 
@@ -71,14 +71,14 @@ public:
     }
     resolve_settings();
     reserved_ = now_.files.empty() ? demlaws::MOST_STATE : state_size_;
-    marked_ = reserved_ + shear_size_ > 0;
+    has_history_ = reserved_ + shear_size_ > 0;
     for (int i = 0; i < reserved_; i++) {
       const std::string name = std::string("demlaws_") + demlaws::STATE_NAMES[i];
       const int at = setup->add_history_value(name, "0"); // the same seen from either particle
       base->add_history_offset(name, at);
       if (i == 0) offset_ = at;
     }
-    if (marked_) mark_at_ = setup->add_history_value("demlaws_law", "0");
+    if (has_history_) identity_at_ = setup->add_history_value("demlaws_law", "0");
   }
 
   void connectToProperties(PropertyRegistry &registry) {
@@ -135,7 +135,8 @@ public:
     if (__builtin_expect(!type.pair.serves(radius, now_.radius_tolerance), 0)) refuse_radius(data, radius, type.pair);
     double *const state = state_size_ ? &data.contact_history[offset_] : NULL;
     const bool update = data.computeflag && data.shearupdate;
-    if (__builtin_expect(marked_ && data.contact_history[mark_at_] != type.mark, 0)) check_mark(data, type, update);
+    if (__builtin_expect(has_history_ && data.contact_history[identity_at_] != type.identity, 0))
+      check_identity(data, type, update);
     double before[MOST_STATE];
     if (WALL && update)
       for (int k = 0; k < state_size_; k++) before[k] = state[k];
@@ -175,7 +176,7 @@ public:
   inline void surfacesClose(SurfacesCloseData &data, ForceData &, ForceData &) {
     if (data.contact_flags) *data.contact_flags &= ~CONTACT_NORMAL_MODEL;
     if (!data.contact_history) return;
-    if (marked_) data.contact_history[mark_at_] = 0.;
+    if (has_history_) data.contact_history[identity_at_] = 0.;
     if (!state_size_) return;
     double *const state = &data.contact_history[offset_];
     if (std::count(state, state + state_size_, 0.) == state_size_) return;
@@ -300,7 +301,7 @@ private:
     } catch (const std::exception &problem) {
       stop(who + problem.what());
     }
-    type.mark = type.Law::mark(shear_size_);
+    type.identity = type.Law::identity(shear_size_);
     if (!doubt.empty()) instance_->announce(doubt, "model demlaws/table: " + who + doubt);
     type.damping = -2. * 0.91287092917527685576 * beta_[i][j];
     type.tangential = now_.shear_ratio > 0. ? now_.shear_ratio : 4. * effective_shear_[i][j] / effective_modulus_[i][j];
@@ -335,15 +336,15 @@ private:
     }
     void refuse(const std::string &text) { model.refuse(data, text); }
   };
-  // A contact that begins, or that another law has marked, of which an elastic one without springs keeps nothing.
-  __attribute__((noinline, cold)) void check_mark(const SurfacesIntersectData &data, const demlaws::TypePair &type,
-                                                  bool update) const {
-    double &mark = data.contact_history[mark_at_];
+  // A contact that begins, or is of another law, of which an elastic one without springs keeps nothing.
+  __attribute__((noinline, cold)) void check_identity(const SurfacesIntersectData &data, const demlaws::TypePair &type,
+                                                      bool update) const {
+    double &identity = data.contact_history[identity_at_];
     const double *const state = state_of(data);
     const bool kept = type.pair.rule != demlaws::ELASTIC || type.slips ||
                       (state && std::count(state, state + state_size_, 0.) < state_size_);
-    if (!demlaws::Law::can_continue(mark, type.mark, kept)) refuse(data, demlaws::other_law());
-    if (update) mark = type.mark;
+    if (!demlaws::Law::can_continue(identity, type.identity, kept)) refuse(data, demlaws::other_law());
+    if (update) identity = type.identity;
   }
   // keeps: else the forces of a step are computed once more.
   __attribute__((noinline, cold)) void examine(const SurfacesIntersectData &data, double radius,
@@ -364,8 +365,8 @@ private:
   bool damp_tangentially_ = true, limit_force_ = false;
   std::set<std::string> given_;
   demlaws::PairSettings own_, now_; // as the line says; as they hold
-  int offset_ = -1, mark_at_ = -1, state_size_ = 0, reserved_ = 0, shear_size_ = 0, types_ = 0;
-  bool marked_ = false; // contacts keep the mark of their law
+  int offset_ = -1, identity_at_ = -1, state_size_ = 0, reserved_ = 0, shear_size_ = 0, types_ = 0;
+  bool has_history_ = false; // contacts keep the identity of their law
   double friction_above_ = 0., shear_stiffness_ = 0.;
   std::vector<demlaws::TypePair> pairs_;
   std::map<std::string, const demlaws::Table *> tables_;
