@@ -129,12 +129,13 @@ def has_no_radius(context, body):
 def surface_of(context, body):
     """Number of the surface whose label the body's material bears; 0 where no surface has that label."""
     material = view(body.material, objects.Material)
-    value = np.uint64(0xCBF29CE484222325)
-    for letter in array(material.label, material.label_length, np.uint8):
-        value = (value ^ np.uint64(letter)) * np.uint64(0x100000001B3)
-    hashes = array(context.label_hashes, context.surfaces, np.int64)
+    label = array(material.label, material.label_length, np.uint8)
+    labels = array(context.labels, (context.surfaces, context.label_size), np.uint8)
     for number in range(1, context.surfaces):
-        if hashes[number] == np.int64(value):
+        same = label.size <= labels.shape[1]
+        for n in range(labels.shape[1]):
+            same &= labels[number, n] == (label[n] if n < label.size else 0)
+        if same:
             return number
     return 0
 

@@ -46,7 +46,8 @@ _CLASSES = (
 )  # addresses of tables of virtual functions: how objects begin
 _TABLES = (
     "surfaces",  # number of surfaces: of labels, and the unlisted materials
-    "label_hashes",
+    "labels",  # address of the surfaces' labels, in UTF-8, each filled up with zeros to `label_size` bytes
+    "label_size",
     "pair_numbers",  # address of the numbers of pairs of two surfaces
     "pairs",
     "edges",  # address of the surfaces' edge radii [m]
@@ -149,14 +150,6 @@ SAVED += ["lever", "bound", "stretch", "tangent", "rest", "spring"]
 def saved_dtype(row):
     """dtype of what a scene saves of rows of this dtype."""
     return repack_fields(row[[name for name in row.names if name in SAVED]])
-
-
-def label_hash(label):
-    """FNV-1a of a material's label, as a signed 64-bit integer: `kernel.surface_of` compares it."""
-    value = 0xCBF29CE484222325
-    for byte in label.encode():
-        value = (value ^ byte) * 0x100000001B3 % 2**64
-    return value - 2**64 if value >= 2**63 else value
 
 
 class Context:

@@ -367,7 +367,8 @@ class Attachment:
             context[f"{name}_classes"][: len(classes)] = classes
             context[f"{name}_count"] = len(classes)
         context["own_step"], context["by_pressure"] = 1, isinstance(pairs.friction.tag, ByPressure)
-        context["surfaces"], context["label_hashes"] = len(pairs.labels), pairs.hashes.ctypes.data
+        context["surfaces"], context["labels"] = len(pairs.labels), pairs.encoded_labels.ctypes.data
+        context["label_size"] = pairs.encoded_labels.itemsize
         context["pair_numbers"], context["pairs"] = pairs.numbers.ctypes.data, pairs.records.ctypes.data
         context["plane_flats"] = pairs.flats == "plane"
         context["shear_ratio"] = pairs.shear_ratio or 0.0  # 0: of the materials

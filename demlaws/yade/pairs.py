@@ -205,7 +205,7 @@ class Pairs:
 
     law: see `LawSource`, or a dict (label, label) → one of those, or a name and its options; "": unlisted. Of two surfaces
     σ² = Sq1² + Sq2² and so on as in `Surface.combined`. A pair of smooth surfaces is Hertz unless the law means more than
-    roughness (a yielding bulk). labels, hashes, numbers (pair of surfaces → record) and records are what `kernel.go`
+    roughness (a yielding bulk). encoded_labels, numbers (pair of surfaces → record) and records are what `kernel.go`
     reads; shapes and roughnesses are those of each record, None for Hertz. modulus: E* [Pa] with which pressures of the laws
     are compared, or None. smooth: materials without a surface are meant smooth; flats: "plane" or "yade", shear: one of
     `shear.MODES`, levels, shear_ratio, radius, friction: see the functor.
@@ -244,6 +244,7 @@ class Pairs:
             named = [label for pair in law if isinstance(pair, tuple) for label in pair if isinstance(label, str) and label]
             self.surfaces = {label: self.everywhere or Surface(0.0) for label in named} | self.surfaces
         self.labels = ["", *self.surfaces]
+        self.encoded_labels = np.array([label.encode() for label in self.labels])
         entries = [self.everywhere or Surface(0.0), *self.surfaces.values()]
         self.friction = Choice(friction, self.labels, ALL_LABELS)
         self.of_materials: dict = {}  # what `material_options` took
@@ -270,7 +271,6 @@ class Pairs:
         if self.springs and rule.springs is None:
             raise DemlawsError(f"shear={SLIP!r} needs an unloading rule with springs, for instance 'hertz', not {rule.name!r}")
         self._make_records(entries)
-        self.hashes = np.array([0] + [layout.label_hash(label) for label in self.surfaces], np.int64)
 
     def _choose_shear(self, shear, levels, ratio):
         if not isinstance(shear, str) or shear not in MODES:

@@ -14,6 +14,7 @@ from yade_scenes import (
     acting,
     advance,
     cloud,
+    fixed_pair,
     functor,
     material,
     set_engines,
@@ -325,6 +326,20 @@ def test_laws_by_pair_of_smooth_materials(omega):
     assert pairs.number("sand", "cloth") not in (pairs.number("sand", "sand"), pairs.number("", ""))
     with pytest.raises(dl.DemlawsError, match=r"'cloth' .* has no surface.*surfaces=\{'cloth': .*smooth=True"):
         functor(laws, None, None)
+
+
+def test_labels_that_begin_alike(omega):
+    """A contact has the surface of its materials' own label, also beside a longer or a shorter one."""
+    surfaces = {label: dl.Surface(roughness, 2.22) for label, roughness in (("sand", 1e-6), ("sandé", 2e-6), ("s", 3e-6))}
+    law = functor(surfaces=surfaces, smooth=True)
+    labels = ["sand", "sandé", "s", "san", "sandés", ""]
+    for n, label in enumerate(labels):
+        yade.O.bodies.append(fixed_pair(material(label), x=0.1 * n))
+    set_engines(law, 1e-9)
+    advance(2)
+    expected = [2**0.5 * surfaces[label].roughness if label in surfaces else 0.0 for label in labels]
+    contacts = law.contacts()
+    assert contacts.sigma[np.argsort(contacts.body1)] == pytest.approx(expected)
 
 
 def test_a_measured_map_beside_a_wall(omega):
