@@ -14,7 +14,9 @@ FEWEST = 6
 FEWEST_FOR_UNCERTAINTY = 20
 """Overlaps from which on a curve has an uncertainty: of 12 noisy points of a bending curve it held 74 % of the true forces."""
 MOST_PLACES = 160
-"""More overlaps are averaged to so many before they are smoothed."""
+"""More overlaps are averaged to about so many before they are smoothed."""
+WIDEST = 0.5
+"""Largest distance in ln δ of points that are averaged, by the errors of `studies/smoothing.py`."""
 SHOWN = 24
 """Places of a smoothed curve whose force and uncertainty a table keeps."""
 SHARES = (0.0, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 10.0)
@@ -64,8 +66,8 @@ class MeasuredCurve:
         """Set the curve through points in the order of their overlaps; returns the smoothing."""
         from scipy.interpolate import CubicSpline
 
-        groups = _equal_groups(overlap)
-        self.x = np.array([np.mean(np.log(overlap[g])) for g in groups])
+        groups = _groups(overlap)
+        self.x = np.array([np.log(np.mean(overlap[g])) for g in groups])
         means = np.array([np.mean(force[g]) for g in groups])
         errors = np.array([math.sqrt(float(np.sum(sigma[g] ** 2))) / g.size for g in groups])
         fit = _smooth(self.x, means, errors, np.array([g.size for g in groups]))
@@ -211,14 +213,17 @@ def _bending(x, y):
     return low**2 * (high / 2.0 - low / 6.0)
 
 
-def _equal_groups(overlap):
-    """Places of points of one overlap, or of neighbours in equal number where there are more than MOST_PLACES."""
+def _groups(overlap):
+    """Places of points of one overlap; of neighbours in equal number, at most WIDEST apart, where there are more than
+    MOST_PLACES: a mean of forces is far from the force at a mean overlap where overlaps differ by a factor."""
     edges = np.flatnonzero(np.diff(overlap) > 1e-9 * overlap[1:]) + 1  # closer ones differ by rounding
     groups = np.split(np.arange(overlap.size), edges)
     if len(groups) <= MOST_PLACES:
         return groups
     bounds = np.linspace(0, len(groups), MOST_PLACES + 1).astype(int)
-    return [np.concatenate(groups[a:b]) for a, b in itertools.pairwise(bounds)]
+    joined, x = [np.concatenate(groups[a:b]) for a, b in itertools.pairwise(bounds)], np.log(overlap)
+    steps = (np.diff(np.floor((x[group] - x[group[0]]) / WIDEST)) for group in joined)
+    return [part for group, step in zip(joined, steps, strict=True) for part in np.split(group, np.flatnonzero(step) + 1)]
 
 
 def _columns(overlap, force, uncertainty):
@@ -235,7 +240,7 @@ def _columns(overlap, force, uncertainty):
             bad = float(sigma[int(np.argmin(good))])
             raise DemlawsError(f"uncertainty = {bad:g} N: must be from 0 to a thousand times the largest force, {highest:g} N")
     keep = (overlap > 0.0) & (force > 0.0)
-    places = len(_equal_groups(np.sort(overlap[keep])))
+    places = len(_groups(np.sort(overlap[keep])))
     if places < FEWEST:
         raise DemlawsError(
             f"first loading: {places} overlaps above 0 with a force above 0; at least {FEWEST} are needed: measure more, or "
