@@ -15,7 +15,7 @@ FEWEST_FOR_UNCERTAINTY = 20
 """Overlaps from which on a curve has an uncertainty: of 12 noisy points of a bending curve it held 74 % of the true forces."""
 MOST_PLACES = 160
 """More overlaps are averaged to about so many before they are smoothed."""
-WIDEST = 0.5
+WIDEST = 0.25
 """Largest distance in ln δ of points that are averaged, by the errors of `studies/smoothing.py`."""
 SHOWN = 24
 """Places of a smoothed curve whose force and uncertainty a table keeps."""
