@@ -338,13 +338,15 @@ class Binding:
                 )
         contacts = real_contacts()
         rows = self.attachment.rows_of(contacts)
-        force = self.pairs.evaluate(rows)[0]["force"]
+        answer, _ = self.pairs.evaluate(rows)
+        force, pressure = answer["force"], answer["pressure"]
         pressed = (rows["tag"] > 0.0) & (rows["modulus"] > 0.0) & (rows["overlap"] > 0.0) & (force > 0.0)
         for tag in np.unique(rows["tag"][pressed]):
             places = np.flatnonzero(pressed & (rows["tag"] == tag))
-            self._judge_pair(int(tag) - 1, [contacts[place] for place in places], rows[places], force[places])
+            of_pair = [contacts[place] for place in places], rows[places], force[places]
+            self._judge_pair(int(tag) - 1, *of_pair, float(pressure[places].max()))
 
-    def _judge_pair(self, number, contacts, rows, force):
+    def _judge_pair(self, number, contacts, rows, force, pressure):
         """Warn once of the limits that contacts of one pair of surfaces are beyond."""
         smallest, largest = int(np.argmin(rows["radius"])), float(np.max(rows["radius"]))
         if self.pairs.roughnesses[number] > LARGE_ROUGHNESS * rows["radius"][smallest]:
@@ -353,10 +355,8 @@ class Binding:
         hardness = self.pairs.combined[number][0].hardness
         if self.context["by_pressure"] and hardness is not None:
             from demlaws.shear import _beyond_hardness
-            from demlaws.yade.contacts import pressures
 
-            text = _beyond_hardness(float(pressures(self.pairs, rows).max()), hardness)
-            self._warn_once((number, "pressure"), text)
+            self._warn_once((number, "pressure"), _beyond_hardness(pressure, hardness))
         if largest > LARGE_RADIUS:
             self._warn_once("radius", judge(radius=largest)[0].text)
         for reason, entries in self._beyond_limits(number, rows, force).items():

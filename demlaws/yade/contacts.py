@@ -5,15 +5,8 @@ from collections import namedtuple
 import numpy as np
 import yade
 
-from demlaws.core.dispatch import step
-from demlaws.core.numba_compat import loop
-from demlaws.core.shear import mean_pressure
-from demlaws.core.unloading import rule_of_smooth_contact
-from demlaws.laws.hertz import HertzParams, HertzShape
 from demlaws.responses.results import Tabular
 from demlaws.units import number
-from demlaws.yade.kernel import params_of
-from demlaws.yade.tuples import shape_of, state_of as history_of
 
 O = yade.O  # noqa: E741  YADE's name
 
@@ -41,33 +34,6 @@ class Totals(Tabular, namedtuple("Energies", ("stored", "dissipated"))):
         return {name.replace("_", " ") + " (J)" * (name != "unaccounted"): [value] for name, value in energies.items()}
 
 
-@loop
-def pressures_loop(kind, params_kind, rule, pairs, contacts, out):
-    """Mean pressures [Pa] of an array of contacts."""
-    for i in range(contacts.size):
-        c = contacts[i]
-        pair, old = pairs[np.int64(c.tag) - 1], history_of(rule, c)
-        out[i] = 0.0
-        if c.modulus == 0.0:
-            continue
-        if pair.smooth != 0:
-            smooth, shape, p = rule_of_smooth_contact(rule), HertzShape(), HertzParams(c.hertz)
-            force, stiffness, new = step(smooth, shape, p, c.overlap, old)
-            out[i] = mean_pressure(smooth, shape, p, c.modulus, c.overlap, force, stiffness, new)
-        else:
-            shape, p = shape_of(kind, pair), params_of(params_kind, c)
-            force, stiffness, new = step(rule, shape, p, c.overlap, old)
-            out[i] = mean_pressure(rule, shape, p, c.modulus, c.overlap, force, stiffness, new)
-
-
-def pressures(pairs, contacts):
-    """Mean pressures [Pa] of an array of `layout.contact_dtype`; NaN where the law's table does not contain the area."""
-    out = np.zeros(len(contacts))
-    pressures_loop(pairs.kind, pairs.params_kind, pairs.rule, pairs.records, contacts, out)
-    known = [source is None or source.knows_area(pairs.unloading) for _, source in pairs.combined]
-    return np.where(np.array(known)[contacts["tag"].astype(int) - 1], out, np.nan) if len(contacts) else out
-
-
 SHEAR = {"shear_stored": "held", "shear_dissipated": "lost", "viscous": "viscous"}
 """Energy of `Contacts` → field of a contact's history."""
 
@@ -86,8 +52,7 @@ def state_of(pairs, contacts, rows, strength=None):
     columns = {name: fields.get(name, nothing) for name in ("maximum_overlap", "plastic_overlap", "radius_ratio")}
     if not fields:
         columns["plastic_overlap"] = np.zeros(len(rows))
-    overlap, pressure = before["overlap"].copy(), pressures(pairs, before)
-    highest = np.fmax(overlap, columns["maximum_overlap"])
+    overlap = before["overlap"].copy()
     centres = [_ends(contact) for contact in contacts]
     shears = [contact.phys.shearForce.norm() for contact in contacts]
     return Contacts(
@@ -104,9 +69,9 @@ def state_of(pairs, contacts, rows, strength=None):
         dissipated=answer["dissipated"].copy(),
         branch=(overlap < columns["maximum_overlap"]).astype(int),
         flattened=answer["dissipated"] > 1e-9 * (answer["stored"] + answer["dissipated"]),
-        bulk_yielded=pairs.bulk_yielded(before, highest),
-        mean_pressure=pressure,
-        above=None if strength is None else pressure > number(strength, "strength", "Pa"),
+        bulk_yielded=answer["yielded"] > 0.0 if pairs.yields.any() else None,
+        mean_pressure=answer["pressure"].copy(),
+        above=None if strength is None else answer["pressure"] > number(strength, "strength", "Pa"),
         sliding=np.array([bool(c.phys.isSliding) for c in contacts], bool),
         shear_force=np.array(shears, float),
         **{name: before[field].copy() for name, field in SHEAR.items()},

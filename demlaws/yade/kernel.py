@@ -13,7 +13,7 @@ from demlaws.core.dispatch import first_loading, scale, step, stored_and_dissipa
 from demlaws.core.fastmath import hertz_coefficient
 from demlaws.core.loops import clamped_roughness
 from demlaws.core.numba_compat import callback, kernel, loop
-from demlaws.core.shear import shear_stiffness
+from demlaws.core.shear import mean_pressure, shear_stiffness
 from demlaws.core.unloading import rule_of_smooth_contact
 from demlaws.core.vectors import assign, vector
 from demlaws.laws.hertz import HertzParams, HertzShape
@@ -548,15 +548,12 @@ def evaluate_loop(kind, params_kind, shear, rule, pairs, contacts, out):
         out[i].tangent = stiffness
         out[i].force = force
         out[i].stored, out[i].dissipated = energies(kind, params_kind, rule, pair, c, c.overlap, old)
+        if rough:
+            shape, p = shape_of(kind, pair), params_of(params_kind, c)
+            out[i].pressure = mean_pressure(rule, shape, p, c.modulus, c.overlap, force, stiffness, new)
+            _, _, equivalent, area = first_loading(shape, p, max(c.overlap, c.state[0]))
+            out[i].yielded = area > equivalent * (1.0 + 1e-9)  # a²/R is δ_H(P) before (`core.dispatch`)
+        elif c.modulus != 0.0:
+            hertz = HertzShape(), HertzParams(c.hertz), c.modulus
+            out[i].pressure = mean_pressure(rule_of_smooth_contact(rule), *hertz, c.overlap, force, stiffness, new)
     return bad
-
-
-@loop
-def yielded_loop(kind, params_kind, pairs, contacts, highest, out):
-    """Whether the bulk of contacts has yielded at their highest overlaps [m]: a²/R is then not δ_H(P) (`core.dispatch`)."""
-    for i in range(contacts.size):
-        c = contacts[i]
-        pair = pairs[np.int64(c.tag) - 1]
-        if pair.smooth == 0 and c.modulus > 0.0:
-            _, _, equivalent, area = first_loading(shape_of(kind, pair), params_of(params_kind, c), highest[i])
-            out[i] = area > equivalent * (1.0 + 1e-9)

@@ -96,7 +96,9 @@ CONTEXT = _context()
 _HISTORY: list = [(name, "f8") for name in ("overlap", "ratio", "tag", "radius", "modulus")]
 _HISTORY += [("state", "f8", (3,)), *[(name, "f8") for name in ("shear", "held", "lost", "viscous", "written")]]
 _HISTORY += [("left", "f8", (3,)), ("reach", "f8")]
-EVALUATED = np.dtype([(name, "f8") for name in ("kno", "kso", "tangent", "force", "stored", "dissipated")])
+EVALUATED = np.dtype(
+    [(name, "f8") for name in ("kno", "kso", "tangent", "force", "stored", "dissipated", "pressure", "yielded")]
+)
 
 PLANE, SPHERE, FIELD = 1, 2, 3
 """Kinds of shapes with a curvature."""

@@ -419,21 +419,23 @@ class Pairs:
 
     def evaluate(self, contacts):
         """Response to the overlaps of an array of `layout.contact_dtype`, whose state is updated in place, and the energies of
-        the state before: an array of `layout.EVALUATED`, and the first contact whose force is not finite, or -1."""
-        out = np.zeros(len(contacts), layout.EVALUATED)
+        the state before: an array of `layout.EVALUATED`, and the first contact whose force is not finite, or -1.
+
+        pressure: the mean one [Pa]; NaN where the law's table does not contain the area. yielded: 1 where the bulk has passed
+        the law's yield point.
+        """
+        out, places = np.zeros(len(contacts), layout.EVALUATED), contacts["tag"].astype(int) - 1
         kinds = self.kind, self.params_kind, self.shear, self.rule
-        return out, kernel.evaluate_loop(*kinds, self.records, contacts, out)
+        bad = kernel.evaluate_loop(*kinds, self.records, contacts, out)
+        known = [source is None or source.knows_area(self.unloading) for _, source in self.combined]
+        out["pressure"][~np.array(known)[places]] = math.nan
+        out["yielded"] *= self.yields[places]
+        return out, bad
 
-    def bulk_yielded(self, contacts, highest):
-        """Whether the bulk of contacts has passed the law's yield point: an array of bool; None: no law has one.
-
-        highest: largest overlaps so far [m]."""
-        own = np.array([source is not None and source.definition.loading.bulk is not None for _, source in self.combined])
-        if not own.any():
-            return None
-        bulk = np.zeros(len(contacts), bool)
-        kernel.yielded_loop(self.kind, self.params_kind, self.records, contacts, highest, bulk)
-        return bulk & own[contacts["tag"].astype(int) - 1] if len(contacts) else bulk
+    @property
+    def yields(self):
+        """Which records have a law whose bulk yields."""
+        return np.array([source is not None and source.definition.loading.bulk is not None for _, source in self.combined])
 
     def limits(self, number, radius, modulus):
         """`Limit`s of the law of a record for a contact of this R [m] and E* [Pa]."""
