@@ -197,18 +197,14 @@ def _energy(shape, p, overlap):
 
 
 @kernel
-def grid_with_pointers(g):
+def _grid_with_pointers(g):
     """A grid whose cells are a `read_only` pointer, as are the parts that `inverse` and `energy` need: for `first_loading`."""
     place = g.shift, g.first, g.kinks, g.lowest, g.highest, g.floor, g.inverse_floor, g.exponent, g.seat, g.count
     return Grid(read_only(g.cells), read_only(g.starts), *place)
 
 
-@kernel
-def _with_pointers(shape):
-    return TableShape(grid_with_pointers(shape.grid), shape.bulk, shape.length_over_roughness, shape.length_over_radius)
-
-
-bind(TableShape, scale=_scale, with_pointers=_with_pointers)
+bind(Grid, with_pointers=_grid_with_pointers)
+bind(TableShape, scale=_scale)
 bind(TableParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
@@ -242,11 +238,11 @@ def _curve_inverse_near(shape, p, force, equivalent):
 
 
 @kernel
-def _curve_with_pointers(shape):
-    return CurveShape(with_pointers(shape.loading), with_pointers(shape.reverse))
+def _curve_to_invert(shape):
+    return with_pointers(shape)
 
 
-bind(CurveShape, scale=_curve_scale, with_pointers=_curve_with_pointers, with_pointers_to_invert=_curve_with_pointers)
+bind(CurveShape, scale=_curve_scale, with_pointers_to_invert=_curve_to_invert)
 bind(
     CurveParams,
     first_loading=first_loading_within,

@@ -180,9 +180,17 @@ def contact_area(rule, shape, params, overlap, area):
     """a²/R [m] on first loading, from which a rule has the radius that it unloads with; one that binds none takes `area`."""
 
 
-@generic(lambda *_: lambda shape: shape)
+def _of_items(kind):
+    """The function that gives a tuple of this numba type `with_pointers` of the tuples in it."""
+    items = [f"{'with_pointers' * isinstance(item, types.BaseTuple)}(shape[{n}]), " for n, item in enumerate(kind)]
+    name = "Class" * isinstance(kind, types.BaseNamedTuple)
+    names = {"with_pointers": with_pointers, "Class": getattr(kind, "instance_class", None)}
+    return function_of_text("shape", [f"return {name}({''.join(items)})"], names)
+
+
+@generic(_of_items)
 def with_pointers(shape):
-    """A Shape whose tables are `fastmath.read_only` pointers, for use in a loop during which `shape` stays alive."""
+    """A Shape whose grids are `fastmath.read_only` pointers, for use in a loop during which `shape` stays alive."""
 
 
 @generic(lambda *_: lambda shape: shape)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.core.curve import grid_with_pointers, read_curve, scale_table
+from demlaws.core.curve import read_curve, scale_table
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, root_finder, sqrt
 from demlaws.core.grid import Nodes, grid, shape_from_nodes
@@ -158,20 +158,8 @@ def _family_energy(shape, p, overlap):
     return p.hertz_coefficient * p.length * p.length * sqrt(p.length) * total
 
 
-@kernel
-def _with_pointers(shape):
-    lengths = shape.length_over_roughness, shape.length_over_radius
-    return ImplicitShape(grid_with_pointers(shape.grid), shape.bulk, *lengths, shape.number, shape.value)
-
-
-@kernel
-def _family_with_pointers(shape):
-    rest = shape.number, shape.lowest_value, shape.log_ratio, shape.curves, shape.cubic, shape.flattens
-    return FamilyShape(grid_with_pointers(shape.grid), *rest)
-
-
-bind(ImplicitShape, scale=_scale, with_pointers=_with_pointers)
-bind(FamilyShape, scale=_family_scale, with_pointers=_family_with_pointers)
+bind(ImplicitShape, scale=_scale)
+bind(FamilyShape, scale=_family_scale)
 bind(FamilyParams, first_loading=_family_first_loading, inverse=_family_inverse, energy=_family_energy)
 
 

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.contact import GRANITE_YIELD_PRESSURE, pressure_of
-from demlaws.core.dispatch import bind, energy, first_loading, inverse, scale, with_pointers
+from demlaws.core.dispatch import bind, energy, first_loading, inverse, scale
 from demlaws.core.fastmath import bits, cbrt, from_bits, hertz_coefficient, hertz_overlap, kernel
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import (
@@ -120,12 +120,7 @@ def _energy(shape, p, overlap):
     return energy(shape.loading, p.loading, p.yield_overlap) + more * (p.yield_force + 0.5 * p.yield_stiffness * more)
 
 
-@kernel
-def _with_pointers(shape):
-    return RoughPlasticShape(with_pointers(shape.loading), shape.yield_pressure, shape.load_pressure, shape.bulk_radius)
-
-
-bind(RoughPlasticShape, scale=_scale, with_pointers=_with_pointers)
+bind(RoughPlasticShape, scale=_scale)
 bind(RoughPlasticParams, first_loading=_first_loading, inverse=_inverse, energy=_energy)
 
 
