@@ -92,7 +92,7 @@ def table(sets):
 def main(arguments=None):
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--sets", type=int, default=40, help="sets of points for each curve, a fifth above 100 points")
+    parser.add_argument("--sets", type=int, default=5, help="sets of points for each curve, a fifth above 100 points")
     for line in table(parser.parse_args(arguments).sets):
         print(line, flush=True)
 
