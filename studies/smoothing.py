@@ -84,7 +84,7 @@ def table(sets):
     yield "| noise of the force | points | demlaws | scipy | no rising curve: demlaws | scipy |"
     yield "| --- | --- | --- | --- | --- | --- |"
     for noise, size, row in measure(sets):
-        values = " | ".join(f"{100 * row[name][0]:.2g} %" for name in WAYS)
+        values = " | ".join(f"{float(f'{100 * row[name][0]:.2g}'):g} %" for name in WAYS)
         lost = " | ".join(f"{100 * row[name][1]:.0f} %" for name in WAYS)
         yield f"| {noise} | {size} | {values} | {lost} |"
 
