@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from examples import GRANITE, each_law_and_rule, make, pairs, quiet, telling
+from examples import GRANITE, each_law_and_rule, make, pairs, quiet, sealed, telling
 from hypothesis import given, strategies as st
 
 import demlaws as dl
@@ -320,6 +320,24 @@ def test_pressure_of_a_table_of_a_law_with_an_area_of_its_own(name, rule, tmp_pa
     below = np.array([0.3 * yields])
     small = quiet(law.tabulate, max_force=float(law.force(0.5 * yields)))
     assert quiet(_pressure_along, small, below) == pytest.approx(quiet(_pressure_along, law, below))
+
+
+@pytest.mark.parametrize(("name", "rule"), [("hertz", "elastic"), ("kogut-etsion", "etsion")])
+def test_pressure_of_a_table_file_of_a_former_version(name, rule, tmp_path):
+    """Without the key `area`, whose absence stood for a known one: refused, but with a rule that describes the area."""
+    options = {"yield_strength": 0.3e9} if rule == "etsion" else {}
+    table = quiet(dl.law(name, GRANITE.with_values(sigma=0.0), rule, **options).tabulate, max_force=100.0)
+    table.save(tmp_path / "new.tbl")
+    lines = (tmp_path / "new.tbl").read_bytes().splitlines()[:-1]
+    (tmp_path / "old.tbl").write_bytes(sealed([line for line in lines if line != b"area: known"]))
+    overlap = quiet(table.overlap, [1.0, 10.0])
+    new, old = (dl.Table.load(tmp_path / f"{age}.tbl") for age in ("new", "old"))
+    expected = quiet(_pressure_along, new, overlap)
+    if rule == "etsion":
+        assert (b"area: known" in lines, *quiet(_pressure_along, old, overlap)) == (False, *expected)
+        return
+    with pytest.raises(dl.DemlawsError, match="table of a former version"):
+        quiet(sheared, old, overlap, [0.0, 1e-6], RATIO, friction=PRESSURE_FRICTION)
 
 
 @pytest.mark.parametrize("rule", ["elastic", "hertz"])

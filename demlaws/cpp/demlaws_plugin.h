@@ -97,9 +97,10 @@ struct Law {
   }
   // Throws where friction by pressure would have another contact area than the law's.
   static void require_area(const Table &table) {
-    if (!table.text("area").empty())
+    if (table.text("area").empty() && !RULE_KEYS[table.unloading()][0])
       throw std::runtime_error("'friction_pressure' needs the contact area of the law, which " + table.path() +
-                               " does not contain: make the table with the unloading rule of the law's paper");
+                               " does not contain: make a table of a former version again, others with the unloading "
+                               "rule of the law's paper");
   }
   // Of the contacts that begin under this law and keep so many values: never 0.
   double identity(int values) const { return ONE_SHAPE * (2 * values + (slips ? 2 : 1)) + checksum_; }

@@ -16,7 +16,7 @@ from demlaws.curves.closed import Certificate
 from demlaws.curves.points import Knots
 from demlaws.curves.table import TableCurve
 from demlaws.curves.table_grammar import OF_CONTACT, ROUNDING
-from demlaws.curves.unloading import BoundLaw, Unloading, after_loading, knows_area
+from demlaws.curves.unloading import BoundLaw, Unloading, after_loading
 from demlaws.errors import DemlawsError
 from demlaws.files import as_path, read_bytes
 from demlaws.laws.definition import Definition, Rules, no_limits
@@ -45,8 +45,8 @@ def compose(contact: Contact, curve: TableCurve, unloading: Unloading, collapses
     }
     if math.isfinite(shape.bulk.area):
         header |= {"yield_area": shape.bulk.area, "yield_slope": shape.bulk.slope}
-    if not knows_area(curve, rule):
-        header["area"] = "unknown"
+    if curve.area_known:
+        header["area"] = "known"
     if rule.keys:
         header |= dict(zip(rule.keys, unloading.rule_parameters, strict=False))
     if curve.knots is not None:
@@ -101,7 +101,7 @@ def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
             overlap, force, uncertainty = np.reshape(own["knots"], (-1, 3)).T
             uncertainty = np.where(uncertainty > 0.0, uncertainty, math.nan)
             knots = Knots(overlap, force, uncertainty, round(own["points"]), own["departure"], own["smoothing"])
-        known = "area" not in values
+        known = "area" in values
         return TableCurve(definition, options, shape, nodes, certificate, values["rtol"], section.contact, alike, knots, known)
 
     bulk, contact = NO_YIELD, sections[0].contact

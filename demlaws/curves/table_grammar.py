@@ -110,7 +110,7 @@ def keys():
         Key("rtol", _ERROR),
         Key("yield_area", _SCALE, ""),
         Key("yield_slope", _SCALE, "yield_area"),
-        Key("area", ("unknown",), ""),
+        Key("area", ("known",), ""),
         Key("points", Numbers(1.0, 1e9, True), ""),
         Key("departure", Numbers(0.0, 1e60, True), "points"),
         Key("smoothing", TEXT, "points"),

@@ -144,7 +144,7 @@ FAULTS = {
     "hardness-1e200": put(KINKS, "hardness: 1e200"),
     "yield-slope-alone": without(BULK, "yield_area", line=place(lines_of(BULK), "yield_slope")),
     "yield-area-alone": without(BULK, "yield_slope"),
-    "area-known": put(KINKS, "area: known"),
+    "area-unknown": put(KINKS, "area: unknown"),
     "points-x": put(KINKS, "points: x"),
     "points-without-knots": (*put(KINKS, "smoothing: spline", "departure: 0.1", "points: 5")[:1], _kinks + 3),
     "knots-of-two-numbers": put(KINKS, "points: 5", "departure: 0.1", "smoothing: spline", "knots: 1 2"),

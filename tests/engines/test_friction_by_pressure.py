@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from examples import shared
+from examples import sealed, shared
 from inputs import ENERGY, counts, refused, said_in, simulate
 from spheres import DIAMETER, LAWS as ALL_LAWS, RATIO, ROUGH, STEP, both, gas, spheres
 
@@ -154,6 +154,16 @@ def test_a_table_without_the_area_of_its_law_is_refused(engine, tmp_path):
             assert "'friction_pressure' needs the contact area of the law" in refused(engine, tmp_path, text)
         else:
             simulate(engine, tmp_path, text)
+
+
+@both
+def test_a_table_of_a_former_version_is_refused(engine, tmp_path):
+    """Without the key `area`, which a law with an area of its own lacked, too."""
+    save_law(tmp_path, "hertz elastic")
+    lines = (tmp_path / "law.tbl").read_bytes().splitlines()[:-1]
+    (tmp_path / "law.tbl").write_bytes(sealed([line for line in lines if line != b"area: known"]))
+    simulate(engine, tmp_path, spheres(engine, "", SLID[:1]))
+    assert "make a table of a former version again" in refused(engine, tmp_path, spheres(engine, WORDS, SLID[:1]))
 
 
 @both
