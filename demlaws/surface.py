@@ -248,8 +248,7 @@ def _read_instrument(path, channel, pixels, unit):
     except DemlawsError:
         raise
     except Exception as error:  # every reader of theirs has its own errors
-        reason = (str(error).strip().splitlines() or [type(error).__name__])[0][:120]
-        raise DemlawsError(f"SurfaceTopography cannot read {path}: {reason}") from None
+        raise DemlawsError(f"SurfaceTopography cannot read {path}: {_reason(error, path)}") from None
     if topography.unit is None:
         warn(f"{path} names no unit of length: heights and sizes are taken in {unit!r} (--unit)", MapWarning)
     unit = topography.unit or unit
@@ -261,6 +260,14 @@ def _read_instrument(path, channel, pixels, unit):
     if sizes is not None:
         header["pixel"] = tuple(size * UNITS[unit] / n for size, n in zip(sizes, heights.shape[::-1], strict=True))
     return heights, header
+
+
+def _reason(error, path):
+    """Why SurfaceTopography refuses a file, in one line: of all its readers that tried, the word of that of the suffix."""
+    tried = {name.lower(): text for name, text in re.findall(r"tried (\w+)Reader:\s*\n\s*(.+)", str(error))}
+    if tried:
+        return tried.get(path.suffix[1:].lower(), f"none of its {len(tried)} readers takes the file")[:120]
+    return (str(error).strip().splitlines() or [type(error).__name__])[0][:120]
 
 
 def _channel(reader, path, name):

@@ -1,5 +1,6 @@
 import math
 import sys
+import types
 from pathlib import Path
 
 import numpy as np
@@ -171,6 +172,27 @@ def test_gwyddion_header_in_the_encodings_of_instruments(tmp_path, encoding):
     assert heights.heights[0, 3] == pytest.approx(4e-6)
 
 
+@pytest.mark.parametrize(
+    "labels",
+    [
+        ("Kanal", "Breite", "Höhe", "Einheiten"),
+        ("Canal", "Largeur", "Hauteur", "Unités"),
+        ("チャネル", "幅", "高さ", "値の単位"),
+    ],
+)
+def test_gwyddion_header_in_the_languages_of_its_windows(tmp_path, labels):
+    """Pixels were missing, and heights in V were taken in metres."""
+    path, rows = tmp_path / "g.txt", "1 2 3 4\n" * 4
+    head = f"# {labels[0]}: a\n# {labels[1]}: 8,0 µm\n# {labels[2]}: 4.0 µm\n# {labels[3]}: "
+    path.write_text(f"{head}nm\n{rows}", encoding="utf-8")
+    heights = surface.read(path)
+    assert (heights.pixel_x, heights.pixel_y) == pytest.approx((2e-6, 1e-6))
+    assert heights.heights[0, 3] == pytest.approx(4e-9)
+    path.write_text(f"{head}V\n{rows}", encoding="utf-8")
+    with pytest.raises(dl.DemlawsError, match="heights in 'V'"):
+        surface.read(path)
+
+
 def test_masked_heights_are_missing():
     heights = self_affine(20, 1e-6, 0.8, roughness=1e-6, seed=1).heights
     masked = np.ma.array(heights, mask=heights > 1e-6)
@@ -229,6 +251,19 @@ def test_instrument_files_go_through_surface_topography(tmp_path):
     with pytest.raises(dl.DemlawsError, match="SurfaceTopography cannot read") as error:
         surface.read(bad)
     assert len(str(error.value)) < 300
+
+
+@pytest.mark.parametrize(("suffix", "reason"), [("x3p", "main.xml is missing"), ("di", "none of its 2 readers takes")])
+def test_the_reason_of_many_readers_is_that_of_the_suffix(suffix, reason, tmp_path, monkeypatch):
+    """An archive with its files in a folder: "cannot read sample.x3p: tried XYZReader:"."""
+
+    def refuse(path):
+        raise OSError("tried XYZReader: \n Could not parse.\n\ntried X3PReader: \n Archive member main.xml is missing.\n\n")
+
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", types.SimpleNamespace(open_topography=refuse))
+    (tmp_path / f"sample.{suffix}").write_bytes(b"PK")
+    with pytest.raises(dl.DemlawsError, match=reason):
+        surface.read(tmp_path / f"sample.{suffix}")
 
 
 # --- fields of view, curvature, plain counting

@@ -18,8 +18,8 @@ from demlaws.advice.fit_model import APPARATUS, COMPLIANCE, DRIFT, FORCE_ZERO, Z
 from demlaws.advice.fit_report import WEAK, Fit, fitted
 from demlaws.contact import Contact, warn_of_roughness
 from demlaws.core.unloading import GIVEN
-from demlaws.curves.point_files import columns_of, in_contact, refuse_other_units
-from demlaws.errors import DemlawsError
+from demlaws.curves.point_files import columns_of, creeping_holds, in_contact, refuse_other_units
+from demlaws.errors import DemlawsError, counted
 from demlaws.laws.registry import find, registry
 from demlaws.responses.results import Tabular
 from demlaws.units import number
@@ -82,8 +82,9 @@ def fit(
     free : sequence of str, optional
         Quantities to fit: of the contact, of the laws (`Fitting.parameters`), of the apparatus ("compliance",
         "drift": displacement [m] in proportion to the rows, "force_zero"). An empty list fits none.
+        Each hold over which the displacement creeps adds one, "creep_1" and so on.
         Default: `Fitting.free`, "force_zero", which may be left out if the load cell was tared in air, and, if the points
-        unload, "drift", which may be left out of a test without creep and at constant temperature.
+        unload, "drift", which may be left out of a test at constant temperature.
     options : dict, optional
         Name of the law → fixed options.
     displacement_noise : float, optional
@@ -136,19 +137,16 @@ def fit(
     keep, skipped = in_contact(force, force_noise)
     displacement, force, course = displacement[keep], force[keep], course[keep]
     if np.any(repeated):
-        skipped[f"{int(np.sum(repeated))} repeated rows"] = "equal to the row before: no new reading"
+        skipped[counted(int(np.sum(repeated)), "repeated row")] = "equal to the row before: no new reading"
     quantities = parameters()
     if unknown := [n for n in free or () if n not in quantities]:
         raise DemlawsError(f"cannot fit {', '.join(unknown)}: the quantities that a fit can vary are {', '.join(quantities)}")
     if force.size:
         refuse_other_units(displacement, force, contact, largest_compliance(contact) if COMPLIANCE in (free or ()) else 0.0)
-    if force.size and np.ptp(force) < 1e-3 * np.max(force):
-        raise DemlawsError(
-            f"all {force.size} forces are {np.max(force):.4g} N within 0.1 %: a hold shows creep or drift, no law; give "
-            "points of different forces"
-        )
-    distinct = len(np.unique(np.column_stack([displacement, force]), axis=0))
-    test = _TestData(contact, options, displacement, force, course, displacement_noise, force_noise, free)
+    left, creep = _without_holds(displacement, force, skipped)
+    displacement, force, course = displacement[left], force[left], course[left]
+    distinct = len(np.unique(np.column_stack([displacement, force]), axis=0)) - len(creep)
+    test = _TestData(contact, options, displacement, force, course, displacement_noise, force_noise, free, creep)
     fits, failed = [], {}
     for name, rule, variables in progress(list(_models_to_fit(names, rules, free, force, distinct))):
         try:
@@ -175,6 +173,7 @@ class _TestData(NamedTuple):
     displacement_noise: float | None
     force_noise: float
     free: Sequence[str] | None  # as the user gave it
+    creep: dict  # name → mask of the rows after a hold, over which the displacement crept
 
     def fit(self, name, rule, free):
         """The `Fit` of a law, its rule, and the names of its free quantities."""
@@ -183,6 +182,7 @@ class _TestData(NamedTuple):
             "force": self.force,
             "noise": self.displacement_noise,
             "course": self.course,
+            "creep": self.creep,
         }
         model = Model(name, rule, free, contact=self.contact, options=self.options.get(name, {}), **points)
         one = fitted(model, self.displacement_noise, self.force_noise)
@@ -191,6 +191,30 @@ class _TestData(NamedTuple):
             if quantity in free and one.parameters[quantity].cause == WEAK:
                 return self.fit(name, rule, [n for n in free if n != quantity])
         return one
+
+
+def _without_holds(displacement, force, skipped):
+    """Mask of the rows that are fitted, and name → mask of the rows after each hold; the holds are named in `skipped`.
+
+    The first row of a hold and the last one stay, if others are before and behind it.
+    """
+    left, creep, names = np.ones(force.size, bool), {}, []
+    if force.size and np.ptp(force) < 1e-3 * np.max(force):
+        raise DemlawsError(
+            f"all {force.size} forces are {np.max(force):.4g} N within 0.1 %: a hold shows creep or drift, no law; give "
+            "points of different forces"
+        )
+    for first, last in creeping_holds(displacement, force):
+        inner = first + 1 if first else 0, last if last < force.size - 1 else force.size
+        left[slice(*inner)] = False
+        names.append(f"{1e6 * (displacement[last] - displacement[first]):.3g} µm at {np.mean(force[first : last + 1]):.4g} N")
+        if first and last < force.size - 1:
+            creep[f"creep_{len(creep) + 1}"] = np.arange(force.size) >= last
+    if names:
+        skipped[f"{counted(int(np.sum(~left)), 'row')} at constant force"] = (
+            f"the displacement creeps ({', '.join(names)}); the creep of each hold between other rows is fitted"
+        )
+    return left, {name: rows[left] for name, rows in creep.items()}
 
 
 def _models_to_fit(names, rules, free, force, distinct):
@@ -248,7 +272,7 @@ def _suspicions(best, test):
     spread = float(np.sum(misfit**2))
     if best.law.definition.solved or not float(np.sum(misfit[1:] * misfit[:-1])) > 1.7 / math.sqrt(misfit.size) * spread > 0.0:
         return
-    variables = [name for name in best.coordinates if name != ZERO]
+    variables = [name for name in best.coordinates if name != ZERO and name not in test.creep]
     wrong = f"the given E* = {test.contact.modulus * 1e-9:.4g} GPa may be wrong"
     hints = {
         "modulus": (1e-9, "GPa", wrong, "fit the modulus"),
@@ -263,8 +287,8 @@ def _suspicions(best, test):
             other = test.fit(best.name, best.unloading, [*variables, name])
         except DemlawsError:
             continue
-        if name not in other.parameters:
-            continue  # not separately identifiable
+        if name not in other.parameters or other.parameters[name].cause:
+            continue  # not separately identifiable, or at the end of its range
         value, low, high = (other.parameters[name][n] * unit for n in (0, 2, 3))
         if (value > 0.0 or name in (DRIFT, FORCE_ZERO)) and other.aicc < best.aicc - _DECISIVE:
             fall = f"from {best.misfit * 1e6:.3g} to {other.misfit * 1e6:.3g} µm"

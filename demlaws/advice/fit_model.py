@@ -22,6 +22,8 @@ ZERO = "zero"
 COMPLIANCE = "compliance"
 DRIFT = "drift"
 """Displacement [m] by which the apparatus moves from the first row to the last, in proportion to the rows."""
+CREEP = Parameter("m", False, lambda c: (-0.1 * c.radius, 0.1 * c.radius), lambda c: [0.0])
+"""Displacement [m] that a hold adds to all later rows; a fit has one for each hold."""
 FORCE_ZERO = "force_zero"
 """Reading of the load cell [N] without a load."""
 APPARATUS = {
@@ -54,10 +56,10 @@ def largest_compliance(contact):
 class Model:
     """A law with free quantities. Coordinates are these (ln of positive ones) and, last, the zero in units of `scale`."""
 
-    def __init__(self, name, rule, free, *, contact, options, displacement, force, noise, course):
-        self.definition, self.unloading, self.free = find(name), rule, tuple(free)
+    def __init__(self, name, rule, free, *, contact, options, displacement, force, noise, course, creep):
+        self.definition, self.unloading, self.free = find(name), rule, (*free, *creep)
         self.rule = self.definition.rule(rule)
-        self.parameters = {**OF_CONTACT, **APPARATUS, **self.definition.fitting.parameters}
+        self.parameters = {**OF_CONTACT, **APPARATUS, **self.definition.fitting.parameters, **dict.fromkeys(creep, CREEP)}
         fill = {}
         for field in self.definition.needed(**options):
             if getattr(contact, field) is None:
@@ -70,10 +72,11 @@ class Model:
         self.options |= self.definition.read_options(options)
         self.definition.refuse_missing({*self.options, *free})
         self.measured, self.force = displacement, force
-        self.linear = {n: column for n, column in ((COMPLIANCE, force), (DRIFT, course)) if n in free}
+        columns = {COMPLIANCE: force, DRIFT: course, **creep}
+        self.linear = {n: column for n, column in columns.items() if n in self.free}
         self.scale = float(np.ptp(displacement)) or float(np.max(np.abs(displacement))) or 1.0
         self.sigma = np.full(force.size, noise or self.scale)
-        ends = [self._coordinate(n, self.parameters[n].bounds(self.contact)) for n in free]
+        ends = [self._coordinate(n, self.parameters[n].bounds(self.contact)) for n in self.free]
         if FORCE_ZERO in free:
             most = LARGEST_FORCE_ZERO * float(np.max(force))
             ends[self.free.index(FORCE_ZERO)] = -most, most
@@ -90,7 +93,7 @@ class Model:
         """Contact and options of the law. The bounds guarantee admissible values: they are not checked for each trial."""
         changes, options = {}, dict(self.options)
         for name, value in self.values(x).items():
-            if name not in APPARATUS:
+            if name not in APPARATUS and name not in self.linear:
                 (options if self.parameters[name].option else changes)[name] = value
         return replace_unchecked(self.contact, changes), options
 

@@ -76,11 +76,11 @@ def shown(name, estimate, unit):
 
 
 def surfaces(fit, given):
-    """Sq [m] of both surfaces, of which the σ of the pair in a fit consists; None if it is not fitted.
+    """Sq [m] of both surfaces, of which the σ of the pair in a fit consists; None if it is not fitted or not determined.
 
     given: values of --roughness. Of two unlike ones the second is kept, unless σ is below it; else both surfaces are alike.
     """
-    if "sigma" not in fit.parameters or fit.parameters["sigma"].open_end == "both":
+    if "sigma" not in fit.parameters or fit.parameters["sigma"].open_end:
         return None
     sigma = fit.parameters["sigma"].value
     first, second = (given[0], given[-1]) if given else (0.0, 0.0)
@@ -104,14 +104,14 @@ def table_lines(ranking, given=None):
     from demlaws.advice.fit import parameters
     from demlaws.advice.fit_report import SYSTEMATIC
 
-    units = {name: quantity.unit for name, quantity in parameters().items()} | {"zero": "m"}
+    units = {name: quantity.unit for name, quantity in parameters().items()}
     if ranking.title():
         yield wrapped(ranking.title())
     yield f"{'law':16} {'unloading':9} {'misfit (µm)':>11} {'ΔAICc':>9} {'weight':>7}  misfit is"
     for f in ranking:
         kind = "systematic" if f.systematic else "scatter"
         yield f"{f.name:16} {f.unloading:9} {f.misfit * 1e6:11.4g} {f.delta:9.1f} {f.weight:7.3f}  {kind}"
-        yield wrapped("; ".join(shown(n, e, units[n]) for n, e in f.parameters.items()), "    ")
+        yield wrapped("; ".join(shown(n, e, units.get(n, "m")) for n, e in f.parameters.items()), "    ")
         yield from (wrapped(text, "    ") for text in of_surfaces(surfaces(f, given)))
         yield from (wrapped(note, "    * ", "      ") for note in f.notes if note != SYSTEMATIC)
     if any(f.systematic for f in ranking):

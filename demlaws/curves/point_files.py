@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, counted
 from demlaws.files import read_text
 from demlaws.surfaces.cells import decimal_mark, is_missing, is_number, separator, split, value_of
 from demlaws.units import LARGEST_OVERLAP, UNITS, plain_unit, unmasked
@@ -19,6 +19,9 @@ UNLOADED = 0.02
 MOST_NEGATIVE = 0.9
 """Share of negative forces, between the first and the last of them, from which on they count as adhesion, not as noise."""
 FEWEST_POINTS = 3  # rows of a file that are a test
+FEWEST_HELD = 5  # rows at constant force that are a hold
+_SLOWER = 3.0  # times as many rows as elsewhere within the same range of force, from which on they are a hold
+_HELD_NOISE, _HELD_WIDTH = 8.0, 2e-3  # range of the forces of a hold: standard deviations of the load cell, part of the force
 NOISE_WIDTHS = 3.0  # standard deviations of the load cell below which a force may be no contact
 
 
@@ -259,10 +262,62 @@ def in_contact(force, noise):
     reason = "they carry no force: any displacement before contact fits them"
     if noise > 0.0:
         reason = f"they may be no contact: before it or below {NOISE_WIDTHS:g} times the load cell's {noise:.2g} N ({source})"
-    skipped = {f"{int(np.sum(~keep & ~pull))} points": reason} if np.any(~keep & ~pull) else {}
+    skipped = {counted(int(np.sum(~keep & ~pull)), "point"): reason} if np.any(~keep & ~pull) else {}
     if np.any(pull):
         lowest = float(np.min(force))
-        skipped[f"{int(np.sum(pull))} points in tension"] = (
+        skipped[f"{counted(int(np.sum(pull)), 'point')} in tension"] = (
             f"the bodies adhere (to {lowest:.2g} N in unloading): no law of demlaws has adhesion"
         )
     return keep, skipped
+
+
+def creeping_holds(displacement, force):
+    """(First row, last row) of each hold, at constant force, over which the displacement creeps.
+
+    The forces of a hold lie within 8 standard deviations of the load cell, from the second differences of all forces, and 0.2 %
+    of the force; they are at least 5 rows, 3 times as many as elsewhere in such a range, and without a trend. The displacement
+    has one, with the logarithm of time, that chance gives to 1 hold of 100.
+    """
+    holds, first = [], 0
+    if force.size < FEWEST_HELD:
+        return holds
+    noise = 1.4826 * float(np.median(np.abs(np.diff(force, 2)))) / math.sqrt(6.0)
+    density = force.size / _path_of(force)
+    while first <= force.size - FEWEST_HELD:
+        width = _HELD_NOISE * noise + _HELD_WIDTH * abs(force[first])
+        rows = max(FEWEST_HELD, math.ceil(_SLOWER * width * density))
+        if first + rows > force.size or np.ptp(force[first : first + rows]) > width:
+            first += 1
+            continue
+        away = np.maximum.accumulate(force[first:]) - np.minimum.accumulate(force[first:]) > width
+        last = first + int(np.argmax(away)) - 1 if away[-1] else force.size - 1
+        inside = np.abs(force[first : last + 1] - np.median(force[first : last + 1])) <= 0.5 * width  # not the ramps beside it
+        first, last = first + int(np.argmax(inside)), last - int(np.argmax(inside[::-1]))
+        if last - first + 1 >= rows and _creeps(displacement[first : last + 1], force[first : last + 1], width):
+            holds.append((first, last))
+        first = last + 1
+    return holds
+
+
+def _path_of(force):
+    """Sum [N] of the rises and falls of the force; those below `UNLOADED` of its range are noise."""
+    path, turn, end, least = 0.0, force[0], force[0], UNLOADED * float(np.ptp(force))
+    for one in force:
+        if (one - end) * (end - turn) >= 0.0:
+            end = one
+        elif abs(one - end) > least:
+            path, turn, end = path + abs(end - turn), end, one
+    return max(path + abs(end - turn), 1e-300)
+
+
+def _creeps(displacement, force, width):
+    """Whether the displacement of the rows of a hold has a trend, and the force has none."""
+    from scipy import special
+
+    place = np.log1p(np.arange(force.size))  # creep slows down
+    place -= np.mean(place)
+    square = float(place @ place)
+    rise, creep = (float(place @ one) / square for one in (force, displacement))
+    left = displacement - np.mean(displacement) - creep * place
+    error = math.sqrt(float(left @ left) / (force.size - 2) / square)
+    return abs(rise) * np.ptp(place) <= width / 4.0 and abs(creep) > special.stdtrit(force.size - 2, 0.995) * error

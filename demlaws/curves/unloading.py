@@ -35,8 +35,8 @@ class Unloading(NamedTuple):
 
 
 UNKNOWN_AREA = (
-    "{} does not contain the contact area of the law, which friction by pressure needs: make a table of a former version again, "
-    "take the unloading rule of the law's paper, or in Python and YADE the law without a table"
+    "{} does not contain the contact area of the law, which friction by pressure needs: make a table of a former version "
+    "again, take the unloading rule of the law's paper, or in Python and YADE the law without a table"
 )
 ELASTIC = Unloading(RULES["elastic"])
 _LOADED = 1e-5

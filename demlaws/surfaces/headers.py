@@ -90,12 +90,21 @@ def _mountains(text, header):
     return True
 
 
+_GWYDDION = {
+    "width": "width|šířka|breite|anchura|largeur|larghezza|幅|폭|largura|ширина",
+    "height": "height|výška|höhe|altura|hauteur|altezza|高さ|높이|высота",
+    "scale": "value units?|jednotky hodnot|einheiten|unités|unità valore|値の単位|값 단위|unidades de valor|единицы измерения",
+}
+"""Labels in the languages of Gwyddion's windows, in which it writes them."""
+
+
 def read_gwyddion(text, header, where):
     """Width, height and unit of a Gwyddion comment."""
-    match = re.match(r"#\s*(width|height)\s*:\s*([-+0-9.eE]+)\s*([a-zµμ]+)", text, re.IGNORECASE)
-    if match and match[3] in UNITS:
-        header[match[1].lower()] = _value(match[2], f"{where}: {match[1]}") * UNITS[match[3]]
-    match = re.match(r"#\s*value units?\s*:\s*(\S+)", text, re.IGNORECASE)
+    for name in ("width", "height"):
+        match = re.match(rf"#\s*({_GWYDDION[name]})\s*[:：]\s*([-+0-9.,eE]+)\s*([a-zµμ]+)", text, re.IGNORECASE)
+        if match and match[3] in UNITS:
+            header[name] = _value(match[2].replace(",", "."), f"{where}: {match[1]}") * UNITS[match[3]]
+    match = re.match(rf"#\s*(?:{_GWYDDION['scale']})\s*[:：]\s*(\S+)", text, re.IGNORECASE)
     if match and match[1] not in UNITS:
         raise DemlawsError(f"{where}: heights in {match[1]!r}; export them in one of {', '.join(UNITS)}")
     if match:

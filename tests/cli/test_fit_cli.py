@@ -165,6 +165,17 @@ def test_the_roughness_that_a_fit_prints_gives_its_law_again(given, tmp_path, ca
     assert forces == pytest.approx([law.force(2e-6)] * 3, rel=1e-4)
 
 
+def test_no_roughness_of_an_end_of_the_range(tmp_path, capsys):
+    """σ at the largest of its search was printed as "above 0.93 µm" and, below it, as Sq 0.70711 µm of each surface."""
+    law = dl.law("hertz", PAIR.with_values(modulus=PAIR.modulus / 15.0))
+    force = np.geomspace(1.0, 100.0, 30)
+    rows = "".join(f"{1e6 * x:.8g},{p:.8g}\n" for x, p in zip(law.overlap(force), force, strict=True))
+    (tmp_path / "points.csv").write_text("displacement (um),force (N)\n" + rows, encoding="utf-8")
+    assert main(["fit", str(tmp_path / "points.csv"), *CONTACT[:4], "--law", "rms", "--free", "sigma"]) == 0
+    printed = capsys.readouterr().out
+    assert "sigma above" in printed and "roughness Sq" not in printed
+
+
 def test_a_fit_by_the_former_name_of_sigma(file):
     points = np.loadtxt(file, skiprows=1)[:40] * (1e-9, 1e-6)
     with pytest.warns(FutureWarning, match="of the pair"):

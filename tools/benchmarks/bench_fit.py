@@ -15,15 +15,19 @@ from typing import NamedTuple
 import numpy as np
 
 import demlaws as dl
-from demlaws.advice.fit_model import APPARATUS, COMPLIANCE, DRIFT, FORCE_ZERO, ZERO, parameters
+from demlaws.advice.fit_model import COMPLIANCE, DRIFT, FORCE_ZERO, ZERO, parameters
 from demlaws.core.history import history as history_loop
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import quiet
+from demlaws.laws.definition import OF_CONTACT
 from demlaws.laws.registry import find, registry
 
 PAIR = dl.Contact(4.35e-3, 32.32e9, 2.4e-6, 2.22, 6.266e9)
 CONE = PAIR.with_values(radius=0.96e-3, sigma=5.04e-6)
 CYCLE = np.concatenate([np.linspace(1, 60, 20), np.linspace(58, 2, 12), np.linspace(4, 100, 20), np.linspace(95, 3, 12)])
+HELD = np.insert(CYCLE, 20, np.full(30, 60.0))
+HELD = np.insert(HELD, 82, np.full(30, 100.0))
+"""The cycle with two holds."""
 LOADING = np.linspace(0.5, 100.0, 60)
 FROM_AFAR = np.concatenate([np.zeros(60), np.linspace(0.0, 20.0, 121)[1:]])
 """A test that begins before the bodies meet."""
@@ -93,8 +97,29 @@ CASES = (
         for law, truth in (("rms", {"sigma": 2.4e-6}), ("pohrt-popov", FRACTAL))
         for drift in (0.0, 4e-7)
     ),
+    *(
+        Case(f"holds, {law}", law, rule, PAIR, {**truth, "creep_1": 1e-7, "creep_2": 3e-7}, (), HELD, 2e-8)
+        for law, rule, truth in (
+            ("hertz", "elastic", MODULUS),
+            ("rms", "hertz", {"sigma": 2.4e-6}),
+            ("pohrt-popov", "hertz", FRACTAL),
+            ("thornton-ning", "thornton", {"yield_pressure": 0.8e9}),
+            ("rough-plastic", "hertz", {**FRACTAL, "yield_pressure": 0.8e9}),
+        )
+    ),
     Case("ten points", "rms", "hertz", PAIR, {"sigma": 2.4e-6}, ("sigma",), CYCLE[::7], 3e-8),
 )
+
+
+def crept(case):
+    """Displacement [m] by which a test creeps, as ln(time) over rows of one force; by `creep_1` over the first."""
+    creep, held = np.zeros(case.force.size), np.append(False, np.diff(case.force) == 0.0)
+    starts = np.flatnonzero(np.diff(held.astype(int)) == 1)
+    for number, first in enumerate(starts, 1):
+        rows = int(np.argmin(np.append(held[first + 1 :], False)))
+        course = np.log1p(np.minimum(np.arange(case.force.size - first), rows)) / math.log1p(rows)
+        creep[first:] += case.truth.get(f"creep_{number}", 0.0) * course
+    return creep
 
 
 def history(law, force):
@@ -105,8 +130,8 @@ def history(law, force):
 def made(case, seed):
     """Points of one set: displacement and force, as measured."""
     random = np.random.default_rng(seed)
-    options = {k: v for k, v in case.truth.items() if parameters()[k].option and math.isfinite(v)}
-    fields = {k: v for k, v in case.truth.items() if not parameters()[k].option and k not in APPARATUS}
+    options = {k: v for k, v in case.truth.items() if k in parameters() and parameters()[k].option and math.isfinite(v)}
+    fields = {k: v for k, v in case.truth.items() if k in OF_CONTACT}
     name, rule = case.made_by or (case.law, case.unloading)
     law = dl.law(name, case.contact.with_values(**fields), rule, **options)
     overlap = np.zeros(case.force.size)
@@ -116,6 +141,7 @@ def made(case, seed):
     overlap[before] = -np.linspace(8e-6, 0.0, before.size)
     displacement = overlap + MEET + case.truth.get(COMPLIANCE, 0.0) * case.force
     displacement += case.truth.get(DRIFT, 0.0) * np.linspace(0.0, 1.0, case.force.size)
+    displacement += crept(case)
     displacement += case.noise * random.standard_normal(case.force.size)
     force = case.force + case.truth.get(FORCE_ZERO, 0.0)
     return np.column_stack([displacement, force + case.force_noise * random.standard_normal(case.force.size)])
