@@ -77,6 +77,8 @@ def write_atomically(path, content):
             raise IsADirectoryError(errno.EISDIR, "it is a folder")
         if target.exists() and not target.is_file():
             raise DemlawsError(f"cannot write {target}: not a regular file; name a file")
+        if target.exists() and not os.stat(target).st_mode & 0o222:
+            raise DemlawsError(f"cannot write {target}: the file is read-only; name another file, or change its mode (chmod)")
         target.parent.mkdir(parents=True, exist_ok=True)
         temporary = target.with_name(f".{target.name[:100]}.{secrets.token_hex(8)}")
         with open(temporary, "xb") as file:

@@ -46,6 +46,16 @@ def test_a_replaced_file_keeps_its_mode(tmp_path):
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root may give a file to another user")
+def test_a_read_only_file_is_not_replaced(tmp_path):
+    """Its folder allowed it, so that it was, without a word."""
+    path = tmp_path / "kept.txt"
+    path.write_text("kept")
+    path.chmod(0o444)
+    with pytest.raises(dl.DemlawsError, match="read-only"):
+        write_atomically(path, "new")
+    assert path.read_text() == "kept" and list(tmp_path.iterdir()) == [path]
+
+
 def test_a_replaced_file_keeps_its_owner(tmp_path):
     file = tmp_path / "theirs.txt"
     file.write_text("old")

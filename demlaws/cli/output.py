@@ -33,9 +33,9 @@ class OutputFile:
             raise argparse.ArgumentTypeError(f"{text!r} is a folder: name a file in it")
         return path
 
-    def check(self, path):
+    def check(self, path, overwrite=False):
         """Raise DemlawsError if the file exists, is not empty and is not known to be of this kind."""
-        if (self.is_csv and str(path) == "-") or not os.path.isfile(path):
+        if overwrite or (self.is_csv and str(path) == "-") or not os.path.isfile(path):
             return
         with open(path, "rb") as file:
             head = file.read(1 << 20)
@@ -53,7 +53,26 @@ def csv_file(titles, last=True):
 
 table_file = OutputFile(lambda head: head.startswith(b"# demlaws-table "))
 """A table."""
-picture_file = OutputFile(
+PICTURES = (".png", ".pdf", ".svg", ".eps", ".jpg", ".jpeg", ".pgf", ".ps", ".svgz", ".tif", ".tiff", ".webp")
+"""How names of pictures end."""
+
+
+class PictureFile(OutputFile):
+    """A picture to draw; a name without an ending is that of a PNG file."""
+
+    def __call__(self, text):
+        """The path with its ending."""
+        path = super().__call__(text)
+        return path if path.suffix or text == "-" else path.with_suffix(".png")
+
+    def check(self, path, overwrite=False):
+        """As of other files; an ending that no picture has is refused before anything is computed."""
+        if str(path) != "-" and path.suffix.lower() not in PICTURES:
+            raise DemlawsError(f"cannot draw {path}: a picture must end in {', '.join(PICTURES)}")
+        super().check(path, overwrite)
+
+
+picture_file = PictureFile(
     lambda head: (
         (head.startswith(b"\x89PNG") and b"tEXtSoftware\0demlaws" in head[:4096])
         or (head.startswith(b"<?xml") and b"<dc:title>demlaws</dc:title>" in head[:4096])
@@ -72,9 +91,11 @@ class Result:
 
     def __init__(self, parsed):
         """Of the parsed arguments, whose files are checked first: DemlawsError where one may not be written."""
-        if not getattr(parsed, "overwrite", False):
-            for kind, path in parsed.outputs:
-                kind.check(path)
+        for kind, path in parsed.outputs:
+            kind.check(path, getattr(parsed, "overwrite", False))
+        places = [os.path.realpath(path) for _, path in parsed.outputs]
+        if twice := [place for place in places if places.count(place) > 1 and os.path.basename(place) != "-"]:
+            raise DemlawsError(f"two outputs have the name {twice[0]}: the second would replace the first; name another file")
         to_output = [kind for kind, path in parsed.outputs if str(path) == "-"]
         if any(not kind.is_csv for kind in to_output) or len(to_output) > (0 if parsed.json else 1):
             raise DemlawsError('"-" is standard output, for one CSV file and without --json')

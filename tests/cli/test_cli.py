@@ -232,6 +232,29 @@ def test_a_picture_of_another_program_is_replaced_only_by_overwrite(name, head, 
     assert main([*HERTZ, "--figure", str(file)]) == 2
 
 
+def test_two_outputs_of_one_name_are_refused(tmp_path, monkeypatch, capsys):
+    """The picture replaced the rows that the same command had written."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "link").symlink_to(tmp_path)
+    curve = ["curve", "--law", "hertz", "--radius", "4mm", "4mm", "--material", "granite", "--overlaps", "1e-6"]
+    for csv, figure in (("a.png", "a.png"), ("link/a.png", "a"), ("b.svg", str(tmp_path / "b.svg"))):
+        assert main([*curve, "--csv", csv, "--figure", figure]) == 2
+        assert "two outputs have the name" in capsys.readouterr().err
+    assert not list(tmp_path.glob("*.*"))
+
+
+def test_names_of_pictures(tmp_path, monkeypatch, capsys):
+    """A wrong ending was refused when the rows were written; without one, a stranger's PNG was replaced."""
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(tmp_path)
+    curve = ["curve", "--law", "hertz", "--radius", "4mm", "4mm", "--material", "granite", "--overlaps", "1e-6"]
+    assert main([*curve, "--csv", "a.csv", "--figure", "a.txt"]) == 2
+    assert "a picture must end in .png" in capsys.readouterr().err and not (tmp_path / "a.csv").exists()
+    (tmp_path / "mine.png").write_bytes(b"\x89PNG of another program")
+    assert main([*curve, "--figure", "mine"]) == 2
+    assert "--overwrite" in capsys.readouterr().err and (tmp_path / "mine.png").read_bytes().endswith(b"another program")
+
+
 def test_a_curve_is_not_replaced_by_a_table_nor_a_map_by_a_map(tmp_path):
     file, heights = tmp_path / "a.csv", tmp_path / "map.asc"
     assert main([*HERTZ, "--csv", str(file)]) == 0 and main([*TABLE, str(file)]) == 2
