@@ -4,13 +4,12 @@ import math
 import os
 import re
 from collections.abc import Mapping
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from demlaws.errors import DemlawsError, counted
-from demlaws.files import read_text
+from demlaws.files import as_path, read_text
 from demlaws.surfaces.cells import decimal_mark, is_missing, is_number, separator, split, value_of
 from demlaws.units import LARGEST_OVERLAP, UNITS, plain_unit, unmasked
 
@@ -154,7 +153,7 @@ def read_points(path):
     are left aside. Of several columns that may be the force or the displacement the one named so alone is taken. A line below
     the titles may contain the units. "-" is standard input. Raises DemlawsError that names the file and the line.
     """
-    path = Path(path)
+    path = as_path(path)
     text = read_text(path, "points ")
     if "\0" in text:
         raise DemlawsError(f"{path} is not a text file: export the table as text, with tabs or as CSV")
