@@ -253,30 +253,33 @@ def shorten(stretch, limit):
 
 @kernel
 def displace(du, dv, onset, limit, stretch):
-    """Displace the springs by (du, dv) [m]: one that is stretched beyond `onset` [m] follows less and less, up to `limit` [m].
+    """Displace the springs by (du, dv) [m]: one that is stretched beyond `onset` [m] follows less and less, up to `limit` [m],
+    on the part of the way on which its outer neighbour slips at its own limit.
 
     Returns whether all of them slip.
     """
     yields = 0
     for i in range(limit.size):
         u, v = stretch[0, i] + du, stretch[1, i] + dv
-        before = max(stretch[0, i] * stretch[0, i] + stretch[1, i] * stretch[1, i], onset[i] * onset[i])
-        yields += u * u + v * v > before
+        held = max(stretch[0, i] * stretch[0, i] + stretch[1, i] * stretch[1, i], onset[i] * onset[i])
+        yields += u * u + v * v > held
     if yields == 0:
         for i in range(limit.size):
             stretch[0, i] += du
             stretch[1, i] += dv
         return False
-    slips = 0
-    for i in range(limit.size):
+    slips, beyond = 0, np.inf  # beyond: length by which the outer neighbour exceeds its limit
+    for i in range(limit.size - 1, -1, -1):
         u, v, wide = stretch[0, i] + du, stretch[1, i] + dv, max(limit[i] - onset[i], TINY)
-        before = sqrt(max(stretch[0, i] * stretch[0, i] + stretch[1, i] * stretch[1, i], onset[i] * onset[i]))
         length = sqrt(u * u + v * v)
-        stuck = sqrt(max(1.0 - (before - onset[i]) / wide, 0.0))
-        stuck = max(stuck - 0.5 * max(length - before, 0.0) / wide, 0.0)
-        share = (onset[i] + wide * (1.0 - stuck * stuck)) / max(length, TINY) if length > before else 1.0
+        held = sqrt(max(stretch[0, i] * stretch[0, i] + stretch[1, i] * stretch[1, i], onset[i] * onset[i]))
+        start = min(max(held, length - beyond), limit[i])
+        beyond = max(length - limit[i], 0.0)
+        stuck = sqrt(max(1.0 - (start - onset[i]) / wide, 0.0))
+        stuck = max(stuck - 0.5 * max(length - start, 0.0) / wide, 0.0)
+        share = (onset[i] + wide * (1.0 - stuck * stuck)) / max(length, TINY) if length > start else 1.0
         stretch[0, i], stretch[1, i] = u * share, v * share
-        slips += length > before and stuck < 1e-7
+        slips += length > start and stuck < 1e-7
     return slips == limit.size
 
 

@@ -70,15 +70,17 @@ public:
       v_ = v_ * share;
     }
     const double kept[2] = {(width * u_).sum(), (width * v_).sum()};
-    // A spring stretched beyond `onset` follows less and less, up to its limit.
+    // A spring stretched beyond `onset` follows less and less, up to its limit, on the part of the way on which its outer
+    // neighbour slips at its own limit.
     u_ = u_ + d[0];
     v_ = v_ + d[1];
-    const Lanes from = larger(held_length, onset), moved = u_ * u_ + v_ * v_;
-    const Masks yields = moved > from * from;
-    if (yields.any()) {
+    const Lanes held_or_onset = larger(held_length, onset), moved = u_ * u_ + v_ * v_;
+    if ((moved > held_or_onset * held_or_onset).any()) {
       const Lanes length = moved.root(), wide = larger(most - onset, 1e-100),
-                  stuck = larger((larger(most - from, 0.) * wide).root() - (length - from) * 0.5, 0.),
-                  share = where(length > from, (most * wide - stuck * stuck) / (wide * length), 1.);
+                  beyond = larger(length - most, 0.).outside(HUGE_VAL),
+                  start = smaller(larger(held_or_onset, length - beyond), most),
+                  stuck = larger(((most - start) * wide).root() - (length - start) * 0.5, 0.),
+                  share = where(length > start, (most * wide - stuck * stuck) / (wide * length), 1.);
       u_ = u_ * share;
       v_ = v_ * share;
     }
