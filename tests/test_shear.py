@@ -110,9 +110,9 @@ def test_small_cycles_of_a_loaded_contact(first, then):
         assert lost / loss_of_cycle(law, share) == pytest.approx(1.0, abs=0.1 if share >= 0.05 else 0.2), share
 
 
-@pytest.mark.parametrize(("springs", "first"), [(11, 3e-3), (22, 1e-3)])
+@pytest.mark.parametrize(("springs", "first"), [(11, 6e-4), (22, 1e-3)])
 def test_a_contact_that_vibrates_stops_losing_energy(springs, first):
-    """Springs are divided and joined in the first cycles only."""
+    """Springs are divided and joined in the first cycles only, those with nearly equal stretches."""
     law = dl.law("hertz", GRANITE, "elastic")
     growth, vibration = np.geomspace(1e-3, 1.0, 1000), 1.0 + 0.05 * np.sin(np.linspace(0.0, 40.0 * np.pi, 4001))
     overlap = law.overlap(10.0) * np.r_[growth, vibration]
