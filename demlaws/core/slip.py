@@ -13,13 +13,15 @@ keep their place when the unloading curve moves [our derivation]:
 
 Springs between two bounds of κ are one spring, with their mean stretch [our derivation]:
 
-- K rises: the outermost spring grows until it has the share THIN of K; then a new one begins. If all are in use, the two
-  neighbours whose union errs least are joined, with the mean of their stretches: the force remains, the energy cannot rise.
+- K rises: the outermost spring grows until it has the share THIN of K; then a new one begins. If all are in use, two
+  neighbours are joined whose union errs and loses least. It has the mean of their stretches: the force remains, and the energy
+  falls by k1 k2/(k1 + k2) |s1 - s2|²/2.
 - K falls: springs above K open. Their places are used to divide the outermost spring, and others that err much more than a
   union of neighbours would. Both parts have the stretch of the whole.
 - The springs between two bounds slip one after the other, from the outer bound on. With the limit taken as a straight line from
   its value `onset` there through its mean m, a displacement s gives the mean stretch s - (s - onset)²/(4 (m - onset)).
-  A stretch above `onset` is taken as one that came about so; below, and on reloading to it, all of them stick.
+  A stretch above `onset` is taken as one that came about so. Slip comes from outside: a spring slips only on the part of the
+  way on which its outer neighbour slips at its own limit. Below `onset`, and on reloading, all of it sticks.
 
 The mean overlap at which the springs of a pair of bounds touched, `rest`, needs no unloading curve: ∫ δ(κ) dκ up to K is
 K δ - P in each step, and the outermost spring has the difference to the others. Where the curve is Hertz's, δ(κ) = δ (κ/K)².
@@ -47,6 +49,8 @@ WIDE = 1.5
 """The outermost spring is divided where it has this multiple of that share."""
 LARGE_CYCLES = 3.0
 """Weight of large cycles against small ones in the error of a spring."""
+LOST = 60.0
+"""Weight of the share of the stored energy that a union of two springs loses, against the error of the union."""
 SPARE = 4.0
 """A spring is divided where it errs this many times more than the best union of two would."""
 COARSE = 2.0
@@ -74,11 +78,21 @@ def spring_error(low, high, top):
 
 
 @kernel
+def lost_by_union(i, bound, stretch):
+    """Energy [J], for a ratio K_t/K of 1, that spring i and its outer neighbour lose if they are joined."""
+    first, second = bound[i] - inner(i, bound), bound[i + 1] - bound[i]
+    du, dv = stretch[0, i + 1] - stretch[0, i], stretch[1, i + 1] - stretch[1, i]
+    return 0.5 * first * second / max(first + second, TINY) * (du * du + dv * dv)
+
+
+@kernel
 def join(bound, rest, stretch):
-    """Join the two neighbours whose union errs least; the outermost spring is free then."""
+    """Join the two neighbours whose union errs and loses least; the outermost spring is free then."""
     last, least, at = bound.size - 1, np.inf, 0
+    _, _, stored = force_of_springs(bound, stretch)
     for i in range(last - 1):
         union = spring_error(inner(i, bound), bound[i + 1], bound[last])
+        union += LOST * lost_by_union(i, bound, stretch) / max(stored, TINY)
         if union < least:
             least, at = union, i
     share = (bound[at] - inner(at, bound)) / (bound[at + 1] - inner(at, bound))
@@ -253,30 +267,33 @@ def shorten(stretch, limit):
 
 @kernel
 def displace(du, dv, onset, limit, stretch):
-    """Displace the springs by (du, dv) [m]: one that is stretched beyond `onset` [m] follows less and less, up to `limit` [m].
+    """Displace the springs by (du, dv) [m]: one that is stretched beyond `onset` [m] follows less and less, up to `limit` [m],
+    on the part of the way on which its outer neighbour slips at its own limit.
 
     Returns whether all of them slip.
     """
     yields = 0
     for i in range(limit.size):
         u, v = stretch[0, i] + du, stretch[1, i] + dv
-        before = max(stretch[0, i] * stretch[0, i] + stretch[1, i] * stretch[1, i], onset[i] * onset[i])
-        yields += u * u + v * v > before
+        held = max(stretch[0, i] * stretch[0, i] + stretch[1, i] * stretch[1, i], onset[i] * onset[i])
+        yields += u * u + v * v > held
     if yields == 0:
         for i in range(limit.size):
             stretch[0, i] += du
             stretch[1, i] += dv
         return False
-    slips = 0
-    for i in range(limit.size):
+    slips, beyond = 0, np.inf  # beyond: length by which the outer neighbour exceeds its limit
+    for i in range(limit.size - 1, -1, -1):
         u, v, wide = stretch[0, i] + du, stretch[1, i] + dv, max(limit[i] - onset[i], TINY)
-        before = sqrt(max(stretch[0, i] * stretch[0, i] + stretch[1, i] * stretch[1, i], onset[i] * onset[i]))
         length = sqrt(u * u + v * v)
-        stuck = sqrt(max(1.0 - (before - onset[i]) / wide, 0.0))
-        stuck = max(stuck - 0.5 * max(length - before, 0.0) / wide, 0.0)
-        share = (onset[i] + wide * (1.0 - stuck * stuck)) / max(length, TINY) if length > before else 1.0
+        held = sqrt(max(stretch[0, i] * stretch[0, i] + stretch[1, i] * stretch[1, i], onset[i] * onset[i]))
+        start = min(max(held, length - beyond), limit[i])
+        beyond = max(length - limit[i], 0.0)
+        stuck = sqrt(max(1.0 - (start - onset[i]) / wide, 0.0))
+        stuck = max(stuck - 0.5 * max(length - start, 0.0) / wide, 0.0)
+        share = (onset[i] + wide * (1.0 - stuck * stuck)) / max(length, TINY) if length > start else 1.0
         stretch[0, i], stretch[1, i] = u * share, v * share
-        slips += length > before and stuck < 1e-7
+        slips += length > start and stuck < 1e-7
     return slips == limit.size
 
 

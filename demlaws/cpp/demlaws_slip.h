@@ -70,15 +70,17 @@ public:
       v_ = v_ * share;
     }
     const double kept[2] = {(width * u_).sum(), (width * v_).sum()};
-    // A spring stretched beyond `onset` follows less and less, up to its limit.
+    // A spring stretched beyond `onset` follows less and less, up to its limit, on the part of the way on which its
+    // outer neighbour slips at its own limit.
     u_ = u_ + d[0];
     v_ = v_ + d[1];
-    const Lanes from = larger(held_length, onset), moved = u_ * u_ + v_ * v_;
-    const Masks yields = moved > from * from;
-    if (yields.any()) {
+    const Lanes held_or_onset = larger(held_length, onset), moved = u_ * u_ + v_ * v_;
+    if ((moved > held_or_onset * held_or_onset).any()) {
       const Lanes length = moved.root(), wide = larger(most - onset, 1e-100),
-                  stuck = larger((larger(most - from, 0.) * wide).root() - (length - from) * 0.5, 0.),
-                  share = where(length > from, (most * wide - stuck * stuck) / (wide * length), 1.);
+                  beyond = larger(length - most, 0.).outside(HUGE_VAL),
+                  start = smaller(larger(held_or_onset, length - beyond), most),
+                  stuck = larger(((most - start) * wide).root() - (length - start) * 0.5, 0.),
+                  share = where(length > start, (most * wide - stuck * stuck) / (wide * length), 1.);
       u_ = u_ * share;
       v_ = v_ * share;
     }
@@ -180,14 +182,17 @@ private:
   DEMLAWS_INLINE Lanes union_errors(const Lanes &low, int unions, double top) const {
     return where(Lanes::places() < unions, error(low, bound_.outside(top), top), HUGE_VAL);
   }
-  // Joins the two neighbours whose union errs least; the outermost spring is free then.
+  // Joins the two neighbours whose union errs and loses least; the outermost spring is free then.
   DEMLAWS_INLINE void join(double top) {
-    const Lanes place = Lanes::places(), low = bound_.inside(0.), errors = union_errors(low, last_ - 1, top);
+    const Lanes place = Lanes::places(), low = bound_.inside(0.), outer = bound_.outside(top), u = u_.outside(0.),
+                v = v_.outside(0.), first = bound_ - low, second = outer - bound_;
+    const double stored = 0.5 * (first * (u_ * u_ + v_ * v_)).sum();
+    const Lanes lost =
+                    first * second / larger(first + second, 1e-300) * ((u - u_) * (u - u_) + (v - v_) * (v - v_)) * 0.5,
+                errors = union_errors(low, last_ - 1, top) + lost * (SPRING_LOST / std::max(stored, 1e-300));
     const double at = where(errors > errors.smallest(), NONE, place).smallest();
-    const Lanes outer = bound_.outside(top), share = (bound_ - low) / larger(outer - low, 1e-300),
-                other = Lanes(1.) - share;
+    const Lanes share = first / larger(outer - low, 1e-300), other = Lanes(1.) - share;
     const Masks inner = place < at, here = place == at;
-    const Lanes u = u_.outside(0.), v = v_.outside(0.);
     u_ = where(inner, u_, where(here, share * u_ + other * u, u));
     v_ = where(inner, v_, where(here, share * v_ + other * v, v));
     if (!curve_.hertzian) {

@@ -5,7 +5,7 @@
   over ½ M ε² V; they also lose energy that they had stored before. With rule hertz asperities stay flattened.
 - pulse: a pulse in a column of packings at rest without shear forces, as in the case `waves`. share: energy dissipated
   on the way from NEAR to FAR over the energy of the pulse.
-- kinds with "springs": partial slip with graded springs. The other rows of `slip` had 12 equal springs.
+- kinds with "springs": partial slip with graded springs; none is kept. The other rows of `slip` had 12 equal springs.
 
 The amplitude of a wave of frequency f and speed c falls by exp(-α x) with α = share f/(2 c) (cycle), share/(2 x) (pulse).
 """

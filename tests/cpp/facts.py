@@ -48,7 +48,7 @@ constexpr double LARGEST_SHEAR_RATIO = {shear.LARGEST_SHEAR_RATIO!r}; // K_t/K
 // Partial slip: springs by default, and where they are divided or joined; see core/slip.py.
 constexpr int SPRINGS = {shear.SPRINGS};
 constexpr double SPRING_THIN = {slip.THIN}, SPRING_WIDE = {slip.WIDE}, SPRING_LARGE_CYCLES = {slip.LARGE_CYCLES},
-                 SPRING_SPARE = {slip.SPARE}, SPRING_FARTHEST = {slip.FARTHEST};
+                 SPRING_LOST = {slip.LOST}, SPRING_SPARE = {slip.SPARE}, SPRING_FARTHEST = {slip.FARTHEST};
 // Error of a spring from which it is divided, by the number of springs.
 constexpr double SPRING_COARSE[] = {{{coarse}}};
 

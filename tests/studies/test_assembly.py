@@ -176,6 +176,7 @@ def test_larger_waves_lose_a_larger_share(tmp_path):
     model = attenuation.Model(shear="slip")
     found = [row for row in attenuation.cycles(model, tmp_path, 60, (1e5,)) if row["axis"] == "z"]
     assert 0.0 < found[0]["share"] < found[1]["share"] < 2.0
+    assert 0.0 < found[0]["dissipated"] < 0.05  # no stored energy is lost in a small cycle of a loaded packing
     packing = attenuation.at_rest(model, 1e5, tmp_path, 60)
     pulses = [attenuation.pulse(model, packing, 1e5, "z", speed) for speed in attenuation.SPEEDS]
     assert 0.0 < pulses[0]["share"] < pulses[1]["share"] < 0.1
@@ -188,10 +189,6 @@ def test_attenuation_of_kept_waves():
     for row in study.read(attenuation.RESULTS):
         found.setdefault(tuple(row[name] for name in attenuation.WAVE), []).append(row)
     estimates = attenuation.intervals(found)
-    with_springs = {wave: estimates.pop(wave) for wave in list(estimates) if "springs" in wave[0]}
-    large = [one for wave, one in with_springs.items() if wave[-1] in (attenuation.STRAINS[1], attenuation.SPEEDS[1])]
-    assert len(with_springs) == 23 and len(large) == 12 and {one.samples for one in with_springs.values()} == {1}
-    assert sum(one.high < attenuation.MEASURED for one in large) == 11
     assert len(estimates) == 39 and {one.samples for one in estimates.values()} == {4}
     flattened = {wave: one for wave, one in estimates.items() if wave[4] == "hertz"}
     assert len(flattened) == 8 and max(one.high for one in flattened.values()) < -0.35
@@ -203,25 +200,6 @@ def test_attenuation_of_kept_waves():
     assert sum(not excluded[wave] for wave in rough) == 1
     assert {w: bool(clear) for w, clear in excluded.items()} == {w: one.high < -0.1879 for w, one in estimates.items()}
     assert sum(excluded.values()) == 30
-
-
-def test_kept_waves_with_more_springs():
-    """Twice as many springs change shares of larger waves by at most 4 %, of small pulses by 6 %, of small cycles by 23 %."""
-    shares = {}
-    for row in study.read(attenuation.RESULTS):
-        motion, _, springs = row["kind"].partition(", ")
-        if springs in ("11 springs", "22 springs"):
-            wave = (motion, *(row[name] for name in ("law", "sigma_um", "seed", "rule", "kPa", "axis", "amplitude")))
-            shares.setdefault(wave, {})[springs] = row["share"]
-    both = {wave: found["22 springs"] / found["11 springs"] for wave, found in shares.items() if len(found) == 2}
-    assert len(both) == 24
-    most = {
-        attenuation.STRAINS[0]: 0.23,
-        attenuation.STRAINS[1]: 0.041,
-        attenuation.SPEEDS[0]: 0.06,
-        attenuation.SPEEDS[1]: 0.041,
-    }
-    assert all(abs(ratio - 1.0) < most[wave[-1]] for wave, ratio in both.items())
 
 
 def test_kept_probes_and_settings_agree():
