@@ -49,6 +49,15 @@ def test_results_are_kept_as_they_come_and_the_rest_can_be_run_later(tmp_path, m
     assert {row["detected by the test"] for row in mutations.rows_of(table).values()} == {"time limit"}
 
 
+def test_a_test_whose_parameters_a_mutation_made_is_not_repeated(tmp_path):
+    """Parameters are often names of laws and options, which a mutation may change."""
+    tree = tmp_path / "tree"
+    tree.mkdir()
+    (tree / "test_one.py").write_text("import pytest\n@pytest.mark.parametrize('n', [1])\ndef test_a(n): pass\n")
+    names = [f"test_one.py::test_a[{n}]" for n in (1, 2)]
+    assert mutations.collected(tree, names) == names[:1] and mutations.collected(tree, []) == []
+
+
 def test_the_page_counts_its_table():
     """Changes, results and rows of the report, by part; the number of the validation page."""
     docs = Path(mutations.PROJECT) / "docs"
