@@ -121,7 +121,7 @@ def main():
     print(
         f"reloading of the stone (unloading exponent {one.exponent:g}), work lost over the work that full unloading gives back:"
     )
-    for share in (0.0, 0.2, 0.5, 0.8, 0.9):
+    for share in (0.0, 0.1, 0.2, 0.5, 0.8, 0.9):
         print(f"  down to {share:g} of the largest force: {100 * one.loss(top, share) / stored:.2g} %")
 
 

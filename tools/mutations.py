@@ -134,19 +134,42 @@ def copy_tree(folder):
     return folder
 
 
+def run_pytest(tree, *arguments):
+    """What pytest in a copy prints, and its exit status; None beyond the time limit."""
+    changes = {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(tree.parent / "numba"), "PYTHONDONTWRITEBYTECODE": "1", "CI": ""}
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "-m",
+        "not slow",
+        "-p",
+        "no:cacheprovider",
+        "--hypothesis-seed=0",
+        *arguments,
+    ]
+    try:
+        return subprocess.run(command, cwd=tree, env=os.environ | changes, capture_output=True, text=True, timeout=TIME_LIMIT)
+    except subprocess.TimeoutExpired:
+        return None
+
+
 def pytest(tree, *arguments):
     """Tests that fail in a copy, by name."""
-    changes = {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(tree.parent / "numba"), "PYTHONDONTWRITEBYTECODE": "1", "CI": ""}
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "--no-header", "--tb=no", "-rfE", "-m", "not slow"]
-    command += ["-p", "no:cacheprovider", "--hypothesis-seed=0", *arguments]
-    try:
-        ran = subprocess.run(command, cwd=tree, env=os.environ | changes, capture_output=True, text=True, timeout=TIME_LIMIT)
-    except subprocess.TimeoutExpired:
+    ran = run_pytest(tree, "-x", "--no-header", "--tb=no", "-rfE", *arguments)
+    if ran is None:
         return [TIMED_OUT]
     failed = re.findall(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", ran.stdout, re.M)
     if bool(ran.returncode) != bool(failed):
         raise RuntimeError(f"pytest ended with {ran.returncode}:\n{(ran.stdout + ran.stderr)[-2000:]}")
     return failed
+
+
+def collected(tree, tests):
+    """Those of the tests that are there without a mutation: it may have made the parameters of its test."""
+    ran = run_pytest(tree, "--collect-only", *sorted({test.partition("[")[0] for test in tests})) if tests else None
+    return [test for test in tests if ran is None or test in ran.stdout.splitlines()]
 
 
 def failing(tree, mutation):
@@ -191,7 +214,8 @@ def run_part(mutations, jobs, trees):
         list(pool.map(work, mutations))
     tests = sorted({failed for failed in failures.values() if failed and failed != TIMED_OUT})
     tree = trees.get()
-    for test in pytest(tree, "--maxfail=1000", *tests) if tests else ():  # every one that fails is to be named
+    there = collected(tree, tests)
+    for test in pytest(tree, "--maxfail=1000", *there) if there else ():  # every one that fails is to be named
         print(f"fails without a mutation: {test}")
         failures.update((name, None) for name, failed in failures.items() if failed == test)
     trees.put(tree)

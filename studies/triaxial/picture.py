@@ -5,6 +5,8 @@ import numpy as np
 from studies.triaxial.report import SLOW, groups, measured, simulated
 
 LOADS = ((60.0, 230.0), (60.0, 370.0), (30.0, 230.0), (10.0, 230.0))
+COLOURS = ("C0", "C1", "C2", "C9", "C4", "C3", "C8", "C6", "C5")
+"""Of the cases; no grey, which is that of the bands."""
 NUMBER = np.unique(np.round(np.geomspace(1, 2000, 60)))
 
 
@@ -17,10 +19,10 @@ def draw(rows):
     names = sorted({name for name, *_ in found})
     for ax, load in zip(np.ravel(axes), LOADS, strict=True):
         _bands(ax, load, tests)
-        for (name, *place), courses in found.items():
-            if tuple(place) == load:
-                _courses(ax, name, courses, f"C{names.index(name)}")
-        ax.set(xscale="log", yscale="log", xlim=(1, 2000), ylim=(0.02, 40.0), title=f"p = {load[0]:g}, q = {load[1]:g} kPa")
+        here = {name: courses for (name, *place), courses in found.items() if tuple(place) == load}
+        for line, (name, courses) in enumerate(here.items()):
+            _courses(ax, name, courses, COLOURS[names.index(name)], 36.0 * 0.8**line)
+        ax.set(xscale="log", yscale="log", xlim=(0.85, 2300), ylim=(0.02, 50.0), title=f"p = {load[0]:g}, q = {load[1]:g} kPa")
         ax.set(xlabel="cycle", ylabel="permanent axial strain (%)")
     lines = {label: line for ax in np.ravel(axes) for line, label in zip(*ax.get_legend_handles_labels(), strict=True)}
     axes[1, 1].legend(lines.values(), lines.keys(), fontsize=7, loc="lower right")  # a panel with collapses only
@@ -37,9 +39,9 @@ def _bands(ax, load, tests):
         ax.fill_between(NUMBER[known], np.maximum(low, 1e-3), high, color="k", alpha=alpha, lw=0, label=label)
 
 
-def _courses(ax, name, courses, colour):
-    """A line for each packing; a cross where it collapsed."""
+def _courses(ax, name, courses, colour, top):
+    """A line for each packing; a cross where it collapsed, at the height `top`."""
     for n, one in enumerate(courses):
         ax.plot(one.cycles, one.strain, color=colour, lw=1.3, label=name if n == 0 else None)
         if not np.isnan(one.collapsed):
-            ax.plot([one.collapsed], [20.0], "x", color=colour, ms=6)
+            ax.plot([one.collapsed], [top], "x", color=colour, ms=6)

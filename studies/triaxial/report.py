@@ -121,8 +121,8 @@ def table(rows, **settings):
             lines.append(line(load, "**measured**, 5 and 10 Hz", slow, "no"))
         for (name, *place), courses in simulations.items():
             if tuple(place) == load:
-                ends = [one.collapsed for one in courses if not np.isnan(one.collapsed)]
-                lines.append(line(load, name, courses, f"cycle {spans(ends, 4)}" if ends else "no"))
+                ends = sorted(one.collapsed for one in courses if not np.isnan(one.collapsed))
+                lines.append(line(load, name, courses, f"in cycle {', '.join(f'{end:g}' for end in ends)}" if ends else "no"))
     return "\n".join(lines)
 
 

@@ -173,6 +173,13 @@ def test_what_the_page_claims_of_the_rule_of_unloading():
     for rule in ("hertz", "elastic"):
         spheres = changes[f"spheres: σ = 2.4 µm for smooth, rule {rule}"]
         assert spheres.samples == 5 and spheres.low < 0.0 < spheres.high
+    ratios = [
+        [first(one[kind][seed]) for kind in (report.BASE, report.ROUGH)]
+        for one in (report.series(read(cycles.RESULTS)), found)
+        for seed in one[report.BASE].keys() & one[report.ROUGH].keys()
+    ]
+    together = paired.change(*np.transpose(ratios))  # not clear among 48: p is 0.02
+    assert together[:5] == pytest.approx((0.19, 0.03, 0.38, 8, 0.02), abs=6e-3)
     smooth = [first(one) for one in found[report.BASE].values()]
     assert (min(smooth), max(smooth)) == pytest.approx((28, 85), abs=0.5)
 
@@ -201,6 +208,12 @@ def test_clumps_settle_faster_and_faster():
     )
     assert (contacts[0], contacts[-1]) == pytest.approx((7.9, 7.0), abs=0.05)
     assert resilient[-1] / resilient[0] == pytest.approx(1.28, abs=0.02)
+    begun = [row for row in rows if row["seed"] == 2]  # a second bed, not to its end
+    for bed_of_clumps, exponent, last in ((begun, 0.35, 114.5), (one, 0.40, 118)):
+        number, settled = report.main_cycles(bed_of_clumps)
+        part = (number >= 200) & (number <= 464)
+        assert np.polyfit(np.log(number[part]), np.log(settled[part]), 1)[0] == pytest.approx(exponent, abs=6e-3)
+        assert settled[part][-1] == pytest.approx(last, abs=0.6)
     before = report.series(read(cycles.CONTROL))[report.ROUGH_CLUMPS][seed]
     assert report.settlement(one, 30) == pytest.approx(report.settlement(before, 30), rel=0.02)  # other machine code
 

@@ -62,3 +62,15 @@ def test_what_the_page_claims_of_rolling():
     order = [oedometer.CASES[5].label, oedometer.CALIBRATED, *(case.label for case in oedometer.STIFFER)]
     strains, ratios = np.array([few[label][0, [0, 3]] for label in order]).T
     assert np.all(np.diff(strains) < -0.03) and np.all(np.diff(ratios) < -0.02)
+
+
+def test_numbers_of_the_page():
+    """docs/validation/small-strain.md: shares of the measured strain, unloading and stress ratio, scatter, exponents."""
+    rows, measured = oedometer.read(), numbers(oedometer.measured())
+    found = outcomes(rows, 3000)
+    low = found[oedometer.CALIBRATED].mean(axis=0) / measured
+    assert sorted(100 * (1 - low[[0, 1, 3]])) == pytest.approx([7, 9, 16], abs=0.5)
+    scatter = [100 * np.std(values[:, 0], ddof=1) / values[:, 0].mean() for values in found.values()]
+    assert 1.5 < min(scatter) and max(scatter) < 4.5
+    rough = {label: values.mean(axis=0) for label, values in found.items() if "Sq" in label and "rolling" not in label}
+    assert sorted(one[2] / measured[2] for one in rough.values())[1:] == pytest.approx([1.8, 2.3], abs=0.06)

@@ -47,3 +47,32 @@ def test_results_are_kept_as_they_come_and_the_rest_can_be_run_later(tmp_path, m
     assert mutations.main(["--table", str(table), "--missing"]) == 0
     assert tried[5:] == [known[4].name]
     assert {row["detected by the test"] for row in mutations.rows_of(table).values()} == {"time limit"}
+
+
+def test_a_test_whose_parameters_a_mutation_made_is_not_repeated(tmp_path):
+    """Parameters are often names of laws and options, which a mutation may change."""
+    tree = tmp_path / "tree"
+    tree.mkdir()
+    (tree / "test_one.py").write_text("import pytest\n@pytest.mark.parametrize('n', [1])\ndef test_a(n): pass\n")
+    names = [f"test_one.py::test_a[{n}]" for n in (1, 2)]
+    assert mutations.collected(tree, names) == names[:1] and mutations.collected(tree, []) == []
+
+
+def test_the_page_counts_its_table():
+    """Changes, results and rows of the report, by part; the number of the validation page."""
+    docs = Path(mutations.PROJECT) / "docs"
+    rows = list(mutations.rows_of(docs / "tables" / "mutations.csv").values())
+    assert "no" not in {row["detected by the test"] for row in rows}
+
+    def counts(some):
+        tests, reports = ([row[name] for row in some if row[name] != "not tried"] for name in mutations.HEADS[3:])
+        return len(some), len(tests), len(reports), sum(report != "no" for report in reports)
+
+    page = " ".join((docs / "inside" / "mutations.md").read_text().split())
+    for part in {row["part"] for row in rows}:
+        numbers = counts([row for row in rows if row["part"] == part])
+        assert f"| {part} | {' | '.join(map(str, numbers))} |" in page
+    number, tried, reported, detected = counts(rows)
+    assert f"the table has {number} changes. **Results of {tried} are kept: all are detected**" in page
+    assert f"**{detected} of {reported}**" in page and f"other {number - tried} have no kept result" in page
+    assert f"{tried} small changes" in (docs / "validation" / "index.md").read_text()
