@@ -113,7 +113,7 @@ class Quantity(np.ndarray):
     "value", [np.array(0.05).view(Quantity), np.array([0.05]).view(Quantity), [np.array(0.05).view(Quantity)]]
 )
 def test_units_of_other_packages_are_refused(value):
-    with pytest.raises(dl.DemlawsError, match="^force .* in N"):
+    with pytest.raises(dl.DemlawsError, match=r"^force .* in N"):
         as_float(value, "force", "N", array=True)
     assert as_float(value, "force", "kN", array=True) == 0.05
 
