@@ -43,7 +43,7 @@ def check_overlaps(overlap, radius, source=()):
     """
     if np.size(overlap) == 0:
         return None
-    with np.errstate(over="ignore"):
+    with np.errstate(over="ignore", under="ignore"):
         ratio = np.asarray(overlap) / np.asarray(radius)
     where = int(np.argmax(ratio))
     worst = float(ratio.flat[where])
@@ -133,15 +133,26 @@ def unmasked(value):
     return (value if value.dtype.kind == "f" else value.astype(float)).filled(math.nan)
 
 
+def _refuse_units(value, name, unit):
+    """The value, or DemlawsError if it has a unit other than `unit` (of pint, unyt, astropy): numpy drops it."""
+    own = getattr(value, "units", getattr(value, "unit", None))
+    if own is None or str(own) in (unit, "dimensionless"):
+        return value
+    raise DemlawsError(
+        f"{name} has the unit {own!s:.30}: give a plain number{f' in {unit}' if unit else ''}, or text with a unit"
+    )
+
+
 def as_float(value, name, unit="", array=False):
     """A number (or an array of them) as float64: numbers, or text as `quantity` reads it; anything else is refused."""
     if isinstance(value, str):
         return np.float64(quantity(value, name, unit))
+    _refuse_units(value, name, unit)
     try:
         if isinstance(value, bytes | bytearray | memoryview):  # numpy would take their bytes for numbers
             raise TypeError
         if array and isinstance(value, (list, tuple)):
-            value = [quantity(v, name, unit) if isinstance(v, str) else v for v in value]
+            value = [quantity(v, name, unit) if isinstance(v, str) else _refuse_units(v, name, unit) for v in value]
         result = np.asarray(unmasked(value))
         if result.dtype.kind not in "fiu":  # None, text, complex numbers, dates, truth values
             raise TypeError

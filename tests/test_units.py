@@ -8,7 +8,7 @@ import pytest
 
 import demlaws as dl
 from demlaws.errors import LONGEST_TEXT
-from demlaws.units import number, quantity
+from demlaws.units import as_float, check_overlaps, number, quantity
 
 PAIR = dl.Contact(4e-3, 32e9)
 
@@ -101,3 +101,23 @@ def test_a_state_has_a_whole_number_of_contacts(n):
     """An elastic law has no arrays, and took any."""
     with pytest.raises(dl.DemlawsError, match="whole number"):
         dl.law("hertz", PAIR).new_state(n)
+
+
+class Quantity(np.ndarray):
+    """An array with a unit, as of pint, unyt and astropy: numpy takes its numbers and drops the unit."""
+
+    unit = "kN"
+
+
+@pytest.mark.parametrize(
+    "value", [np.array(0.05).view(Quantity), np.array([0.05]).view(Quantity), [np.array(0.05).view(Quantity)]]
+)
+def test_units_of_other_packages_are_refused(value):
+    with pytest.raises(dl.DemlawsError, match=r"^force .* in N"):
+        as_float(value, "force", "N", array=True)
+    assert as_float(value, "force", "kN", array=True) == 0.05
+
+
+def test_the_smallest_overlap_where_underflow_raises():
+    with np.errstate(all="raise"):
+        assert check_overlaps(np.array([0.0, 5e-324]), 4e-3) is None

@@ -70,7 +70,7 @@ def add_contact_arguments(parser, test=True, modulus=True):
 def add_dump_arguments(parser):
     """Arguments that name the two dumps, their columns, and the law."""
     parser.add_argument("snapshot", type=Path, metavar="GRAINS", help="dump with id x y z radius")
-    parser.add_argument("contacts", type=Path, metavar="CONTACTS", help="local dump with ids and normal force")
+    parser.add_argument("contacts", type=Path, metavar="CONTACTS", help="local dump with ids and force vectors")
     parser.add_argument(
         "--columns",
         type=int,

@@ -20,6 +20,8 @@ QUANTITIES = ("id1", "id2", "fx", "fy", "fz", "maximum_overlap", "plastic_overla
 MOST_APART = 2.0
 """Median ratio of the overlaps of a dump to those of the law at its forces from which on they are refused. Damping in a packing
 that moves changes it by some tenths."""
+MOST_OBLIQUE = 1.5
+"""Median ratio of forces to their normal parts from which on they are refused: half of the contacts at a friction above 1.1."""
 _PLACES = ("x", "y", "z", "radius")
 
 
@@ -164,8 +166,14 @@ def _normal_force(path, atoms, pairs, between, vector):
     if np.any(np.abs(distance / atoms["radius"][pairs].sum(axis=1) - 1.0) > 0.5):
         raise DemlawsError(f"{path}: grains in contact are far apart or one and the same; check --columns")
     force = np.abs(np.sum(between * vector, axis=1)) / distance
-    if np.linalg.norm(vector) > 3.0 * np.linalg.norm(force):  # a coefficient of friction above 2.8
-        raise DemlawsError(f"{path}: the forces point across the lines between the centres; check --columns")
+    size = np.linalg.norm(vector, axis=1)
+    carries = force > 0.0
+    oblique = np.median(size[carries] / force[carries]) if carries.any() else 1.0
+    if oblique > MOST_OBLIQUE or np.linalg.norm(size) > 3.0 * np.linalg.norm(force):  # a coefficient of friction above 2.8
+        raise DemlawsError(
+            f"{path}: the forces point across the lines between the centres: give the columns of the vector fx fy fz, not of "
+            "its size, with --columns"
+        )
     each, times = np.unique(np.sort(pairs[force > 0.0], axis=1), axis=0, return_counts=True)
     for a, b in each[times > 1][:1]:
         raise DemlawsError(

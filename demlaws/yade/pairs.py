@@ -340,7 +340,11 @@ class Pairs:
                 self.roughnesses.append(pair.roughness or 0.0)  # of a smooth law it need not be given
         kinds = {numba.typeof(shape) for shape in self.shapes if shape is not None}
         if len(kinds) > 1:
-            raise DemlawsError("the pairs of surfaces need laws of one kind, or all tables")
+            names = ", ".join(sorted({source.name for source in self.sources}))
+            raise DemlawsError(
+                f"law: one functor computes one law, with options by pair, or tables of any laws, got {names}: give each pair "
+                "a table, dl.law(...).tabulate()"
+            )
         if not kinds and self.rule_curve == "law":
             raise DemlawsError(
                 f"law {self.name}: no pair of surfaces has what the law needs, and a smooth contact has no such unloading. "
@@ -388,7 +392,10 @@ class Pairs:
                 return None, (0.0, 0.0)
             if not complete:
                 return None, (math.nan, math.nan)
-            raise DemlawsError(f"law has no entry for the pair {labels!r}, which is not known to be smooth")
+            raise DemlawsError(
+                f"law has no entry for the pair {labels!r}, which is not known to be smooth: add it to the dict, even if such "
+                "bodies do not meet"
+            )
         if len(self.labels) == 1:
             names = "materials without a surface" if self.everywhere is None else "surface for all materials"
         else:

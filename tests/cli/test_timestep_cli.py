@@ -186,6 +186,18 @@ def test_forces_across_the_centres_are_refused(tmp_path, capsys):
     assert "across the lines between the centres" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("command", ["timestep", "contacts"])
+def test_the_size_of_forces_is_refused(tmp_path, capsys, command):
+    """Columns "force p13 p14" of LAMMPS's pair/local in place of fx fy fz: the size was taken for the x component."""
+    files = dumps(tmp_path, "lammps")
+    head, rows = Path(files[1]).read_text().rsplit("ITEM: ENTRIES", 1)
+    rows = [row.split() for row in rows.splitlines()[1:]]
+    text = "\n".join(f"{' '.join(row[:3])} {math.hypot(*map(float, row[3:6]))!r} 2e-6 1e-6" for row in rows)
+    Path(files[1]).write_text(f"{head}ITEM: ENTRIES index i j F d p\n{text}\n")
+    assert main([command, *files, *(GRANITE if command == "timestep" else ()), "--columns", *"23456"]) == 2
+    assert "the vector fx fy fz, not of its size" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("command", [["timestep", *GRANITE], ["contacts"]])
 @pytest.mark.parametrize("engine", ["liggghts", "lammps"])
 def test_columns_that_no_exported_case_has_are_to_be_named(tmp_path, capsys, engine, command):

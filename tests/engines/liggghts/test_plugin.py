@@ -72,6 +72,19 @@ def test_columns_of_the_history(tmp_path, granite_pair, tangential, rolling, fir
     assert row[-1] == pytest.approx(log["overlap"][-1], rel=1e-4)
 
 
+def test_rolling_comes_before_the_shear_of_demlaws_in_the_history(tmp_path, granite_pair):
+    """The torque of rolling, 0 in a straight impact, then the bounds of K_t: docs/reference/liggghts.md."""
+    table = save(example_law("pohrt-popov", granite_pair.with_values(modulus=modulus()), "hertz"), tmp_path / "law.tbl")
+    style = f"pair_style gran model demlaws/table tangential demlaws rolling_friction epsd2 table {table}"
+    text = two_spheres(style, LOAD_UNLOAD[:1], every=100)
+    text = text.replace("thermo_style ", "compute contacts all pair/gran/local history\nthermo_style ", 1)
+    columns = " ".join(f"c_contacts[{n}]" for n in range(1, 19))
+    simulate(tmp_path, text + f"dump d all local 1 contacts.txt {columns}\nrun 0\n")
+    row = np.loadtxt(tmp_path / "contacts.txt", skiprows=9, max_rows=1)
+    assert np.all(row[:3] == 0) and row[3] > 1e3 and np.linalg.norm(row[12:15]) == pytest.approx(1, abs=1e-4)
+    assert 0 < row[16] < row[15] < 1e-4 and row[17] >= 1
+
+
 @pytest.mark.parametrize("unloading", ["elastic", "hertz", "thornton"])
 @pytest.mark.parametrize("way", [1, -1])
 def test_a_slow_sphere_crosses_the_edge_of_a_mesh(tmp_path, unloading, way):

@@ -342,6 +342,17 @@ def test_labels_that_begin_alike(omega):
     assert contacts.sigma[np.argsort(contacts.body1)] == pytest.approx(expected)
 
 
+def test_laws_by_pair_of_two_kinds(omega):
+    """One functor has one law, or tables: the error names the laws and what to give."""
+    surfaces = {"granite": GRANITE, "steel": dl.Surface(0.5e-6)}
+    laws = {("granite", "granite"): "pohrt-popov", ("granite", "steel"): "rms", ("steel", "steel"): "rms"}
+    with pytest.raises(dl.DemlawsError, match=r"got pohrt-popov, rms: give each pair a table"):
+        functor(laws, "hertz", surfaces)
+    del laws["steel", "steel"]
+    with pytest.raises(dl.DemlawsError, match=r"no entry for the pair \('steel', 'steel'\), .* add it to the dict"):
+        functor(laws, "hertz", surfaces)
+
+
 def test_a_measured_map_beside_a_wall(omega):
     """The law of the map is that of one contact; pairs that do not meet need no other."""
     from yade.utils import sphere, wall
