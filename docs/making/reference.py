@@ -75,7 +75,8 @@ def brief(parser, described, groups):
     groups[parser.prog] = groups_of(parser)
     references = []
     for prog, actions in shared(parser, described).items():
-        references.append(f"{named(actions, groups[prog])}: as for [{prog}](#{prog.replace(' ', '-')}).\n")
+        names = named(actions, groups[prog])
+        references.append(f"{names[0].upper()}{names[1:]}: as for [{prog}](#{prog.replace(' ', '-')}).\n")
         for action in actions:
             action.help = argparse.SUPPRESS
     for group in parser._action_groups:
