@@ -243,7 +243,7 @@ def read_unloading(unloading: Any) -> Any:
 
 
 class Table(Law):
-    """A law whose curve is a certified table; its files.
+    """A law whose curve is a table with measured errors; its files.
 
     >>> law = dl.law("pohrt-popov", dl.Contact(4e-3, 32e9, sigma=2e-6, fractal_dimension=2.2), unloading="hertz")
     >>> table = law.tabulate(rtol=1e-5)

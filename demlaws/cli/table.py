@@ -1,4 +1,4 @@
-"""`demlaws table`: a law, or measured points, as a certified table."""
+"""`demlaws table`: a law, or measured points, as a table with measured errors."""
 
 import math
 from pathlib import Path

@@ -204,7 +204,8 @@ inline double shear_stiffness(Shear shear, const Pair &pair, double radius, doub
     double own[3] = {0., 0., 0.};
     for (int i = 0; i < state_size(RULE); i++) own[i] = state[i];
     if (!known) step_rule<RULE>(pair, radius, overlap, own, true);
-    return step_rule<RULE>(pair, radius, overlap * (1. - 1. / 68719476736.), own, false).stiffness; // 2^-36 below
+    own[0] *= 1. + 1. / 4503599627370496.; // to the next number: so the step at this overlap is one of unloading
+    return step_rule<RULE>(pair, radius, overlap, own, false).stiffness;
   }
   if (loads) return now.stiffness;
   const double length = pair.length_of(radius), root = cbrt(0.75 * now.force / (pair.modulus * sqrt(radius)));

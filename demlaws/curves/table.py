@@ -1,4 +1,4 @@
-"""Tables: a dimensionless curve on a bit-indexed semi-logarithmic grid, certified.
+"""Tables: a dimensionless curve on a bit-indexed semi-logarithmic grid, with measured errors.
 
 `core.curve` describes the grid and reads it; `curves.table_file` reads and writes the files of tables.
 """
@@ -33,7 +33,7 @@ def plain_params(shape: Any, contact: Contact) -> Any:
 
 @dataclass(frozen=True, eq=False)
 class TableCurve:
-    """A curve of first loading that is read from certified rows."""
+    """A curve of first loading that is read from rows."""
 
     definition: Definition
     options: dict

@@ -1,7 +1,7 @@
 """Typical values of materials with their sources, and what is taken where nothing is known of a material.
 
 `dl.materials.glass` is a `Material` with a usual `Surface`; `typical("glass")` has the range and source of each value. The
-values are in materials.csv. A quantity that no public text gives has no value: a law that needs it raises an error.
+values are in materials.csv. A quantity without a published value has none: a law that needs it raises an error.
 """
 
 import csv

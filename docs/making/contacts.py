@@ -39,7 +39,15 @@ def draw(lines, grains, picture):
     plotter.view_xz()
     plotter.camera.azimuth, plotter.camera.elevation = 20, 12
     plotter.camera.zoom(1.12)
-    Image.fromarray(plotter.screenshot(return_img=True)).quantize(96).save(picture, optimize=True)
+    trimmed(Image.fromarray(plotter.screenshot(return_img=True))).quantize(96).save(picture, optimize=True)
+
+
+def trimmed(image, margin=10):
+    """An image without its white border, but for a margin [pixels]."""
+    from PIL import ImageOps
+
+    box = ImageOps.invert(image.convert("L")).point(lambda level: 255 * (level > 4)).getbbox()
+    return ImageOps.expand(image.convert("RGB").crop(box), margin, "white")
 
 
 def main():

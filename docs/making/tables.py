@@ -49,7 +49,7 @@ def full():
         f"| [`{name}`](../demlaws/laws/{name.replace('-', '_')}.py) | {words.brief} | {needs(law)} | {words.valid} |"
         for name, (law, words) in laws().items()
     ]
-    return "\n".join(["| law | use it for | needs beside R, E\\* | valid for |", "|---|---|---|---|", *rows]) + "\n"
+    return "\n".join(["| law | use it for | required besides R, E\\* | valid for |", "|---|---|---|---|", *rows]) + "\n"
 
 
 MADE = {"README.md": brief, "docs/laws.md": full}

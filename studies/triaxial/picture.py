@@ -25,7 +25,7 @@ def draw(rows):
         ax.set(xscale="log", yscale="log", xlim=(0.85, 2300), ylim=(0.02, 50.0), title=f"p = {load[0]:g}, q = {load[1]:g} kPa")
         ax.set(xlabel="cycle", ylabel="permanent axial strain (%)")
     lines = {label: line for ax in np.ravel(axes) for line, label in zip(*ax.get_legend_handles_labels(), strict=True)}
-    axes[1, 1].legend(lines.values(), lines.keys(), fontsize=7, loc="lower right")  # a panel with collapses only
+    axes[1, 1].legend(lines.values(), lines.keys(), fontsize=9, loc="lower right")  # a panel with collapses only
     return fig
 
 

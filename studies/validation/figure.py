@@ -32,7 +32,7 @@ def deviations(groups):
 
 def boundary_element_figure(rows):
     """The model's load and area over a boundary-element solution's at equal separation; rows: the stored file's."""
-    fig, (left, right) = figure(columns=2, width=5.2, height=4.0)
+    fig, (left, right) = figure(columns=2, width=4.4, height=3.7)
     for name in dict.fromkeys(row["case"] for row in rows):
         chosen = [row for row in rows if row["case"] == name]
         overlap = np.array([float(r["overlap"]) for r in chosen])
@@ -42,6 +42,6 @@ def boundary_element_figure(rows):
         right.semilogx(overlap * MICRO, area, "o-", ms=4)
     for ax, what in ((left, "load"), (right, "contact area")):
         ax.axhline(1.0, color="black", lw=0.8)
-        ax.set(xlabel="overlap (µm)", ylabel=f"{what}: asperity model / boundary elements")
-    left.legend(fontsize=8)
+        ax.set(xlabel="overlap (µm)", ylabel=f"{what}: asperity / boundary elements")
+    left.legend(fontsize=9)
     return fig

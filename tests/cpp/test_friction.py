@@ -30,8 +30,9 @@ LAWS = [
     ("pohrt-popov", "table"),
 ]
 NO_SPRINGS = ("linear", "eepa")  # no partial slip in the engines
-ROUNDING = {"elastic": 1e-10, "table": 1e-7}
-"""Where the compression of a new spring, with 1e-5 of the force, is the small difference of two sums."""
+ROUNDING = {("hertz", "elastic"): 1e-10, ("pohrt-popov", "table"): 1e-7}
+"""Partial slip where the compression of a new spring, with 1e-5 of the force, is the small difference of two sums: a rounding
+error of the overlaps changes the force of either twin by 1.4e-10 and 6e-8, in the other cases by 1e-14."""
 CASES = [
     (*law, shear) for law in LAWS for shear in ("elastic", "loading", "slip") if shear != "slip" or law[1] not in NO_SPRINGS
 ]
@@ -68,7 +69,7 @@ def test_pressure_limit_force_and_loss_are_pythons(program, tmp_path, name, rule
     np.testing.assert_allclose(pressure, expected, rtol=1e-12, atol=1e-12 * pressure.max())
     largest = limit.max()
     assert np.ptp(limit[path.force > 0.1] / path.force[path.force > 0.1]) > 0.01
-    rounding = ROUNDING.get(rule, 1e-11) if shear == "slip" else 1e-11
+    rounding = ROUNDING.get((name, rule), 1e-12) if shear == "slip" else 1e-12
     np.testing.assert_allclose(np.stack(force, -1), path.shear_force, rtol=0.0, atol=rounding * largest)
     np.testing.assert_allclose(energy, path.stored, rtol=0.0, atol=rounding * path.stored.max())
     np.testing.assert_allclose(lost.cumsum(), path.dissipated, rtol=0.0, atol=rounding * path.dissipated[-1])
