@@ -1,6 +1,7 @@
 """Start YADE on a script with this package importable."""
 
 import functools
+import glob
 import os
 import re
 import shutil
@@ -41,8 +42,8 @@ def other_builds():
     `…-batch` is another program, `….py` a link to the first that YADE's cmake installs.
     """
     found = {}
-    for folder in map(Path, os.get_exec_path()):
-        for path in sorted((*folder.glob("yade-*"), *folder.glob("yadedaily*"))):
+    for folder in map(glob.escape, os.get_exec_path()):  # glob passes over a folder that cannot be read, Path.glob may not
+        for path in sorted(Path(file) for name in ("yade-*", "yadedaily*") for file in glob.glob(os.path.join(folder, name))):
             if not path.name.endswith(("-batch", ".py")) and os.access(path, os.X_OK) and path.is_file():
                 found.setdefault(path.name, str(path))
     return list(found.values())

@@ -127,7 +127,8 @@ def test_another_python_or_numpy_of_yade_is_refused(tmp_path, monkeypatch, answe
 
 def test_builds_of_other_names_are_found(tmp_path, monkeypatch):
     """Packages of every day and builds with a suffix; two are named, none is chosen; their batch program is their own."""
-    monkeypatch.setenv("PATH", str(tmp_path))
+    unreadable = tmp_path / ("a" * 300)  # the system refuses it to root, too, as it refuses /root/bin after `su stranger`
+    monkeypatch.setenv("PATH", f"{unreadable}:{tmp_path}")
     monkeypatch.delenv("YADE", raising=False)
     daily = program(tmp_path / "yadedaily")
     batch = program(tmp_path / "yadedaily-batch")
