@@ -1,6 +1,7 @@
 """Start YADE on a script with this package importable."""
 
 import functools
+import glob
 import os
 import re
 import shutil
@@ -35,14 +36,18 @@ def executable(name="yade"):
     return path
 
 
+PROGRAMS = ("yade", "yade-*", "yadedaily*")
+"""How programs of Debian's package, of YADE's own builds and of its daily packages are named."""
+
+
 def other_builds():
-    """Paths of programs on the path with the names of YADE's own builds and of its daily packages.
+    """Paths of programs on the path with names of YADE.
 
     `…-batch` is another program, `….py` a link to the first that YADE's cmake installs.
     """
     found = {}
-    for folder in map(Path, os.get_exec_path()):
-        for path in sorted((*folder.glob("yade-*"), *folder.glob("yadedaily*"))):
+    for folder in map(glob.escape, os.get_exec_path()):  # glob passes over a folder that cannot be read, Path.glob may not
+        for path in sorted(Path(file) for name in PROGRAMS for file in glob.glob(os.path.join(folder, name))):
             if not path.name.endswith(("-batch", ".py")) and os.access(path, os.X_OK) and path.is_file():
                 found.setdefault(path.name, str(path))
     return list(found.values())

@@ -12,7 +12,7 @@ import pytest
 import release
 
 NUMBER = release.version()
-RECIPE = "packaging/conda/meta.yaml"
+RECIPE = "packaging/conda/recipe.yaml"
 
 
 @pytest.fixture
@@ -83,13 +83,13 @@ def test_a_folder_with_files_is_left_alone(project, tmp_path, capsys):
 
 def test_citation_and_recipe_have_the_version_of_the_package():
     assert f"\nversion: {NUMBER}\n" in (release.ROOT / "CITATION.cff").read_text()
-    assert f'set version = "{NUMBER}"' in (release.ROOT / "packaging" / "conda" / "meta.yaml").read_text()
+    assert f'\n  version: "{NUMBER}"\n' in (release.ROOT / "packaging" / "conda" / "recipe.yaml").read_text()
 
 
 def test_the_recipe_for_conda_has_the_requirements_of_the_package():
     project = (release.ROOT / "pyproject.toml").read_text()
     needed = re.findall(r'"([^"]+)"', re.search(r"^dependencies = \[(.*)\]$", project, re.MULTILINE)[1])
-    recipe = (release.ROOT / "packaging" / "conda" / "meta.yaml").read_text().partition("  run:")[2].partition("test:")[0]
+    recipe = (release.ROOT / "packaging" / "conda" / "recipe.yaml").read_text().partition("  run:")[2].partition("tests:")[0]
     for name, versions in (re.fullmatch(r"(\w+)([^;]*).*", one).groups() for one in needed):
         assert f"    - {name} {versions}\n" in recipe
 
@@ -100,7 +100,7 @@ def test_the_recipe_of_a_release_takes_its_sdist(project, monkeypatch):
     recipe = release.recipe(NUMBER, sdist)
     url = f"https://example.org/demlaws/releases/download/v{NUMBER}/{sdist.name}"
     assert f"\nsource:\n  url: {url}\n  sha256: {hashlib.sha256(b'sdist').hexdigest()}\n\nbuild:\n" in recipe
-    assert "\nabout:\n  home: https://example.org/demlaws\n  summary: " in recipe and "path: " not in recipe
+    assert "\nabout:\n  homepage: https://example.org/demlaws\n  summary: " in recipe and "path: " not in recipe
 
 
 @pytest.mark.parametrize("filled", [False, True])

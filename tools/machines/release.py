@@ -4,7 +4,7 @@
     python tools/machines/release.py --out release    # from dist/ and build/site
 
 Wheel, sdist, site, tutorials as notebooks and scripts, release notes, CITATION.cff with version and date, conda's recipe
-(meta.yaml) with the sdist as source, SHA256SUMS. The version is that of demlaws/__init__.py; the notes are its section of
+(recipe.yaml) with the sdist as source, SHA256SUMS. The version is that of demlaws/__init__.py; the notes are its section of
 CHANGELOG.md, or, with a warning, [Unreleased]. Nothing is uploaded. Standard library only.
 """
 
@@ -78,8 +78,8 @@ def recipe(number, sdist):
     """Recipe for conda-forge of a release: its source is `sdist`, as attached to the page of the release in the repository."""
     repository, digest = addresses()["REPOSITORY"] or "REPOSITORY", hashlib.sha256(sdist.read_bytes()).hexdigest()
     source = f"url: {repository}/releases/download/v{number}/{sdist.name}\n  sha256: {digest}"
-    text = (ROOT / "packaging" / "conda" / "meta.yaml").read_text()
-    return text.replace("path: ../..", source).replace("about:\n", f"about:\n  home: {repository}\n")
+    text = (ROOT / "packaging" / "conda" / "recipe.yaml").read_text()
+    return text.replace("path: ../..", source).replace("about:\n", f"about:\n  homepage: {repository}\n")
 
 
 def archive(path, files):
@@ -114,7 +114,7 @@ def assemble(out, number, today):
     archive(out / f"demlaws-{number}-notebooks.zip", {path.name: path for path in tutorials})
     (out / "RELEASE_NOTES.md").write_text(text)
     (out / "CITATION.cff").write_text(citation(number, today))
-    (out / "meta.yaml").write_text(recipe(number, ROOT / "dist" / f"demlaws-{number}.tar.gz"))
+    (out / "recipe.yaml").write_text(recipe(number, ROOT / "dist" / f"demlaws-{number}.tar.gz"))
     paths = sorted(path for path in out.iterdir() if path.is_file())
     sums = "".join(f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in paths)
     (out / "SHA256SUMS").write_text(sums)

@@ -1,6 +1,7 @@
 """The command that starts YADE, and every script in yade_scripts, quickly, as a reader of the README would start it."""
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -127,7 +128,8 @@ def test_another_python_or_numpy_of_yade_is_refused(tmp_path, monkeypatch, answe
 
 def test_builds_of_other_names_are_found(tmp_path, monkeypatch):
     """Packages of every day and builds with a suffix; two are named, none is chosen; their batch program is their own."""
-    monkeypatch.setenv("PATH", str(tmp_path))
+    unreadable = tmp_path / ("a" * 300)  # the system refuses it to root, too, as it refuses /root/bin after `su stranger`
+    monkeypatch.setenv("PATH", f"{unreadable}:{tmp_path}")
     monkeypatch.delenv("YADE", raising=False)
     daily = program(tmp_path / "yadedaily")
     batch = program(tmp_path / "yadedaily-batch")
@@ -145,8 +147,11 @@ def test_builds_of_other_names_are_found(tmp_path, monkeypatch):
     with pytest.raises(dl.DemlawsError, match="batch' not found: it belongs to"):
         run.executable("yade-batch")
     monkeypatch.delenv("YADE")
-    program(tmp_path / "yade")
-    assert run.executable() == str(tmp_path / "yade")
+    debian = program(tmp_path / "yade")
+    assert run.executable() == debian
+    monkeypatch.setenv("YADE", "yade-2026")
+    with pytest.raises(dl.DemlawsError, match=rf"there is {re.escape(debian)}, "):
+        run.executable()
 
 
 @pytest.mark.parametrize("lists", ["yade\nyade-data", "yadedaily", None])

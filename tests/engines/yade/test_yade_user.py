@@ -460,6 +460,16 @@ def test_a_doctored_layout_fails_closed(bridge, monkeypatch, doctored):
         bridge.find_layout()
 
 
+def test_a_yade_of_one_library_is_refused(bridge, monkeypatch):
+    from demlaws.yade import search
+
+    loaded = [mapping for mapping in search._mappings() if not mapping[-1].endswith("/libpkg_dem.so")]
+    monkeypatch.setattr(search, "_mappings", lambda: loaded)
+    named = r"0 loaded libraries are named libpkg_dem\.so, .* of YADE 2023\.02a or newer \(up to 2021 YADE is one library\)"
+    with pytest.raises(bridge.BridgeUnavailable, match=named):
+        bridge.find_layout()
+
+
 def with_flag(bridge, flag):
     """(functor, layout) of a YADE whose law has one flag more, True by default."""
 
