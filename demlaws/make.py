@@ -36,8 +36,9 @@ def law(
         that curve is this one, or one in a constant ratio to it. Default: that of the law, "hertz" for rough contacts, its
         own rule for a law that has one, else "elastic".
     max_force : float, optional
-        Largest force [N] of the contacts. The law is then a `Table` within 1e-5 that ends there (in the engines, too), and only
-        up to its end must the pair return no work. Of a law with an option of this name, that option.
+        Largest force [N] of the contacts. The law is then a `Table` within 1e-5 that ends with the row there, up to 12 % above
+        (in the engines, too), and only up to its end must the pair return no work. Of a law with an option of this name, that
+        option.
     **options : float or str
         Options of the law, for instance ``yield_pressure=1.66e9``; `demlaws laws NAME` lists them.
 
