@@ -70,16 +70,19 @@ def register(add):
 
 
 def _check(arguments, result):
-    from demlaws.yade.run import executable, run
+    from demlaws.yade.run import command, environment, remedy
 
-    if Path(executable()).name != "yade":
-        print(f"program: {executable()}", file=sys.stderr)
-    captured = {"stdout": subprocess.PIPE, "text": True} if arguments.json else {}
     words = [*(arguments.extent or []), *(f"--law-file={file}" for file in getattr(arguments, "law_files", []))]
-    ended = run(Path(__file__).parent.parent / "yade" / "check.py", words, **captured)
-    if arguments.json:
-        result.print(ended.stdout)
-    return ended.returncode
+    line, begun = command(Path(__file__).parent.parent / "yade" / "check.py", words), False
+    if Path(line[0]).name != "yade":
+        print(f"program: {line[0]}", file=sys.stderr)
+    with subprocess.Popen(line, env=environment(), stdout=subprocess.PIPE, text=True, errors="replace") as process:
+        for text in process.stdout:
+            begun = begun or text.startswith("demlaws ")
+            result.print(text.rstrip())
+    if not begun:
+        raise DemlawsError(f"{line[0]} ended with status {process.returncode} before the check began: is it YADE? {remedy()}")
+    return process.returncode
 
 
 def _run(arguments, _):

@@ -213,6 +213,13 @@ def test_command_lines(tmp_path, monkeypatch):
     assert run.command(tmp_path / "scene.yade.bz2")[-1].endswith("scene.yade.bz2")
 
 
+def test_a_program_that_is_not_yade_passes_no_check(monkeypatch, capsys):
+    """It ends with status 0, as a check that passed."""
+    monkeypatch.setenv("YADE", "/bin/true")
+    assert main(["yade", "check", "--quick"]) != 0
+    assert "/bin/true" in capsys.readouterr().err
+
+
 def test_quick_check():
     command = [sys.executable, "-m", "demlaws", "yade", "check", "--quick", "--json"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=3000)
