@@ -135,25 +135,7 @@ def warn(text: str, category: type[Warning] = ValidityWarning) -> None:
     frame, depth = sys._getframe(1), 2
     while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "demlaws":
         frame, depth = frame.f_back, depth + 1
-    text, place = shortened(text), (frame.f_code.co_filename, frame.f_lineno)
-    if _action(text, category, frame.f_globals.get("__name__", ""), place[1]) == "default":
-        if (text, category, place) in _SHOWN:
-            return
-        _SHOWN.add((text, category, place))
-    warnings.warn(category(text), stacklevel=depth)
-
-
-_SHOWN: set = set()
-"""Texts, categories and places of warnings that were shown: Python forgets its own as soon as any code changes a filter."""
-
-
-def _action(text, category, module, line):
-    """What Python's filters do with a warning."""
-    for action, message, kind, name, number in warnings.filters:
-        matches = re.match(message or "", text) and re.match(name or "", module)  # texts or patterns
-        if matches and issubclass(category, kind) and number in (0, line):
-            return action
-    return "default"
+    warnings.warn(category(shortened(text)), stacklevel=depth)
 
 
 @contextlib.contextmanager

@@ -189,6 +189,8 @@ def test_attenuation_of_kept_waves():
     for row in study.read(attenuation.RESULTS):
         found.setdefault(tuple(row[name] for name in attenuation.WAVE), []).append(row)
     estimates = attenuation.intervals(found)
+    more = [estimates.pop(wave) for wave in list(estimates) if "springs" in wave[0]]
+    assert len(more) == 4 and sum(one.high < attenuation.MEASURED for one in more) == 2
     assert len(estimates) == 39 and {one.samples for one in estimates.values()} == {4}
     flattened = {wave: one for wave, one in estimates.items() if wave[4] == "hertz"}
     assert len(flattened) == 8 and max(one.high for one in flattened.values()) < -0.35
@@ -200,6 +202,23 @@ def test_attenuation_of_kept_waves():
     assert sum(not excluded[wave] for wave in rough) == 1
     assert {w: bool(clear) for w, clear in excluded.items()} == {w: one.high < -0.1879 for w, one in estimates.items()}
     assert sum(excluded.values()) == 30
+
+
+def test_kept_waves_with_other_settings():
+    """Twice as many springs, half the step and half the speed change small shares of cycles by a third at most."""
+    shares = {}
+    for row in study.read(attenuation.RESULTS):
+        motion, _, setting = row["kind"].partition(", ")
+        if row["shear"] == "slip" and row["seed"] == 1:
+            wave = (motion, *(row[name] for name in ("law", "rule", "kPa", "axis", "amplitude")))
+            shares.setdefault(wave, {})[setting] = row["share"]
+    ratios = {}
+    for found in shares.values():
+        for setting, share in found.items():
+            if setting and "" in found:
+                ratios.setdefault(found[""] > 0.1, []).append(share / found[""])
+    assert len(ratios[True]) == 12 and max(abs(ratio - 1.0) for ratio in ratios[True]) < 0.032
+    assert len(ratios[False]) == 29 and max(abs(ratio - 1.0) for ratio in ratios[False]) < 0.31
 
 
 def test_kept_probes_and_settings_agree():
