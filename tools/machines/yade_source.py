@@ -25,13 +25,36 @@ OPTIONS |= {"PYTHON_EXECUTABLE": "/usr/bin/python3"}
 BOOST = "libboost-{python,thread,date-time,filesystem,iostreams,regex,serialization,system,log,chrono}-dev"
 NEEDED = {"cmake": "cmake", "make": "make", "/usr/include/boost/python.hpp": BOOST, "/usr/include/bzlib.h": "libbz2-dev"}
 NEEDED |= {"/usr/include/eigen3/Eigen/Core": "libeigen3-dev", "/usr/include/sqlite3.h": "libsqlite3-dev"}
+CLANG = "#ifndef __clang__\n"
+EDITS = {
+    "py/high-precision/_math.cpp": [
+        ("//#ifndef __clang__ //", "#ifndef __clang__ //"),
+        ("\n};\n//#endif\n\ntemplate", "\n};\n#endif\n\ntemplate"),
+    ],
+    "py/high-precision/_minieigenHP.cpp": [
+        ("\t\tArbitraryReal_from_python<RealHP<N>>();\n", f"{CLANG}\t\tArbitraryReal_from_python<RealHP<N>>();\n#endif\n")
+    ],
+}
+"""For clang, which compiles templates for more precision than double, too."""
 NEEDED |= {"/usr/lib/python3/dist-packages/pygraphviz": "python3-pygraphviz python3-sphinx python3-tk python3-xlib"}
+
+
+def edit(path, edits):
+    """Replace texts in a file that has not been edited before."""
+    text = path.read_text()
+    new = text
+    for old, replacement in edits:
+        new = new if replacement in new else new.replace(old, replacement)
+    if new != text:  # an unchanged file is not compiled again
+        path.write_text(new)
 
 
 def build(work, compiler, jobs):
     """Path of the start script of YADE compiled by `compiler`."""
     work.needs(NEEDED | {compiler: compiler})
     tree = work.tree("CMakeLists.txt", UNUSED)
+    for name, edits in EDITS.items():
+        edit(tree / name, edits)
     folder, target = work.folder / f"build-{compiler}", work.folder / compiler
     options = OPTIONS | {"CMAKE_CXX_COMPILER": compiler, "CMAKE_INSTALL_PREFIX": target}
     install = ["nice", "cmake", "--build", folder, "--target", "install", "-j", jobs]

@@ -1,13 +1,12 @@
 """R of level sets, polyhedra and other shapes that are neither spheres nor flats: body, curvature, edge radius."""
 
-import importlib
 import math
 import warnings
 
 import numpy as np
 import pytest
 from examples import shared as slow_but
-from yade_scenes import GRANITE, MODULUS, advance, functor, material, set_engines, stops, yade
+from yade_scenes import GRANITE, MODULUS, advance, functor, material, needs, set_engines, stops, yade
 
 import demlaws as dl
 from demlaws import yade as dy
@@ -21,12 +20,6 @@ R = 0.01
 
 def law(radius=None, **options):
     return functor("hertz", "elastic", None, smooth=True, radius=radius, **options)
-
-
-def needs(feature):
-    """Skip where YADE's own list of features is without it. In CI, where YADE is Debian's, a skipped test is a failure."""
-    if feature not in importlib.import_module("yade.config").features:
-        pytest.skip(f"this YADE is built without {feature}")
 
 
 @pytest.fixture

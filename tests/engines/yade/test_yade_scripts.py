@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import size
+from yade_scenes import needs
 
 import demlaws as dl
 from demlaws.cli import main
@@ -78,6 +79,7 @@ def of_conical_damage(path, tmp_path, native, end):
 
 def test_yades_check_of_the_conical_damage_model_passes(tmp_path):
     """Overlap, force, phys.R and stress to 1e-5 of the script's own values, on a facet, a wall and a sphere."""
+    needs("CGAL")  # without it YADE's script does nothing
     script = "scripts/checks-and-tests/checks/checkHertzExtended.py"
     assert of_conical_damage(script, tmp_path, False, '\nprint("ROW", lawHMCDM.ratioYieldingContacts())\n') == ["1.0"]
 
