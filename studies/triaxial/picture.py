@@ -25,7 +25,10 @@ def draw(rows):
         ax.set(xscale="log", yscale="log", xlim=(0.85, 2300), ylim=(0.02, 50.0), title=f"p = {load[0]:g}, q = {load[1]:g} kPa")
         ax.set(xlabel="cycle", ylabel="permanent axial strain (%)")
     lines = {label: line for ax in np.ravel(axes) for line, label in zip(*ax.get_legend_handles_labels(), strict=True)}
-    axes[1, 1].legend(lines.values(), lines.keys(), fontsize=9, loc="lower right")  # a panel with collapses only
+    bands = [label for label in lines if label.startswith("measured")]
+    axes[0, 1].legend([lines[label] for label in bands], bands, fontsize=9, loc="lower right")
+    cases = [label for label in lines if label not in bands]
+    axes[1, 1].legend([lines[label] for label in cases], cases, fontsize=7.5, loc="lower right")  # collapses only
     return fig
 
 
