@@ -1,5 +1,6 @@
 """The command `demlaws check`: every engine that is found, and what a fault report needs."""
 
+import importlib
 import importlib.metadata
 import platform
 import subprocess
@@ -38,11 +39,7 @@ def versions():
 
 def executable(engine):
     """Path of an engine's program; DemlawsError if it is not installed."""
-    from demlaws.lammps.run import executable as lammps
-    from demlaws.liggghts.run import executable as liggghts
-    from demlaws.yade.run import executable as yade
-
-    return {"yade": yade, "liggghts": liggghts, "lammps": lammps}[engine]()
+    return importlib.import_module(f"demlaws.{engine}.run").executable()
 
 
 def checked(engine):
@@ -63,10 +60,10 @@ def _check(arguments, result):
     else:
         result.print(f"demlaws {found['demlaws']}, Python {found['Python']}, numpy {found['numpy']}, numba {found['numba']}")
     for engine in ENGINES:
-        results[engine] = verdict, output = checked(engine)
+        verdict, output = checked(engine)
+        results[engine] = {"verdict": verdict, "output": output}
         result.print(f"{engine:12}{verdict}")
         if arguments.report or verdict != "all good":
             result.print(*(f"    {line}" for line in output.splitlines()))
-    engines = {engine: {"verdict": verdict, "output": output} for engine, (verdict, output) in results.items()}
-    result.values = {"versions": found, "engines": engines}
-    return 1 if any(verdict == "failed" for verdict, _ in results.values()) else 0
+    result.values = {"versions": found, "engines": results}
+    return 1 if any(one["verdict"] == "failed" for one in results.values()) else 0

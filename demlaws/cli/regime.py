@@ -4,7 +4,7 @@ from demlaws.cli import example
 from demlaws.cli.arguments import force, plain, pressure
 from demlaws.cli.contact import add_contact_arguments, contact_from, draw
 from demlaws.cli.output import picture_file
-from demlaws.errors import DemlawsError, MissingQuantity
+from demlaws.errors import DemlawsError
 
 
 def register(add):
@@ -40,10 +40,6 @@ def run_regime(arguments, result):
     pair, limit = contact_from(arguments), arguments.yield_pressure
     if arguments.yield_load is not None:
         limit = float(hertz_pressure(pair, arguments.yield_load))
-    if pair.sigma is None:
-        raise MissingQuantity.of("the criterion", "sigma")
-    if pair.hardness is None and limit is None:
-        raise MissingQuantity.of("the criterion", "hardness")
     if arguments.load is None:
         if limit is not None:
             raise DemlawsError("--load missing: a measured yield is compared with a load")
