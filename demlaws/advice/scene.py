@@ -285,10 +285,8 @@ def _from_toml(path):
         if names_a_file(unloading):  # beside the scene's
             text["unloading"] = str(path.parent.absolute() / unloading)
         return Scene(**values, **_known(text, Scene, "a scene"))
-    except tomllib.TOMLDecodeError as error:
-        raise DemlawsError(f"{path} is not a scene file (demlaws choose --template): {error}") from error
-    except RecursionError:
-        raise DemlawsError(f"{path} is not a scene file (demlaws choose --template): it is nested too deeply") from None
+    except (tomllib.TOMLDecodeError, RecursionError) as error:  # of tables that are nested too deeply
+        raise DemlawsError(f"{path} is not a scene file (demlaws choose --template): {error}") from None
     except (TypeError, ValueError) as error:
         raise DemlawsError(f"{path}: {error}") from None
 

@@ -9,18 +9,20 @@ from demlaws.errors import DemlawsError
 
 def add_law_arguments(parser, law_required=True):
     """Arguments that name a law and its contact."""
-    parser.add_argument(
-        "--law",
-        required=law_required,
-        help="name of the law (list: demlaws laws), or a table file, whose contact is the default",
-    )
+    text = "name of the law (list: demlaws laws), or a table file, whose contact is the default"
+    parser.add_argument("--law", required=law_required, help=text)
+    add_unloading_arguments(parser)
+    add_contact_arguments(parser)
+
+
+def add_unloading_arguments(parser):
+    """Arguments beside the name of a law: its unloading and its options."""
     parser.add_argument(
         "--unloading",
         help="unloading rule: elastic, hertz, thornton, a rule of this law only (list: demlaws laws NAME), or a table file "
         "with the unloading curve (default: that of the law, see demlaws laws NAME)",
     )
     parser.add_argument("--option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of the law")
-    add_contact_arguments(parser)
 
 
 def add_contact_arguments(parser, test=True, modulus=True):

@@ -76,20 +76,15 @@ def run_surface(arguments, result):
 
     commands = {"synthetic": _synthetic, "contact": _contact, "summits": _summits}
     first, *rest = arguments.words
-    command, paths = (commands[first], rest) if first in commands else (_level, arguments.words)
+    command, paths = (commands[first], rest) if first in commands else (_levelled, arguments.words)
     if len(paths) != (command is not _synthetic):
         raise DemlawsError(f"one height map at a time, and none for synthetic, got {' '.join(arguments.words)}")
     heights = command(arguments, result, *paths)
+    if command in (_levelled, _synthetic):
+        _describe(result, heights, arguments.wavelengths)
     if arguments.out is not None:
         result.print(write(arguments.out, heights))
     draw(result, arguments.figure, lambda plots: plots.surface_figure(heights, arguments.wavelengths))
-    return 0
-
-
-def _level(arguments, result, path):
-    heights = _levelled(arguments, result, path)
-    _describe(result, heights, arguments.wavelengths)
-    return heights
 
 
 def _levelled(arguments, result, path):
@@ -191,7 +186,7 @@ def _synthetic(arguments, result):
 
     if arguments.out is None:
         raise DemlawsError("--out missing: name the file (.npy, .csv or .asc) for the synthetic map")
-    heights = self_affine(
+    return self_affine(
         arguments.size,
         arguments.pixel or 1e-6,
         arguments.hurst,
@@ -199,8 +194,6 @@ def _synthetic(arguments, result):
         seed=arguments.seed,
         longest=arguments.longest,
     )
-    _describe(result, heights, arguments.wavelengths)
-    return heights
 
 
 def _contact(arguments, result, name):

@@ -24,7 +24,6 @@ from demlaws.laws.definition import (
 from demlaws.laws.hertz import HertzShape
 from demlaws.laws.rough_plastic import RoughPlasticShape
 
-
 LAW = Definition(
     name="thornton-ning",
     prepare=lambda contact, yield_pressure: RoughPlasticShape(
