@@ -121,7 +121,7 @@ class Softening:
     def options(self, law: str, options: Mapping) -> dict:
         """Options of law `law` for the softened contacts; those of the law before yield among them."""
         definition = find(law)
-        if definition.advice.rigid:
+        if definition.advice.rigid and self.factor != 1.0:
             raise DemlawsError(f"law {law!r} cannot be softened: {definition.advice.rigid}")
         options = definition.read_options(options)
         before, rest = definition.before_yield(**options)

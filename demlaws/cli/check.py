@@ -21,7 +21,6 @@ def register(add):
     )
     line = f"print versions and all lines of the checks, for a report ({page('install')})"
     parser.add_argument("--report", action="store_true", help=line)
-    parser.set_defaults(func=_check)
 
 
 def versions():
@@ -53,7 +52,8 @@ def checked(engine):
     return "all good" if done.returncode == 0 else "failed", done.stdout.strip()
 
 
-def _check(arguments, result):
+def run(arguments, result):
+    """Do what the command's arguments ask."""
     found, results = versions(), {}
     if arguments.report:
         result.print(*(f"{name:12}{version}" for name, version in found.items()))

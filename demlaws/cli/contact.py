@@ -184,9 +184,8 @@ def describe(contact):
 
 
 def draw(result, path, make):
-    """Save the figure that `make(plots.surface)` returns, if a path is given; print the path."""
+    """Save the figure that `make(plots)` returns, if a path is given; print the path."""
     if path is not None:
         from demlaws import plots
-        from demlaws.plots import surface as plots_surface
 
-        result.print(plots.save(make(plots_surface), path))
+        result.print(plots.save(make(plots), path))

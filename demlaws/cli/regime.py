@@ -20,22 +20,22 @@ def register(add):
     add_contact_arguments(regime)
     regime.add_argument("--load", type=force, help="normal force in N")
     regime.add_argument("--mu", type=plain, help="Greenwood & Tripp's μ of the surface; p(0) is then solved, not from the fit")
-    limit = regime.add_mutually_exclusive_group()
-    limit.add_argument(
+    regime.add_argument(
         "--yield-pressure", type=pressure, help="measured limit pressure p_y in Pa, in place of 0.6 of the hardness"
     )
-    limit.add_argument(
+    regime.add_argument(
         "--yield-load", type=force, help="measured load in N at which the bulk of this contact yields, in place of p_y"
     )
     regime.add_argument("--figure", type=picture_file, help="map of p(0)/H_m over load and roughness")
-    regime.set_defaults(func=run_regime)
 
 
-def run_regime(arguments, result):
+def run(arguments, result):
     """Do what the command's arguments ask."""
     from demlaws.regime import FIRST, advise, regime
     from demlaws.solvers.criterion import YIELD_RATIO, hertz_pressure, transition_force
 
+    if arguments.yield_load is not None and arguments.yield_pressure is not None:
+        raise DemlawsError("--yield-load and --yield-pressure are alternatives: give one of them")
     pair, limit = contact_from(arguments), arguments.yield_pressure
     if arguments.yield_load is not None:
         limit = float(hertz_pressure(pair, arguments.yield_load))
@@ -54,4 +54,4 @@ def run_regime(arguments, result):
         result.print(f"laws from {first:.3g} N (α = {float(pair.roughness_parameter(first)):.3g}) to {arguments.load:.4g} N:")
         for advice in laws:
             result.print_wrapped(f"  {advice.law:16} {'applies' if advice.fits else 'no':7} {advice.reason}", " " * 27)
-    draw(result, arguments.figure, lambda plots: plots.regime_figure(pair, arguments.load))
+    draw(result, arguments.figure, lambda plots: plots.surface.regime_figure(pair, arguments.load))

@@ -67,10 +67,9 @@ def register(add):
     synthetic.add_argument("--hurst", type=plain, default=0.8, help="Hurst exponent H = 3 - Df (default 0.8)")
     synthetic.add_argument("--seed", type=whole(0, 2**63), default=1, help="seed of the random numbers (default 1)")
     synthetic.add_argument("--longest", type=length, default=float("inf"), help="longest wavelength (default: no roll-off)")
-    surface.set_defaults(func=run_surface)
 
 
-def run_surface(arguments, result):
+def run(arguments, result):
     """Do what the command's arguments ask."""
     from demlaws.surface import write
 
@@ -84,7 +83,7 @@ def run_surface(arguments, result):
         _describe(result, heights, arguments.wavelengths)
     if arguments.out is not None:
         result.print(write(arguments.out, heights))
-    draw(result, arguments.figure, lambda plots: plots.surface_figure(heights, arguments.wavelengths))
+    draw(result, arguments.figure, lambda plots: plots.surface.surface_figure(heights, arguments.wavelengths))
 
 
 def _levelled(arguments, result, path):

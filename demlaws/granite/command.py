@@ -158,7 +158,7 @@ def draw(out, tests, runs, modulus, whole):
         figures += [(f"cycles-{test.key}", pictures.cycling, run) for run in yielding]
     if whole:
         named = {(run.test.name, run.law.name): run for test in tests for run in runs[test.name]}
-        figures.append(("unloading-ss-12-18", pictures.unloading, named["SS(12-18)", POHRT_POPOV]))
+        figures.append(("unloading-ss-12-18", pictures.unloading, named["SS(12-18)", POHRT_POPOV], modulus))
         figures += [(name, getattr(pictures, name), modulus) for name in ("stiffness", "roughness")]
         figures.append(("crossover-ss-18-18", pictures.crossover))
         figures.append(("cones", pictures.cones, named["RFC10", ROUGH_PLASTIC], named["FC5", ROUGH_PLASTIC]))
