@@ -73,7 +73,7 @@ def read(
     ((64, 64), 2.0)
     """
     heights, scale = read_unchecked(path, pixel, unit, missing=missing, channel=channel)
-    plausibility.warn_of_map(heights, scale)
+    plausibility.warn_of_map(plausibility.doubts(heights, scale))
     return heights
 
 

@@ -114,11 +114,10 @@ def _levelled(arguments, result, path):
 
 def _warn(result, found):
     """Print and record reasons to doubt a map."""
-    from demlaws.errors import MapWarning, warn
+    from demlaws.surfaces import plausibility
 
     result.values["doubts"] = [*result.values.get("doubts", []), *found]
-    for text in found:
-        warn(f"height map: {text}", MapWarning)
+    plausibility.warn_of_map(found)
 
 
 def _summits(arguments, result, path):
