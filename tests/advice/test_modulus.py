@@ -194,6 +194,6 @@ def test_a_law_that_cannot_be_softened_keeps_its_modulus():
     options = {"yield_strength": 1e9}
     scene = scene_of(study.Run("yade", "cycles"), tolerance=0.3, reference="jackson-green", reference_options=options)
     with pytest.raises(dl.DemlawsError, match="'jackson-green' cannot be softened"):
-        modulus.predict(scene, 10.0, law="jackson-green", options=options)
+        modulus.predict(PACKING, 10.0, law="jackson-green", options=options)
     advice = modulus.recommend_modulus(scene, "jackson-green", options)
     assert advice.factor == 1.0 and advice.error <= 0.3
