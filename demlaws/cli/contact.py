@@ -187,5 +187,6 @@ def draw(result, path, make):
     """Save the figure that `make(plots)` returns, if a path is given; print the path."""
     if path is not None:
         from demlaws import plots
+        from demlaws.plots import surface  # noqa: F401  `plots.surface`
 
         result.print(plots.save(make(plots), path))
