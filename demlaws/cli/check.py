@@ -1,6 +1,5 @@
 """The command `demlaws check`: every engine that is found, and what a fault report needs."""
 
-import importlib
 import importlib.metadata
 import platform
 import subprocess
@@ -38,7 +37,11 @@ def versions():
 
 def executable(engine):
     """Path of an engine's program; DemlawsError if it is not installed."""
-    return importlib.import_module(f"demlaws.{engine}.run").executable()
+    from demlaws.lammps.run import executable as lammps
+    from demlaws.liggghts.run import executable as liggghts
+    from demlaws.yade.run import executable as yade
+
+    return {"yade": yade, "liggghts": liggghts, "lammps": lammps}[engine]()
 
 
 def checked(engine):
