@@ -313,22 +313,14 @@ class Contact:
         first, second = surface_of(material1), surface_of(material2)
         roughness1 = first.roughness if roughness1 is None else roughness1
         roughness2 = second.roughness if roughness2 is None else roughness2
-        values = _lengths_of(radius1=radius1, radius2=radius2, roughness1=roughness1, roughness2=roughness2)
-        radius1, radius2 = values["radius1"], values["radius2"]
-        if np.any(np.isinf(radius1) & np.isinf(radius2)):
-            raise DemlawsError("radius1 and radius2 are both inf: two flats have no Hertz contact; give one a radius in m")
-        for name, roughness in (("roughness1", roughness1), ("roughness2", roughness2)):
-            refuse_rough(name, roughness, effective_radius(radius1, radius2))
+        radius = joined_radius(radius1, radius2)
+        sigma = joined_roughness(roughness1, roughness2, radius)
         if fractal_dimension is None:
             fractal_dimension = first.combined(second).fractal_dimension
         if hardness is None:
             hardness = softer_hardness((material1, first), (material2, second))
-        combined = {
-            "radius": effective_radius(radius1, radius2),
-            "modulus": effective_modulus(material1, material2),
-            "sigma": combined_roughness(values.get("roughness1"), values.get("roughness2")),
-        }
-        return cls(**combined, fractal_dimension=fractal_dimension, hardness=hardness)
+        modulus = effective_modulus(material1, material2)
+        return cls(radius, modulus, sigma, fractal_dimension, hardness)
 
     @property
     def size(self) -> int | None:
@@ -452,26 +444,19 @@ def replace_unchecked(contact: Contact, changes: dict[str, float]) -> Contact:
     return copy
 
 
-def _lengths_of(**lengths: Any) -> dict[str, np.ndarray]:
-    """Radii and roughnesses [m] of two bodies as arrays, without those not given; DemlawsError for inadmissible values."""
-    values = {}
-    for name, length in lengths.items():
-        if length is None and not name.startswith("radius"):
-            continue
-        is_radius = name.startswith("radius")
-        if is_radius:
-            length = _as_radius(name, length)
-        values[name] = value = as_float(length, name, "m", array=True)
-        bad = np.flatnonzero(~(value > 0 if is_radius else value >= 0))
-        if bad.size:
-            remedy = "a radius must be positive (inf for a flat)" if is_radius else RANGES["roughness"].remedy
-            raise DemlawsError(f"{name} = {as_typed(typed(value.flat[bad[0]], length, 'm'), 'm')}: {remedy}")
-    _refuse_lengths(values)
-    return values
+def joined_radius(radius1: Any, radius2: Any, names: tuple[str, str] = ("radius1", "radius2")) -> Any:
+    """R [m] of two bodies by their radii, of which a flat's is "flat" or inf; DemlawsError for inadmissible ones."""
+    radii = [_radius_of_body(name, radius) for name, radius in zip(names, (radius1, radius2), strict=True)]
+    _refuse_lengths(dict(zip(names, radii, strict=True)))
+    if np.any(np.isinf(radii[0]) & np.isinf(radii[1])):
+        raise DemlawsError(
+            f"{' and '.join(dict.fromkeys(names))} = flat: two flats have no Hertz contact; give one a radius in m"
+        )
+    return effective_radius(*radii)
 
 
-def _as_radius(name: str, radius: Any) -> Any:
-    """A radius of one body as given, a flat as inf; DemlawsError where it is missing or a plain number above 1 m."""
+def _radius_of_body(name: str, radius: Any) -> Any:
+    """Radius [m] of one body; a plain number above 1 m is refused."""
     if radius is None:
         raise DemlawsError(
             f'{name} is missing: give the radius of each body; for a sphere on a flat radius2="flat", for two equal spheres '
@@ -480,20 +465,29 @@ def _as_radius(name: str, radius: Any) -> Any:
     if isinstance(radius, str) and radius.strip() == "flat":
         return math.inf
     refuse_plain_radius(name, radius)
-    return radius
+    value = as_float(radius, name, "m", array=True)
+    for wrong in value[~(value > 0.0)][:1]:
+        raise DemlawsError(f"{name} = {as_typed(typed(wrong, radius, 'm'), 'm')}: a radius must be positive (inf for a flat)")
+    return value
 
 
-def refuse_rough(name: str, roughness: Any, radius: Any) -> None:
-    """Refuse the roughness Sq of one surface [m] that is too large for the effective radius [m] of its contact."""
-    if roughness is None:
-        return
-    pairs = np.broadcast_arrays(np.atleast_1d(as_float(roughness, name, "m", array=True)), radius)
-    if pairs[0].size == 0:
-        return  # an empty array is refused where contacts are made
-    worst = int(np.argmax(pairs[0] / pairs[1]))
-    for finding in judge(roughness=typed(pairs[0][worst], roughness, "m"), radius=float(pairs[1][worst])):
-        if not finding.admissible:
-            raise DemlawsError(finding.text.replace(finding.quantity, name, 1))
+def joined_roughness(
+    roughness1: Any, roughness2: Any, radius: Any, names: tuple[str, str] = ("roughness1", "roughness2")
+) -> Any:
+    """σ [m] of two surfaces by their Sq, for a contact of effective radius `radius` [m]; None where one is not given.
+
+    DemlawsError for a roughness that is negative, or too large for the radius.
+    """
+    pairs = zip(names, (roughness1, roughness2), strict=True)
+    given = [(name, value, as_float(value, name, "m", array=True)) for name, value in pairs if value is not None]
+    _refuse_lengths({"radius": radius, **{name: heights for name, _, heights in given}})
+    for name, value, heights in given:
+        sq, radii = np.broadcast_arrays(np.atleast_1d(heights), radius)
+        for place in {int(np.argmin(sq)), int(np.argmax(sq / radii))} if sq.size else ():
+            for finding in judge(roughness=typed(sq[place], value, "m"), radius=float(radii[place])):
+                if not finding.admissible:
+                    raise DemlawsError(finding.text.replace(finding.quantity, name, 1))
+    return combined_roughness(*(heights for *_, heights in given)) if len(given) == 2 else None
 
 
 def as_contact(value: Any) -> Contact:

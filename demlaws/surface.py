@@ -73,7 +73,7 @@ def read(
     ((64, 64), 2.0)
     """
     heights, scale = read_unchecked(path, pixel, unit, missing=missing, channel=channel)
-    plausibility.warn_of_map(heights, scale)
+    plausibility.warn_of_map(plausibility.doubts(heights, scale))
     return heights
 
 
@@ -103,8 +103,8 @@ def read_unchecked(path, pixel=None, unit="m", *, missing=None, channel=None):
     else:
         raise DemlawsError(f"channel = {channel!r}: {path.name} has one channel only")
     plausibility.refuse_other_arrays(heights, path)
-    if "cell" in header:
-        header["pixel"] = _cell(header["cell"], unit, path)
+    if "dx" in header and "dy" in header:
+        header["pixel"] = _cell((header["dx"], header["dy"]), unit, path)
     found = header.get("pixel")
     if pixels and found and not np.allclose(pixels, found, rtol=0.01):
         raise DemlawsError(
@@ -168,7 +168,7 @@ def _read_numpy(path, channel):
 
 def _read_text(path):
     lines = read_text(path).splitlines()
-    header, esri, rows, first, words = {}, {}, [], 0, 0
+    header, rows, first, words = {}, [], 0, 0
     for number, line in enumerate(lines, 1):
         text = line.strip()
         if not rows and read_header_line(text, header):
@@ -177,12 +177,6 @@ def _read_text(path):
             read_gwyddion(text, header, f"{path}, line {number}")
             continue
         if not text:
-            continue
-        key = re.fullmatch(
-            r"(ncols|nrows|xllcorner|yllcorner|xllcenter|yllcenter|cellsize|dx|dy|nodata_value)\s+(\S+)", text.lower()
-        )
-        if key and not rows:
-            esri[key[1]] = key[2]
             continue
         cells = split(text, separator(text))
         if not rows and lines[number:] and not all(is_missing(cell) or is_number(cell) for cell in cells):
@@ -206,18 +200,14 @@ def _read_text(path):
         heights = np.array([[value_of(cell, mark) for cell in cells] for cells in rows])
     except ValueError as error:
         raise DemlawsError(f"{path}: a height is not a number: {error}") from None
-    for name, entry, count in zip(("columns", "rows"), ("ncols", "nrows"), heights.shape[::-1], strict=True):
-        stated = esri.get(entry, header.get(name))
+    for name, count in zip(("columns", "rows"), heights.shape[::-1], strict=True):
+        stated = header.get(name)
         if stated is not None and units.as_float(stated, f"{path}: {name}") != count:
             raise DemlawsError(
                 f"{path}: its header states {stated} {name}, but there are {count}, one row per line: is it truncated?"
             )
-    if "nodata_value" in esri:
-        heights[heights == float(units.as_float(esri["nodata_value"], f"{path}: NODATA_value"))] = np.nan
-    if "cellsize" in esri:
-        header["cell"] = esri["cellsize"], esri["cellsize"]
-    elif "dx" in esri and "dy" in esri:
-        header["cell"] = esri["dx"], esri["dy"]
+    if "nodata_value" in header:
+        heights[heights == float(units.as_float(header["nodata_value"], f"{path}: NODATA_value"))] = np.nan
     if "width" in header and "height" in header:
         header["pixel"] = header["width"] / heights.shape[1], header["height"] / heights.shape[0]
     return heights, header

@@ -27,45 +27,36 @@ class Sample(NamedTuple):
 
 
 class Loaded:
-    """A law on a sample, loaded to the peak forces."""
+    """A law on contacts of a sample after first loading: to the peak forces [N], or to overlaps `top` [m]."""
 
-    def __init__(self, law, sample):
-        self.law, self.sample = law, sample
-        self.top = np.atleast_1d(law.overlap(sample.peak))  # overlap [m] of first loading
+    def __init__(self, law, peak, top=None):
+        self.law, self.pair = law, (law.shape, law.params)
+        self.top = np.atleast_1d(law.overlap(peak)) if top is None else top
+        self.state = law.new_state(self.top.size)
+        self.force, self.stiffness = law.evaluate(self.top, self.state)
 
-    def state_at(self, top):
-        """State, force [N] and stiffness [N/m] after first loading to each overlap `top` [m]."""
-        state = self.law.new_state(top.size)
-        force, stiffness = self.law.evaluate(top, state)
-        return state, np.asarray(force, float), np.asarray(stiffness, float)
-
-    def unloaded(self, state, force):
+    def unloaded(self, force):
         """Overlap at `force` after the peak."""
-        if not state.arrays:
-            return inverse_loop(self.law.shape, self.law.params, force)
-        return unloaded_loop(self.law.rule_tag, self.law.shape, self.law.params, force, state.arrays)
+        if not self.state.arrays:
+            return inverse_loop(*self.pair, force)
+        return unloaded_loop(self.law.rule_tag, *self.pair, force, self.state.arrays)
 
-    def again(self, overlap, state):
+    def at(self, overlap):
         """Force and stiffness at `overlap` after the peak."""
-        force, stiffness = self.law.evaluate(np.asarray(overlap), state.copy())
-        return np.asarray(force, float), np.asarray(stiffness, float)
+        return self.law.evaluate(overlap, self.state.copy())
 
-    def energies(self, top):
-        """Work of loading to `top`, and the part that unloading does not return."""
-        work = np.asarray(self.law.energy(np.asarray(top, float)), float)
-        state, _, _ = self.state_at(top)
-        rule, pair = self.law.rule_tag, (self.law.shape, self.law.params)
-        return work, energies_loop(rule, *pair, np.asarray(top, float), state.arrays)[1]
+    def energies(self):
+        """Work of loading, and the part that unloading does not return."""
+        return self.law.energy(self.top), energies_loop(self.law.rule_tag, *self.pair, self.top, self.state.arrays)[1]
 
     def overlap_of_work(self, work):
         """Overlap at which loading has taken `work`; not a number where the law ends before.
 
         Newton's method for ln W over ln δ, nearly a straight line in every law.
         """
-        pair = self.law.shape, self.law.params
-        overlap = np.maximum(self.top.astype(float), 1e-9 * np.asarray(self.law.contact.radius))
+        overlap = np.maximum(self.top, 1e-9 * np.asarray(self.law.contact.radius))
         for _ in range(60):
-            energy, (force, _) = energy_loop(*pair, overlap), force_loop(*pair, overlap)
+            energy, (force, _) = energy_loop(*self.pair, overlap), force_loop(*self.pair, overlap)
             step = np.log(work / energy) * energy / (force * overlap)
             step = np.where(np.isfinite(step), np.clip(step, -2.0, 2.0), -0.7)  # beyond a table's end: half of it
             overlap *= np.exp(step)
@@ -77,61 +68,47 @@ class Loaded:
 def error_of(law, reference, sample, quantity, unloads):
     """Error of `law` against `reference` for each contact of `sample`, as `QUANTITIES` define it."""
     with quiet(), np.errstate(all="ignore"):
-        exact, candidate = Loaded(reference, sample), Loaded(law, sample)
-        return _MEASURES[quantity](exact, candidate, sample, unloads)
+        errors = _MEASURES[quantity](Loaded(reference, sample.peak), law, sample.peak, FRACTIONS if unloads else ())
+        return np.max(np.abs(errors), axis=0)
 
 
-def _force_error(exact, candidate, sample, unloads):
-    state, _, _ = exact.state_at(exact.top)
-    other, force, _ = candidate.state_at(exact.top)
-    worst = np.abs(force - sample.peak) / sample.peak
-    for fraction in FRACTIONS if unloads else ():
-        overlap = exact.unloaded(state, fraction * sample.peak)
-        true, _ = exact.again(overlap, state)  # below a seating load no overlap carries that force
-        force, _ = candidate.again(overlap, other)
-        worst = np.maximum(worst, np.abs(force - true) / sample.peak)
-    return worst
+def _force_errors(exact, law, peak, fractions):
+    candidate = Loaded(law, peak, exact.top)
+    unloaded = [exact.unloaded(fraction * peak) for fraction in fractions]
+    # below a seating load no overlap carries that force: the exact one is evaluated, too
+    return [(candidate.force - peak) / peak, *((candidate.at(one)[0] - exact.at(one)[0]) / peak for one in unloaded)]
 
 
-def _stiffness_error(exact, candidate, sample, unloads):
-    state, _, stiffness = exact.state_at(exact.top)
-    other, _, other_stiffness = candidate.state_at(candidate.top)
-    worst = np.abs(other_stiffness / stiffness - 1.0)
-    for fraction in FRACTIONS if unloads else ():
-        force = fraction * sample.peak
-        stiffness = exact.again(exact.unloaded(state, force), state)[1]
-        other_stiffness = candidate.again(candidate.unloaded(other, force), other)[1]
-        worst = np.maximum(worst, np.where(stiffness > 0.0, np.abs(other_stiffness / stiffness - 1.0), 0.0))
-    return worst
+def _stiffness_errors(exact, law, peak, fractions):
+    candidate = Loaded(law, peak)
+    errors = [candidate.stiffness / exact.stiffness - 1.0]
+    for fraction in fractions:
+        true, stiffness = (one.at(one.unloaded(fraction * peak))[1] for one in (exact, candidate))
+        errors.append(np.where(true > 0.0, stiffness / true - 1.0, 0.0))
+    return errors
 
 
-def _overlap_error(exact, candidate, sample, unloads):
-    state, _, _ = exact.state_at(exact.top)
-    other, _, _ = candidate.state_at(candidate.top)
-    worst = np.abs(candidate.top / exact.top - 1.0)
-    for fraction in (0.0, *FRACTIONS) if unloads else ():
-        force = fraction * sample.peak
-        worst = np.maximum(worst, np.abs(candidate.unloaded(other, force) - exact.unloaded(state, force)) / exact.top)
-    return worst
+def _overlap_errors(exact, law, peak, fractions):
+    candidate = Loaded(law, peak)
+    unloaded = [candidate.unloaded(f * peak) - exact.unloaded(f * peak) for f in ((0.0, *fractions) if fractions else ())]
+    return [(difference / exact.top) for difference in (candidate.top - exact.top, *unloaded)]
 
 
-def _energy_error(exact, candidate, sample, unloads):
-    work, loss = exact.energies(exact.top)
-    other_work, other_loss = candidate.energies(candidate.top)
-    worst = np.abs(other_work / work - 1.0)
-    return np.maximum(worst, np.abs(other_loss - loss) / work) if unloads else worst
+def _energy_errors(exact, law, peak, fractions):
+    (work, loss), (other_work, other_loss) = exact.energies(), Loaded(law, peak).energies()
+    return [other_work / work - 1.0, (other_loss - loss) / work if fractions else np.zeros(peak.size)]
 
 
-def _restitution_error(exact, candidate, sample, unloads):
-    work, loss = exact.energies(exact.top)
-    other_work, other_loss = candidate.energies(candidate.overlap_of_work(work))
-    return np.abs(np.sqrt(np.maximum(1.0 - other_loss / other_work, 0.0)) - np.sqrt(np.maximum(1.0 - loss / work, 0.0)))
+def _restitution_errors(exact, law, peak, fractions):
+    work, loss = exact.energies()
+    other_work, other_loss = Loaded(law, peak, Loaded(law, peak).overlap_of_work(work)).energies()
+    return [np.sqrt(np.maximum(1.0 - other_loss / other_work, 0.0)) - np.sqrt(np.maximum(1.0 - loss / work, 0.0))]
 
 
 _MEASURES = {
-    "force": _force_error,
-    "stiffness": _stiffness_error,
-    "overlap": _overlap_error,
-    "energy": _energy_error,
-    "restitution": _restitution_error,
+    "force": _force_errors,
+    "stiffness": _stiffness_errors,
+    "overlap": _overlap_errors,
+    "energy": _energy_errors,
+    "restitution": _restitution_errors,
 }

@@ -107,6 +107,7 @@ def numbers_of(scene: Scene, name: str, options: dict, factor: float) -> Packing
         raise DemlawsError("softening advice needs the key `pressure` (Pa) in the scene")
     radius, pressure, softening = 0.25 * (scene.radii[0] + scene.radii[1]), scene.pressure[1], Softening(factor)
     force, diameter = float(scene.mean_force(pressure, radius)), 4.0 * radius
+    softening.options(name, options)  # refuses a law that cannot be softened
     with quiet():
         law = bind_law(name, max(scene.contacts(radius), key=lambda c: c.modulus), **options)
         overlap = float(law.overlap(force))
@@ -254,20 +255,18 @@ def recommend_modulus(
     """
     _check(scene)
     options = options or {}
-    highest = math.inf
-    if scene.rate is not None and scene.process != "pour":
-        numbers_of(scene, law, options, 1.0)  # refuses a scene without a pressure
-        highest = scene.rate * _inertial_of_rate(scene)
     numbers: dict[float, PackingNumbers] = {}
-    for factor, fastest, part in sorted(ways, key=lambda way: _steps(scene, way[0], min(way[1], highest), way[2])):
-        inertial = min(fastest, highest)
+    for factor in sorted({way[0] for way in ways}):
         try:
-            if factor not in numbers:
-                numbers[factor] = numbers_of(scene, law, options, factor)
-        except DemlawsError:  # a law that cannot be softened, or not so far
+            numbers[factor] = numbers_of(scene, law, options, factor)
+        except DemlawsError:  # a law that cannot be softened
             if factor == 1.0:
                 raise
-            continue
+    highest = math.inf
+    if scene.rate is not None and scene.process != "pour":
+        highest = scene.rate * _inertial_of_rate(scene)
+    possible = [(factor, min(fastest, highest), part) for factor, fastest, part in ways if factor in numbers]
+    for factor, inertial, part in sorted(possible, key=lambda way: _steps(scene, *way)):
         if _errors(scene, factor, inertial, part, numbers[factor])["error"] <= scene.tolerance:
             return predict(scene, factor, inertial, law=law, options=options, part=part)
     return None

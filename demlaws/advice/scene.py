@@ -285,10 +285,8 @@ def _from_toml(path):
         if names_a_file(unloading):  # beside the scene's
             text["unloading"] = str(path.parent.absolute() / unloading)
         return Scene(**values, **_known(text, Scene, "a scene"))
-    except tomllib.TOMLDecodeError as error:
-        raise DemlawsError(f"{path} is not a scene file (demlaws choose --template): {error}") from error
-    except RecursionError:
-        raise DemlawsError(f"{path} is not a scene file (demlaws choose --template): it is nested too deeply") from None
+    except (tomllib.TOMLDecodeError, RecursionError) as error:  # of tables that are nested too deeply
+        raise DemlawsError(f"{path} is not a scene file (demlaws choose --template): {error}") from None
     except (TypeError, ValueError) as error:
         raise DemlawsError(f"{path}: {error}") from None
 
@@ -334,20 +332,15 @@ def stable_step(scene, bind):
     return min(steps)
 
 
-def samples(scene, points=_POINTS, random=None):
-    """One Sample per pair of kinds of grain: a grid over radii and loads, or random ones (`random`: a numpy Generator)."""
+def samples(scene):
+    """One Sample per pair of kinds of grain: a grid over radii and loads."""
     result = []
     # of sizes that come in classes each pair has a sample, so that each may have a table
     spans = [(r, r) for r in scene.pair_radii()] or [scene.effective_radii()]
     for pair, (low, high) in itertools.product(scene.contacts(spans[0][0]), spans):
         sizes = 1 if low == high else 7
-        if random is None:
-            radius = np.repeat(np.geomspace(low, high, sizes), points // sizes)
-            share = np.tile(np.linspace(0.0, 1.0, points // sizes), sizes)
-        else:
-            radius = np.exp(random.uniform(math.log(low), math.log(high), points))
-            share = random.uniform(0.0, 1.0, points)
-        contact = pair.with_values(radius=radius)
+        contact = pair.with_values(radius=np.repeat(np.geomspace(low, high, sizes), _POINTS // sizes))
         smallest, largest = scene.force_range(contact)
+        share = np.tile(np.linspace(0.0, 1.0, _POINTS // sizes), sizes)
         result.append(Sample(contact, smallest * (largest / smallest) ** share))
     return result

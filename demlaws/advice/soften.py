@@ -121,14 +121,11 @@ class Softening:
     def options(self, law: str, options: Mapping) -> dict:
         """Options of law `law` for the softened contacts; those of the law before yield among them."""
         definition = find(law)
-        if definition.advice.rigid:
+        if definition.advice.rigid and self.factor != 1.0:
             raise DemlawsError(f"law {law!r} cannot be softened: {definition.advice.rigid}")
         options = definition.read_options(options)
-        if definition.before_yield()[0] is not None:
-            before, rest = definition.before_yield(**options)
-            inner = self.options(before.name, rest)
-        else:
-            inner = {}
+        before, rest = definition.before_yield(**options)
+        inner = {} if before is None else self.options(before.name, rest)
         records = definition.options
         outer = {n: softened_option(law, n, records[n], v, self.factor) for n, v in options.items() if n in records}
         unknown = {n: v for n, v in options.items() if n not in records and n not in inner}  # the law itself refuses them

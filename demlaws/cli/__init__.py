@@ -1,4 +1,7 @@
-"""The command `demlaws`. Each file of this folder has its own commands and is loaded when one of them is used."""
+"""The command `demlaws`. Each file of this folder has its own commands and is loaded when one of them is used.
+
+`register(add)` of a file adds a command's arguments, `run(arguments, result)` does what they ask.
+"""
 
 import argparse
 import contextlib
@@ -134,7 +137,9 @@ def build_parser(commands=tuple(COMMANDS)):
     for name, (part, line) in COMMANDS.items():
         add = functools.partial(subparsers.add_parser, name, help=line)
         if name in commands:
-            importlib.import_module(f"{__name__}.{part}").register(add)
+            module = importlib.import_module(f"{__name__}.{part}")
+            module.register(add)
+            subparsers.choices[name].set_defaults(func=getattr(module, "run", None))
         else:
             add()
     return parser

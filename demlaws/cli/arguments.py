@@ -6,17 +6,26 @@ import math
 from demlaws.errors import DemlawsError
 
 
-def _quantity(unit, kind, metavar):
-    def convert(text):
-        from demlaws.units import quantity
+def _kind(metavar, read):
+    """A kind of argument: the function `read` of a text, whose DemlawsError is the option's."""
 
+    def convert(text):
         try:
-            return quantity(text, kind, unit)
+            return read(text)
         except DemlawsError as error:
-            raise argparse.ArgumentTypeError(str(error)) from None
+            raise argparse.ArgumentTypeError(str(error).removeprefix("this = ")) from None
 
     convert.metavar = metavar
     return convert
+
+
+def _quantity(unit, kind, metavar):
+    def read(text):
+        from demlaws.units import quantity
+
+        return quantity(text, kind, unit)
+
+    return _kind(metavar, read)
 
 
 length = _quantity("m", "a length", "LENGTH")
@@ -28,24 +37,16 @@ compliance = _quantity("m/N", "a compliance", "COMPLIANCE")
 plain = _quantity("", "this", "NUMBER")
 
 
-def radius(text):
-    """A radius in m; "flat" is infinite."""
-    return math.inf if text == "flat" else length(text)
-
-
-radius.__dict__["metavar"] = "LENGTH"
+radius = _kind("LENGTH", lambda text: math.inf if text == "flat" else length(text))
+"""A radius in m; "flat" is infinite."""
 
 
 def whole(low=1, high=10_000_000):
     """A whole number from `low` to `high`; 1e5 is one, too."""
 
-    def convert(text):
+    def read(text):
         from demlaws import units
 
-        try:
-            return units.whole(units.quantity(text, "this"), "this", low, high)
-        except DemlawsError as error:
-            raise argparse.ArgumentTypeError(str(error).removeprefix("this = ")) from None
+        return units.whole(units.quantity(text, "this"), "this", low, high)
 
-    convert.metavar = "COUNT"
-    return convert
+    return _kind("COUNT", read)

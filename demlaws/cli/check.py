@@ -20,7 +20,6 @@ def register(add):
     )
     line = f"print versions and all lines of the checks, for a report ({page('install')})"
     parser.add_argument("--report", action="store_true", help=line)
-    parser.set_defaults(func=_check)
 
 
 def versions():
@@ -56,17 +55,18 @@ def checked(engine):
     return "all good" if done.returncode == 0 else "failed", done.stdout.strip()
 
 
-def _check(arguments, result):
+def run(arguments, result):
+    """Do what the command's arguments ask."""
     found, results = versions(), {}
     if arguments.report:
         result.print(*(f"{name:12}{version}" for name, version in found.items()))
     else:
         result.print(f"demlaws {found['demlaws']}, Python {found['Python']}, numpy {found['numpy']}, numba {found['numba']}")
     for engine in ENGINES:
-        results[engine] = verdict, output = checked(engine)
+        verdict, output = checked(engine)
+        results[engine] = {"verdict": verdict, "output": output}
         result.print(f"{engine:12}{verdict}")
         if arguments.report or verdict != "all good":
             result.print(*(f"    {line}" for line in output.splitlines()))
-    engines = {engine: {"verdict": verdict, "output": output} for engine, (verdict, output) in results.items()}
-    result.values = {"versions": found, "engines": engines}
-    return 1 if any(verdict == "failed" for verdict, _ in results.values()) else 0
+    result.values = {"versions": found, "engines": results}
+    return 1 if any(one["verdict"] == "failed" for one in results.values()) else 0

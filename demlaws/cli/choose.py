@@ -32,7 +32,6 @@ def register(add):
         help="table file to write, one per pair of particle types; for LIGGGHTS and LAMMPS the folder of a complete case",
     )
     parser.add_argument("--csv", type=csv_file(TITLES), help="CSV file of all candidates")
-    parser.set_defaults(func=run)
 
 
 def run(arguments, result):
@@ -64,8 +63,7 @@ def run(arguments, result):
         "ruled_out": dict(choices.ruled_out),
         "notes": list(choices.notes),
     }
-    if arguments.csv is not None:
-        result.write_csv(arguments.csv, TITLES, ((c.describe(), *(getattr(c, name) for name in FIELDS)) for c in choices))
+    result.write_csv(arguments.csv, TITLES, ((c.describe(), *(getattr(c, name) for name in FIELDS)) for c in choices))
     best = choices.best
     if not best.meets:
         raise DemlawsError(

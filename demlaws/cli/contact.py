@@ -1,6 +1,5 @@
 """Arguments that describe a contact, a law and its unloading, shared by the commands."""
 
-import math
 from pathlib import Path
 
 from demlaws.cli import option
@@ -10,18 +9,20 @@ from demlaws.errors import DemlawsError
 
 def add_law_arguments(parser, law_required=True):
     """Arguments that name a law and its contact."""
-    parser.add_argument(
-        "--law",
-        required=law_required,
-        help="name of the law (list: demlaws laws), or a table file, whose contact is the default",
-    )
+    text = "name of the law (list: demlaws laws), or a table file, whose contact is the default"
+    parser.add_argument("--law", required=law_required, help=text)
+    add_unloading_arguments(parser)
+    add_contact_arguments(parser)
+
+
+def add_unloading_arguments(parser):
+    """Arguments beside the name of a law: its unloading and its options."""
     parser.add_argument(
         "--unloading",
         help="unloading rule: elastic, hertz, thornton, a rule of this law only (list: demlaws laws NAME), or a table file "
         "with the unloading curve (default: that of the law, see demlaws laws NAME)",
     )
     parser.add_argument("--option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of the law")
-    add_contact_arguments(parser)
 
 
 def add_contact_arguments(parser, test=True, modulus=True):
@@ -105,14 +106,9 @@ def bodies_from(arguments):
         return None
     if names is None and (young is None or poisson is None):
         raise DemlawsError("--young and --poisson belong together: give both, or --modulus")
-    bodies = []
-    for place in (0, 1):
-        typical = None if names is None else material(names[place])
-        values = [getattr(typical, name, None) for name in ("young", "poisson", "hardness", "density", "surface")]
-        values[0] = values[0] if young is None else young[place]
-        values[1] = values[1] if poisson is None else poisson[place]
-        bodies.append(Material(*values))
-    return tuple(bodies)
+    own = [{}, {}] if names is None else [vars(material(name)) for name in names]
+    given = {name: pair for name, pair in (("young", young), ("poisson", poisson)) if pair is not None}
+    return tuple(Material(**{**own[place], **{name: pair[place] for name, pair in given.items()}}) for place in (0, 1))
 
 
 def contact_from(arguments, base=None, **measured):
@@ -121,20 +117,14 @@ def contact_from(arguments, base=None, **measured):
     base: the contact whose fields are taken where no argument gives them.
     """
     from demlaws import granite
-    from demlaws.contact import Contact, combined_roughness, effective_radius, refuse_rough
-    from demlaws.units import as_typed, refuse_plain_radius
+    from demlaws.contact import Contact, joined_radius, joined_roughness
 
+    if getattr(arguments, "test", None) is not None:
+        base = granite.find_test(arguments.test).contact
     bodies = bodies_from(arguments)
     pair = bodies and Contact.between(*bodies, radius1=1.0, radius2=1.0)
-    names = ("modulus", "sigma", "fractal_dimension", "hardness")
-    fields = {name: value for name in names if (value := getattr(pair, name, None)) is not None}
-    given = {
-        "radius": arguments.effective_radius,
-        "modulus": arguments.modulus,
-        "sigma": arguments.sigma,
-        "fractal_dimension": arguments.fractal_dimension,
-        "hardness": arguments.hardness,
-    }
+    given = {name: getattr(arguments, name) for name in ("modulus", "sigma", "fractal_dimension", "hardness")}
+    given["radius"] = arguments.effective_radius
     if (radii := _pair(arguments, "radius", "effective_radius")) is not None:
         if len(arguments.radius) < 2:
             one = getattr(arguments.radius[0], "text", "flat")
@@ -142,22 +132,9 @@ def contact_from(arguments, base=None, **measured):
                 f"--radius {one}: give both bodies, --radius {one} flat for a sphere on a flat, --radius {one} {one} for two "
                 "equal spheres (or --effective-radius)"
             )
-        for value in radii:
-            refuse_plain_radius("--radius", value)
-            if not value > 0.0:
-                raise DemlawsError(f"--radius = {as_typed(value, 'm')}: a radius must be positive (flat for a flat)")
-        if radii == (math.inf, math.inf):
-            raise DemlawsError("--radius flat flat: two flats have no Hertz contact; give one a radius in m")
-        given["radius"] = effective_radius(*radii)
-    if (sq := _pair(arguments, "roughness", "sigma")) is not None:
-        for value in sq:
-            refuse_rough("--roughness", value, math.inf if given["radius"] is None else given["radius"])
-        given["sigma"] = float(combined_roughness(*sq))
-    fields |= {name: value for name, value in {**given, **measured}.items() if value is not None}
-    if getattr(arguments, "test", None) is not None:
-        base = granite.find_test(arguments.test).contact
-    if base is not None:
-        return base.with_values(**fields)
+        given["radius"] = joined_radius(*radii, ("--radius", "--radius"))
+    sources = vars(base) if base else {}, {**vars(pair), "radius": None} if pair else {}, given, measured
+    fields = {name: value for source in sources for name, value in source.items() if value is not None}
     options = {
         "radius": "--radius (or --effective-radius)",
         "modulus": "--material, or --young and --poisson (or --modulus)",
@@ -166,7 +143,9 @@ def contact_from(arguments, base=None, **measured):
     if missing:
         tests = ", or --test for that of a granite test" if hasattr(arguments, "test") else ""
         raise DemlawsError(f"{' and '.join(missing)} missing: give the contact{tests}")
-    return Contact(**fields)
+    if (sq := _pair(arguments, "roughness", "sigma")) is not None:
+        fields["sigma"] = joined_roughness(*sq, fields["radius"], ("--roughness", "--roughness"))
+    return Contact(**{**fields, **measured})
 
 
 def law_from(arguments):
@@ -205,9 +184,9 @@ def describe(contact):
 
 
 def draw(result, path, make):
-    """Save the figure that `make(plots.surface)` returns, if a path is given; print the path."""
+    """Save the figure that `make(plots)` returns, if a path is given; print the path."""
     if path is not None:
         from demlaws import plots
-        from demlaws.plots import surface as plots_surface
+        from demlaws.plots import surface  # noqa: F401  `plots.surface`
 
-        result.print(plots.save(make(plots_surface), path))
+        result.print(plots.save(make(plots), path))

@@ -25,15 +25,13 @@ def register(add):
     parser.add_argument("--vtk", type=lines_file, help="write lines for ParaView: .vtu or .vtk")
     parser.add_argument("--csv", type=csv_file(TITLES, last=False), help="write all columns as CSV")
     add_dump_arguments(parser)
-    parser.set_defaults(func=run)
 
 
 def run(arguments, result):
     """Do what the command's arguments ask."""
     table = read(arguments, result)
-    if arguments.csv:
-        columns = table.columns()
-        result.write_csv(arguments.csv, list(columns), zip(*columns.values(), strict=True))
+    columns = table.columns()
+    result.write_csv(arguments.csv, list(columns), zip(*columns.values(), strict=True))
     if arguments.vtk:
         result.print(table.save(arguments.vtk))
     result.print(table)

@@ -2,7 +2,7 @@
 
 from demlaws.cli import example
 from demlaws.cli.arguments import force, length, whole
-from demlaws.cli.contact import add_law_arguments, describe, law_from, unloads
+from demlaws.cli.contact import add_law_arguments, describe, draw, law_from, unloads
 from demlaws.cli.output import csv_file, picture_file
 from demlaws.responses.results import PATH_COLUMNS
 
@@ -26,12 +26,11 @@ def register(add):
         "--csv", type=csv_file(PATH_COLUMNS), help="CSV file of the curve, - for standard output (default: print 20 rows)"
     )
     curve.add_argument("--figure", type=picture_file, help="picture to draw (png, pdf, svg)")
-    curve.set_defaults(func=run_curve)
 
 
-def run_curve(arguments, result):
+def run(arguments, result):
     """Do what the command's arguments ask."""
-    from demlaws import driver, plots
+    from demlaws import driver
 
     law = law_from(arguments)
     if arguments.forces is not None:
@@ -48,5 +47,4 @@ def run_curve(arguments, result):
         every = max(1, path.overlap.size // 20)
         for row in list(zip(path.overlap, path.force, path.stiffness, path.plastic_overlap, path.work, strict=True))[::every]:
             result.print(f"{row[0] * 1e6:14.4f} {row[1]:12.5g} {row[2] / 1e3:12.5g} {row[3] * 1e6:13.4f} {row[4]:12.4g}")
-    if arguments.figure is not None:
-        result.print(plots.save(plots.path_figure(path, law, unloads(law)), arguments.figure))
+    draw(result, arguments.figure, lambda plots: plots.path_figure(path, law, unloads(law)))

@@ -2,8 +2,9 @@
 
 import os
 
-from demlaws.cli import Parser, example, option
+from demlaws.cli import Parser, example
 from demlaws.cli.arguments import density, force, length, plain, pressure, whole
+from demlaws.cli.contact import add_unloading_arguments
 from demlaws.cli.output import other_file
 from demlaws.errors import DemlawsError
 from demlaws.laws import USUAL
@@ -197,12 +198,7 @@ def _add_run(parts, name):
 def _grain_arguments(export):
     export.add_argument("folder", help="folder to write")
     export.add_argument("--law", default=USUAL, help="name of the law (default %(default)s)")
-    export.add_argument(
-        "--unloading",
-        help="unloading rule: elastic, hertz, thornton, a rule of this law only (list: demlaws laws NAME), or a table file "
-        "with the unloading curve of all contacts (default: that of the law, see demlaws laws NAME)",
-    )
-    export.add_argument("--option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of the law")
+    add_unloading_arguments(export)
     export.add_argument(
         "--radius", type=length, nargs="+", required=True, help="grain radius in m, or with a unit (4mm): one per particle type"
     )

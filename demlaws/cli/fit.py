@@ -5,7 +5,7 @@ from pathlib import Path
 
 from demlaws.cli import example
 from demlaws.cli.arguments import compliance, force, length
-from demlaws.cli.contact import add_contact_arguments, contact_from, describe
+from demlaws.cli.contact import add_contact_arguments, contact_from, describe, draw
 from demlaws.cli.output import csv_file, picture_file, progress
 from demlaws.files import wrapped
 
@@ -54,7 +54,6 @@ def register(add):
     )
     parser.add_argument("--csv", type=csv_file(TITLES), help="CSV file of the ranking")
     parser.add_argument("--figure", type=picture_file, help="picture to draw (png, pdf, svg)")
-    parser.set_defaults(func=run)
 
 
 def shown(name, estimate, unit):
@@ -89,16 +88,6 @@ def surfaces(fit, given):
     return sigma / math.sqrt(2.0), sigma / math.sqrt(2.0)
 
 
-def of_surfaces(sq):
-    """In words, Sq of the surfaces of a fit; no words without them."""
-    if sq is None:
-        return []
-    first, second = (f"{1e6 * one:.5g} µm" for one in sq)
-    if sq[0] == sq[1]:
-        return [f"roughness Sq {first} of each of two equal surfaces"]
-    return [f"roughness Sq {first} of the first surface, {second} of the second"]
-
-
 def table_lines(ranking, given=None):
     """The ranking: a line for each law, its parameters and notes below; a note that several laws share comes last."""
     from demlaws.advice.fit import parameters
@@ -112,7 +101,9 @@ def table_lines(ranking, given=None):
         kind = "systematic" if f.systematic else "scatter"
         yield f"{f.name:16} {f.unloading:9} {f.misfit * 1e6:11.4g} {f.delta:9.1f} {f.weight:7.3f}  {kind}"
         yield wrapped("; ".join(shown(n, e, units.get(n, "m")) for n, e in f.parameters.items()), "    ")
-        yield from (wrapped(text, "    ") for text in of_surfaces(surfaces(f, given)))
+        if (sq := surfaces(f, given)) is not None:
+            words = "{} of each of two equal surfaces" if sq[0] == sq[1] else "{} of the first surface, {} of the second"
+            yield wrapped("roughness Sq " + words.format(*(f"{1e6 * one:.5g} µm" for one in sq)), "    ")
         yield from (wrapped(note, "    * ", "      ") for note in f.notes if note != SYSTEMATIC)
     if any(f.systematic for f in ranking):
         yield wrapped("systematic: the law does not describe the points (drift, or a wrong law); ignore its intervals")
@@ -120,7 +111,6 @@ def table_lines(ranking, given=None):
 
 def run(arguments, result):
     """Do what the command's arguments ask."""
-    from demlaws import plots
     from demlaws.advice.fit import fit
     from demlaws.curves.point_files import read_points
 
@@ -148,12 +138,10 @@ def run(arguments, result):
     result.values = {"laws": laws, "skipped": dict(ranking.skipped)}
     for name, reason in ranking.skipped.items():
         result.print_wrapped(f"not fitted: {name}: {reason}")
-    if arguments.csv is not None:
-        rows = [
-            (f.name, f.unloading, f.misfit, f.aicc, f.delta, f.weight, name, e.value, e.error, e.low, e.high, e.note)
-            for f in ranking
-            for name, e in f.parameters.items()
-        ]
-        result.write_csv(arguments.csv, TITLES, rows)
-    if arguments.figure is not None:
-        result.print(plots.save(plots.fit_figure(ranking, points.source), arguments.figure))
+    rows = (
+        (f.name, f.unloading, f.misfit, f.aicc, f.delta, f.weight, name, e.value, e.error, e.low, e.high, e.note)
+        for f in ranking
+        for name, e in f.parameters.items()
+    )
+    result.write_csv(arguments.csv, TITLES, rows)
+    draw(result, arguments.figure, lambda plots: plots.fit_figure(ranking, points.source))

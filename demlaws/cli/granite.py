@@ -23,7 +23,6 @@ def register(add):
     )
     parser.add_argument("--verbose", action="store_true", help="a table per test, and numbers and criterion of each claim")
     parser.add_argument("--out", type=Path, default=Path("granite"), help="folder for CSV files and figures (default: granite)")
-    parser.set_defaults(func=run)
 
 
 def run(arguments, result):

@@ -13,7 +13,6 @@ def register(add):
     )
     parser.add_argument("name", nargs="?", help="name of a law (default: list all)")
     parser.add_argument("--check", action="store_true", help="run the project's tests on this law and print the results")
-    parser.set_defaults(func=run)
 
 
 def run(arguments, result):

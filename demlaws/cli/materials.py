@@ -13,7 +13,6 @@ def register(add):
         **example("  demlaws materials\n  demlaws materials glass"),
     )
     parser.add_argument("name", nargs="?", help="name of a material (default: all)")
-    parser.set_defaults(func=run)
 
 
 def run(arguments, result):

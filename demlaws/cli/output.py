@@ -115,7 +115,9 @@ class Result:
         self.print(*(wrapped(line, rest=rest) for line in text.splitlines()))
 
     def write_csv(self, path, titles, rows):
-        """Write rows to a CSV file and print its name, or to the standard output if the path is "-"."""
+        """Write rows to a CSV file and print its name, or to the standard output if the path is "-"; without a path nothing."""
+        if path is None:
+            return
         rows = list(rows)
         text = csv_text(titles, rows)
         if str(path) == "-":

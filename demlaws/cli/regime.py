@@ -4,7 +4,7 @@ from demlaws.cli import example
 from demlaws.cli.arguments import force, plain, pressure
 from demlaws.cli.contact import add_contact_arguments, contact_from, draw
 from demlaws.cli.output import picture_file
-from demlaws.errors import DemlawsError, MissingQuantity
+from demlaws.errors import DemlawsError
 
 
 def register(add):
@@ -27,10 +27,9 @@ def register(add):
         "--yield-load", type=force, help="measured load in N at which the bulk of this contact yields, in place of p_y"
     )
     regime.add_argument("--figure", type=picture_file, help="map of p(0)/H_m over load and roughness")
-    regime.set_defaults(func=run_regime)
 
 
-def run_regime(arguments, result):
+def run(arguments, result):
     """Do what the command's arguments ask."""
     from demlaws.regime import FIRST, advise, regime
     from demlaws.solvers.criterion import YIELD_RATIO, hertz_pressure, transition_force
@@ -40,10 +39,6 @@ def run_regime(arguments, result):
     pair, limit = contact_from(arguments), arguments.yield_pressure
     if arguments.yield_load is not None:
         limit = float(hertz_pressure(pair, arguments.yield_load))
-    if pair.sigma is None:
-        raise MissingQuantity.of("the criterion", "sigma")
-    if pair.hardness is None and limit is None:
-        raise MissingQuantity.of("the criterion", "hardness")
     if arguments.load is None:
         if limit is not None:
             raise DemlawsError("--load missing: a measured yield is compared with a load")
@@ -59,4 +54,4 @@ def run_regime(arguments, result):
         result.print(f"laws from {first:.3g} N (α = {float(pair.roughness_parameter(first)):.3g}) to {arguments.load:.4g} N:")
         for advice in laws:
             result.print_wrapped(f"  {advice.law:16} {'applies' if advice.fits else 'no':7} {advice.reason}", " " * 27)
-    draw(result, arguments.figure, lambda plots: plots.regime_figure(pair, arguments.load))
+    draw(result, arguments.figure, lambda plots: plots.surface.regime_figure(pair, arguments.load))

@@ -27,7 +27,6 @@ def register(add):
     )
     parser.add_argument("--factor", type=plain, required=True, help="divisor of the modulus, for instance 10")
     add_law_arguments(parser)
-    parser.set_defaults(func=run)
 
 
 def run(arguments, result):

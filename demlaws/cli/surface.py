@@ -67,29 +67,23 @@ def register(add):
     synthetic.add_argument("--hurst", type=plain, default=0.8, help="Hurst exponent H = 3 - Df (default 0.8)")
     synthetic.add_argument("--seed", type=whole(0, 2**63), default=1, help="seed of the random numbers (default 1)")
     synthetic.add_argument("--longest", type=length, default=float("inf"), help="longest wavelength (default: no roll-off)")
-    surface.set_defaults(func=run_surface)
 
 
-def run_surface(arguments, result):
+def run(arguments, result):
     """Do what the command's arguments ask."""
     from demlaws.surface import write
 
     commands = {"synthetic": _synthetic, "contact": _contact, "summits": _summits}
     first, *rest = arguments.words
-    command, paths = (commands[first], rest) if first in commands else (_level, arguments.words)
+    command, paths = (commands[first], rest) if first in commands else (_levelled, arguments.words)
     if len(paths) != (command is not _synthetic):
         raise DemlawsError(f"one height map at a time, and none for synthetic, got {' '.join(arguments.words)}")
     heights = command(arguments, result, *paths)
+    if command in (_levelled, _synthetic):
+        _describe(result, heights, arguments.wavelengths)
     if arguments.out is not None:
         result.print(write(arguments.out, heights))
-    draw(result, arguments.figure, lambda plots: plots.surface_figure(heights, arguments.wavelengths))
-    return 0
-
-
-def _level(arguments, result, path):
-    heights = _levelled(arguments, result, path)
-    _describe(result, heights, arguments.wavelengths)
-    return heights
+    draw(result, arguments.figure, lambda plots: plots.surface.surface_figure(heights, arguments.wavelengths))
 
 
 def _levelled(arguments, result, path):
@@ -120,11 +114,10 @@ def _levelled(arguments, result, path):
 
 def _warn(result, found):
     """Print and record reasons to doubt a map."""
-    from demlaws.errors import MapWarning, warn
+    from demlaws.surfaces import plausibility
 
     result.values["doubts"] = [*result.values.get("doubts", []), *found]
-    for text in found:
-        warn(f"height map: {text}", MapWarning)
+    plausibility.warn_of_map(found)
 
 
 def _summits(arguments, result, path):
@@ -191,7 +184,7 @@ def _synthetic(arguments, result):
 
     if arguments.out is None:
         raise DemlawsError("--out missing: name the file (.npy, .csv or .asc) for the synthetic map")
-    heights = self_affine(
+    return self_affine(
         arguments.size,
         arguments.pixel or 1e-6,
         arguments.hurst,
@@ -199,8 +192,6 @@ def _synthetic(arguments, result):
         seed=arguments.seed,
         longest=arguments.longest,
     )
-    _describe(result, heights, arguments.wavelengths)
-    return heights
 
 
 def _contact(arguments, result, name):

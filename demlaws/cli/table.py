@@ -5,7 +5,7 @@ from pathlib import Path
 
 from demlaws.cli import example
 from demlaws.cli.arguments import force, length, plain
-from demlaws.cli.contact import add_law_arguments, contact_from, describe, law_from, unloads
+from demlaws.cli.contact import add_law_arguments, contact_from, describe, draw, law_from, unloads
 from demlaws.cli.output import picture_file, table_file
 from demlaws.errors import DemlawsError
 
@@ -44,7 +44,6 @@ def register(add):
     table.add_argument(
         "--figure", type=picture_file, help="picture of the table and its errors, or of the points and the table"
     )
-    table.set_defaults(func=run)
 
 
 def measured_table(arguments, result):
@@ -86,8 +85,6 @@ def measured_table(arguments, result):
 
 def run(arguments, result):
     """Do what the command's arguments ask."""
-    from demlaws import plots
-
     points = law = None
     if arguments.points is not None:
         result.print(describe(contact_from(arguments)))
@@ -121,6 +118,7 @@ def run(arguments, result):
         result.print_wrapped(
             f"the curve of {table.name!r} depends on the radius or modulus: this table is valid for this contact only"
         )
-    if arguments.figure is not None:
-        picture = plots.table_figure(table, law) if points is None else plots.points_figure(table, *points)
-        result.print(plots.save(picture, arguments.figure))
+    if points is None:
+        draw(result, arguments.figure, lambda plots: plots.table_figure(table, law))
+    else:
+        draw(result, arguments.figure, lambda plots: plots.points_figure(table, *points))

@@ -30,7 +30,6 @@ def register(add):
         help="density in kg/m³ if the dump contains no mass or density (default: that of --material, otherwise 2680)",
     )
     add_dump_arguments(parser)
-    parser.set_defaults(func=run)
 
 
 def run(arguments, result):

@@ -1,7 +1,6 @@
 """The command `demlaws granite`: tables, claims, CSV files and figures."""
 
 import math
-import re
 
 from demlaws import granite, plots
 from demlaws.errors import quiet
@@ -31,19 +30,17 @@ def run(arguments, output):
     tests = granite.tests_of(modulus) if arguments.test is None else (granite.find_test(arguments.test, modulus),)
     names = granite.laws_for_tests() if arguments.law is None else [find(arguments.law).name]
     jobs = [(test, name) for test in tests for name in names]
-    runs, notes = {}, {}
+    runs = {}
     for test, name in tqdm(jobs, desc="granite", unit="run", leave=False, disable=None):
-        result, messages = granite.run_test(name, test)
-        runs.setdefault(test.name, []).append(result)
-        notes[test.name, name] = messages
+        runs.setdefault(test.name, []).append(granite.run_test(name, test))
     output.print(*(test_lines if arguments.verbose else overview_lines)(tests, runs))
-    output.print("", *note_lines(tests, notes, arguments.verbose))
+    output.print("", *note_lines(tests, runs, arguments.verbose))
     test_names = None if arguments.test is None else [tests[0].name]
     judged = [] if arguments.law else claims.granite_claims(test_names)
     if judged:
         output.print(*claim_lines(judged, arguments.verbose, f"E* = {granite.MODULI['figures'] / 1e9:.1f} GPa"))
     with quiet():  # the notes have been printed with the tables
-        files = write_csv(arguments.out, tests, runs, notes, judged)
+        files = write_csv(arguments.out, tests, runs, judged)
         if plots.available():
             files += draw(arguments.out, tests, runs, modulus, whole=not (arguments.test or arguments.law))
         else:
@@ -77,26 +74,20 @@ def test_lines(tests, runs):
                 yield from _stage_lines(result)
 
 
-def note_lines(tests, notes, verbose):
-    """Assumed quantities; each warning once, with its laws and the range of its load over the tests, or how many there are."""
+def note_lines(tests, runs, verbose):
+    """Assumed quantities; each limit that is exceeded once, with its laws and loads over the tests, or how many there are."""
     for assumed in dict.fromkeys(test.assumed for test in tests if test.assumed):
         yield wrapped(f"{', '.join(test.name for test in tests if test.assumed == assumed)}: {assumed}")
     warned = {}
-    for (_, name), messages in notes.items():
-        for message in messages:
-            side, load, reason = _WARNING.fullmatch(message).groups()
-            laws, loads = warned.setdefault((side, reason), ({}, []))
-            laws[name] = None
-            loads.append(float(load))
+    for run in (run for test in tests for run in runs[test.name]):
+        for breach in run.breaches:
+            side = "above" if breach.value > breach.bound else "below"
+            warned.setdefault((side, breach.reason), []).append((breach.bound, run.law.name))
     if warned and not verbose:
         yield f"{len(warned)} warnings of loads outside the range of a law: --verbose"
-    for (side, reason), (laws, loads) in warned.items() if verbose else ():
-        span = " to ".join(f"{load:.3g}" for load in dict.fromkeys((min(loads), max(loads))))
-        yield wrapped(f"warning: {', '.join(laws)} {side} {span} N: {reason}")
-
-
-_WARNING = re.compile(r"\S+ (below|above) (\S+) N: (.*)", re.DOTALL)
-"""The warning of a law outside the range of its source."""
+    for (side, reason), found in warned.items() if verbose else ():
+        span = " to ".join(dict.fromkeys(f"{load:.3g}" for load, _ in (min(found), max(found))))
+        yield wrapped(f"warning: {', '.join(dict.fromkeys(name for _, name in found))} {side} {span} N: {reason}")
 
 
 def _stage_lines(result):
@@ -132,7 +123,7 @@ def claim_lines(judged, verbose, other=""):
         yield f"  {counts(claim.other_verdict or claim.verdict for claim in judged)}"
 
 
-def write_csv(out, tests, runs, notes, judged):
+def write_csv(out, tests, runs, judged):
     """Write paths, cycles, summary and claims as CSV; returns the files."""
     files, summary = [], []
     for test in tests:
@@ -140,7 +131,7 @@ def write_csv(out, tests, runs, notes, judged):
         for result in runs[test.name]:
             name, (displacement, stiffnesses) = result.law.name, granite.gains(result)
             k = dict(zip(loads, stiffnesses, strict=True))
-            note = "; ".join(notes[test.name, name])
+            note = "; ".join(f"{name} {breach.range}: {breach.reason}" for breach in result.breaches)
             summary.append([test.name, name, f"{low:g}-{high:g}", displacement, k[1.0], k[10.0], note])
             for number, path in enumerate(result.paths, start=1):
                 stage = f"-stage{number}" if len(result.paths) > 1 else ""
@@ -167,7 +158,7 @@ def draw(out, tests, runs, modulus, whole):
         figures += [(f"cycles-{test.key}", pictures.cycling, run) for run in yielding]
     if whole:
         named = {(run.test.name, run.law.name): run for test in tests for run in runs[test.name]}
-        figures.append(("unloading-ss-12-18", pictures.unloading, named["SS(12-18)", POHRT_POPOV]))
+        figures.append(("unloading-ss-12-18", pictures.unloading, named["SS(12-18)", POHRT_POPOV], modulus))
         figures += [(name, getattr(pictures, name), modulus) for name in ("stiffness", "roughness")]
         figures.append(("crossover-ss-18-18", pictures.crossover))
         figures.append(("cones", pictures.cones, named["RFC10", ROUGH_PLASTIC], named["FC5", ROUGH_PLASTIC]))

@@ -120,7 +120,7 @@ def crossover():
     return fig
 
 
-def unloading(run):
+def unloading(run, modulus="text"):
     """Fig. 7: unloading of SS(12-18) along each law's own curve, as the paper compares them, and along the Hertz rule's.
 
     run: of Pohrt-Popov.
@@ -129,7 +129,6 @@ def unloading(run):
     fig, ax = figure(width=6.4, height=4.8)
     top = max(test.stages[0])
     load = np.linspace(0.05, top, 300)
-    modulus = next(name for name, value in granite.MODULI.items() if value == test.modulus)
     for law in (_law(name, test.name, modulus) for name in COMPARED):
         displacement = (law.overlap(load) - law.overlap(top)) * MICRO
         draw_line(ax, displacement, load, name=law.name, label=f"{law.name}, elastic", lw=1.3)

@@ -36,7 +36,7 @@ class GraniteLaws(NamedTuple):
 
     def run(self, test):
         """The rough-plastic law through the last stage of a cone before its tip failed."""
-        return run_test(ROUGH_PLASTIC, (cone := self.test(test))._replace(stages=cone.stages[:4][-1:]))[0]
+        return run_test(ROUGH_PLASTIC, (cone := self.test(test))._replace(stages=cone.stages[:4][-1:]))
 
 
 def table(value, *axes, number="{:g} N"):

@@ -30,7 +30,7 @@ from demlaws.laws.family import CurveNumber, FamilyShape, shared_grid
 from demlaws.laws.hertz import HertzShape
 from demlaws.solvers.criterion import transition_force
 from demlaws.surface import HeightMap, read, self_affine
-from demlaws.surfaces.plausibility import warn_of_map
+from demlaws.surfaces.plausibility import doubts, warn_of_map
 
 _BITS = 6  # cells per octave
 _SAMPLES = 12  # cuts of the map per octave
@@ -195,7 +195,7 @@ def _map(surface):
             "law 'asperity' needs surface, a demlaws.surface.HeightMap (form removed) or the path of a map, "
             f"got {type(surface).__name__}"
         )
-    warn_of_map(surface)
+    warn_of_map(doubts(surface))
     return surface
 
 

@@ -35,11 +35,6 @@ def bulk_yield(contact: Contact, **options: Any) -> list[Limit]:
     return [Limit(0.0, float(yields), reason, pressure=True)]
 
 
-def no_kinks(params: Any, **options: Any) -> list[float]:
-    """Of a law whose stiffness is continuous and smooth: no overlaps."""
-    return []
-
-
 def no_limits(contact: Contact, **options: Any) -> list[Limit]:
     """Of a law that claims no range."""
     return []
@@ -272,7 +267,7 @@ class Loading(NamedTuple):
     """What first loading is computed from, and how."""
 
     needs: tuple = ()  # names of Contact fields that must be given
-    kinks: Callable = no_kinks  # params, **options → overlaps [m] where dK/dδ or K jumps: a table puts nodes there
+    kinks: Callable = lambda params, **_: []  # params, **options → overlaps [m] where dK/dδ or K jumps: nodes of a table
     computed: str = CLOSED
     bulk: Bulk | None = None  # of a law whose bulk yields
 
@@ -336,16 +331,10 @@ class Definition(NamedTuple):
         try:
             _signature(self.prepare).bind_partial(contact, **options)
         except TypeError as error:
-            wrong = [name for name in options if name not in self.options]
-            if wrong and self.options:
-                raise DemlawsError(
-                    f"law {self.name!r} has no option {wrong[0]!r}{did_you_mean(wrong[0], self.options)} Its options are "
-                    f"{', '.join(self.options)} (demlaws laws {self.name})"
-                ) from None
-            if wrong:
-                raise DemlawsError(f"law {self.name!r} has no options, got {wrong[0]!r}") from None
-            hint = f"its options are {', '.join(self.options)} (demlaws laws {self.name})"
-            raise DemlawsError(f"law {self.name!r}: {error}; {hint}") from None
+            wrong = next((name for name in options if name not in self.options), None)
+            text = f"{error}." if wrong is None else f"no option {wrong!r}{did_you_mean(wrong, self.options)}"
+            known = f"Its options are {', '.join(self.options)}" if self.options else "It has no options"
+            raise DemlawsError(f"law {self.name!r}: {text} {known} (demlaws laws {self.name})") from None
         options = self.read_options(options)
         self.refuse_missing(options)
         for field in self.loading.needs:

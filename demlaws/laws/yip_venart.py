@@ -22,11 +22,6 @@ from demlaws.laws.family import SEATING_SHARE, SMOOTH, CurveNumber, prepare, sea
 from demlaws.solvers.master_curves import PLASTIC_LAYER, yield_force
 
 
-def _number(contact):
-    """N_H = H_m/(E* √(σ/8R))."""
-    return CurveNumber(math.sqrt(8.0) * contact.hardness, -1.0, 0.5, -0.5)
-
-
 def _limits(contact, seating_share=SEATING_SHARE):
     if not np.all(np.asarray(contact.sigma) >= SMOOTH * np.asarray(contact.radius)):
         return []
@@ -44,7 +39,12 @@ def _limits(contact, seating_share=SEATING_SHARE):
 
 LAW = Definition(
     name="yip-venart",
-    prepare=lambda contact, seating_share=SEATING_SHARE: prepare(PLASTIC_LAYER, _number(contact), contact, seating_share),
+    prepare=lambda contact, seating_share=SEATING_SHARE: prepare(
+        PLASTIC_LAYER,
+        CurveNumber(math.sqrt(8.0) * contact.hardness, -1.0, 0.5, -0.5),  # N_H = H_m/(E* √(σ/8R))
+        contact,
+        seating_share,
+    ),
     equation="s(r) = d + r² + w(r) - w(0), p = H_m ½ erfc(s/√2), w from the elastic half-space",
     source="Yip & Venart 1971; Altuhafi, Baudet & Coop 2023, Eqs. 10–11",
     description="plastic crust of Gaussian asperities, solved",

@@ -367,11 +367,10 @@ class Response(BoundLaw):
         overlap, radius = float(overlap), float(np.broadcast_to(self._radius, self.contact.size or index + 1)[index])
         if not math.isfinite(overlap):
             return f"overlap is {overlap:g} m: give finite values"
-        if overlap > radius:
-            try:
-                check_overlaps(overlap, radius)
-            except DemlawsError as error:
-                return str(error)
+        try:
+            check_overlaps(overlap, radius)
+        except DemlawsError as error:
+            return str(error)
         return self._out_of_range(overlap)
 
     def _check_range(self, overlap, source=()):

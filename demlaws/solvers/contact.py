@@ -17,7 +17,7 @@ import numpy as np
 
 from demlaws.contact import smooth_overlap
 from demlaws.core.numba_compat import kernel, loop
-from demlaws.errors import DemlawsError, MapWarning, warn
+from demlaws.errors import DemlawsError, warn
 from demlaws.solvers.ellipsoid import (
     ALUMINIUM_FACTOR,
     ALUMINIUM_RATIO,
@@ -29,7 +29,7 @@ from demlaws.solvers.ellipsoid import (
     residual,
 )
 from demlaws.solvers.scan import AREA, EDGE, LIMIT, SPREAD, VOLUME, X0, Y0, X, Y, gather_patches, paraboloid, scan
-from demlaws.surfaces.plausibility import field_doubts
+from demlaws.surfaces.plausibility import field_doubts, warn_of_map
 from demlaws.units import as_typed, number
 
 
@@ -197,8 +197,7 @@ class RoughContact:
         self.plastic_factor = ALUMINIUM_FACTOR if self.plastic_factor is None else self.plastic_factor
         self.plastic_ratio = ALUMINIUM_RATIO if self.plastic_ratio is None else self.plastic_ratio
         if not self.flat:
-            for text in field_doubts(self.heights, self.pair.radius):
-                warn(f"height map: {text}", MapWarning)
+            warn_of_map(field_doubts(self.heights, self.pair.radius))
         self.material = plasticity(self.pair.modulus, hardness, self.poisson, self.plastic_factor, self.plastic_ratio)
         rows, columns = self.heights.shape
         px, py = self.heights.pixel_x, self.heights.pixel_y

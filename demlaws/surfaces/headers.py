@@ -1,4 +1,4 @@
-"""Headers of text files that instruments write: pixel size and unit of Keyence, MountainsMap, Wyko, Gwyddion and Zygo files."""
+"""Headers of text files: pixel size and unit of ESRI grids, Keyence, MountainsMap, Wyko, Gwyddion and Zygo files."""
 
 import re
 
@@ -27,7 +27,20 @@ def read_header_line(text, header):
         header["real units"] = match[1] != "0"
     if "real units" in header:
         return _wyko(text, header)
-    return _keyence(text, header) or _mountains(text, header)
+    return _keyence(text, header) or _mountains(text, header) or _esri(text, header)
+
+
+_ESRI = {"ncols": ("columns",), "nrows": ("rows",), "cellsize": ("dx", "dy")}
+
+
+def _esri(text, header):
+    """ESRI's grid, GDAL's with pixels that are not square: `dx` and `dy` in the unit of the file."""
+    match = re.fullmatch(
+        r"(ncols|nrows|xllcorner|yllcorner|xllcenter|yllcenter|cellsize|dx|dy|nodata_value)\s+(\S+)", text.lower()
+    )
+    if match:
+        header.update(dict.fromkeys(_ESRI.get(match[1], match.groups()[:1]), match[2]))
+    return match is not None
 
 
 def _wyko(text, header):

@@ -12,7 +12,7 @@ import numpy as np
 
 from demlaws import units
 from demlaws.contact import Surface
-from demlaws.errors import DemlawsError, MapWarning, warn
+from demlaws.errors import DemlawsError
 from demlaws.surfaces import plausibility
 
 UNITS = {**units.UNITS["m"], "µm": 1e-6, "μm": 1e-6}
@@ -361,11 +361,10 @@ class HeightMap:
         A `MapWarning` is issued for spikes, fillers, slopes above 1, and a Df out of this range.
         """
         dimension = None
-        plausibility.warn_of_map(self)
+        plausibility.warn_of_map(plausibility.doubts(self))
         if self.sq > 0 and min(self.shape) >= 64:
             measured = self.fractal_dimension_by_boxes(wavelengths)
-            for text in plausibility.dimension_doubts(measured, None):
-                warn(f"height map: {text}", MapWarning)
+            plausibility.warn_of_map(plausibility.dimension_doubts(measured, None))
             dimension = min(max(measured, 2.0), 3.0)
         return Surface(roughness=self.sq, fractal_dimension=dimension, hardness=hardness)
 

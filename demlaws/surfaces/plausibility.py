@@ -115,9 +115,9 @@ def field_doubts(heights, radius: float) -> list[str]:
     ]
 
 
-def warn_of_map(heights, scale: float = 1.0) -> None:
-    """Issue a `MapWarning` for each doubt."""
-    for text in doubts(heights, scale):
+def warn_of_map(found: list[str]) -> None:
+    """Issue a `MapWarning` for each doubt that one of these functions found."""
+    for text in found:
         warn(f"height map: {text}", MapWarning)
 
 

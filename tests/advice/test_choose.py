@@ -12,7 +12,7 @@ from examples import shared
 import demlaws as dl
 from demlaws.advice import modulus
 from demlaws.advice.choose import kept_cost, reference_plan
-from demlaws.advice.errors import error_of
+from demlaws.advice.errors import Sample, error_of
 from demlaws.advice.measured_costs import measured_costs
 from demlaws.advice.scene import samples
 from demlaws.cli import main
@@ -49,10 +49,19 @@ SCENES = {
 }
 
 
+def random_samples(scene, points, random):
+    """Contacts and loads of a scene that are not those of its grid."""
+    for sample in samples(scene):
+        low, high = np.log(sample.contact.radius[[0, -1]])
+        contact = sample.contact.with_values(radius=np.exp(random.uniform(low, high, points)))
+        smallest, largest = scene.force_range(contact)
+        yield Sample(contact, smallest * (largest / smallest) ** random.uniform(0.0, 1.0, points))
+
+
 def measured_error(choice, seed=7, points=4000):
     """The choice against the reference on contacts and loads that the prediction did not use."""
     reference, worst = choice.reference, 0.0
-    for sample in samples(choice.scene, points, np.random.default_rng(seed)):
+    for sample in random_samples(choice.scene, points, np.random.default_rng(seed)):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", dl.ValidityWarning)
             one = sample.contact.with_values(radius=float(sample.contact.radius[0]))

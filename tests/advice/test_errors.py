@@ -23,12 +23,11 @@ def on_sample(rule, contact=MANY):
 @pytest.mark.parametrize("form", ["closed form", "table"])
 def test_unloading_and_energy_are_those_of_one_contact(rule, form):
     many = on_sample(rule)
-    loaded = Loaded(many.tabulate(1e-5, 400.0) if form == "table" else many, SAMPLE)
-    state, force, _ = loaded.state_at(loaded.top)
-    assert force == pytest.approx(PEAK, rel=2e-5)
-    work, lost = loaded.energies(loaded.top)
+    loaded = Loaded(many.tabulate(1e-5, 400.0) if form == "table" else many, PEAK)
+    assert loaded.force == pytest.approx(PEAK, rel=2e-5)
+    work, lost = loaded.energies()
     for fraction in FRACTIONS:
-        assert loaded.again(loaded.unloaded(state, fraction * PEAK), state)[0] == pytest.approx(fraction * PEAK, rel=1e-7)
+        assert loaded.at(loaded.unloaded(fraction * PEAK))[0] == pytest.approx(fraction * PEAK, rel=1e-7)
     for i in (0, 6):
         one = on_sample(rule, GRANITE.with_values(radius=float(MANY.radius[i])))
         path = one.follow([float(loaded.top[i]), float(loaded.top[i]) * (1 - 1e-13)])
@@ -38,15 +37,14 @@ def test_unloading_and_energy_are_those_of_one_contact(rule, form):
 @pytest.mark.parametrize("name", [name for name, definition in registry().items() if not definition.needs_map])
 def test_overlap_of_work_is_the_inverse_of_energy(name):
     law = quiet(make, name)
-    one = Sample(law.contact, PEAK)
-    loaded = quiet(Loaded, law, one)
+    loaded = quiet(Loaded, law, PEAK)
     work = quiet(law.energy, quiet(law.overlap, np.geomspace(0.5, 200.0, 7)))
     assert quiet(law.energy, loaded.overlap_of_work(work)) == pytest.approx(work, rel=1e-11)
 
 
 def test_work_beyond_the_end_of_a_table_has_no_overlap():
     law = make("pohrt-popov").tabulate(1e-4, 50.0)
-    loaded = Loaded(law, Sample(law.contact, np.array([10.0, 10.0])))
+    loaded = Loaded(law, np.array([10.0, 10.0]))
     work = np.array([1.0, 1e3]) * law.energy(law.overlap(20.0))
     found = loaded.overlap_of_work(work)
     assert law.energy(float(found[0])) == pytest.approx(work[0], rel=1e-11)

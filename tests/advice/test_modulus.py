@@ -187,3 +187,13 @@ def test_what_is_not_known_is_refused():
 
 def test_the_kept_curves_are_those_of_the_kept_rows():
     assert fitted(study.load()) == measured_costs()["curves"]
+
+
+def test_a_law_that_cannot_be_softened_keeps_its_modulus():
+    """Of jackson-green no error of softer grains is predicted; a rate and a step are advised at full modulus."""
+    options = {"yield_strength": 1e9}
+    scene = scene_of(study.Run("yade", "cycles"), tolerance=0.3, reference="jackson-green", reference_options=options)
+    with pytest.raises(dl.DemlawsError, match="'jackson-green' cannot be softened"):
+        modulus.predict(PACKING, 10.0, law="jackson-green", options=options)
+    advice = modulus.recommend_modulus(scene, "jackson-green", options)
+    assert advice.factor == 1.0 and advice.error <= 0.3

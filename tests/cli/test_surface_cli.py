@@ -1,4 +1,6 @@
 import json
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -92,3 +94,12 @@ def test_options_that_are_refused_are_not_offered(capsys):
         cli.main(["surface", "--help"])
     text = capsys.readouterr().out
     assert "--young" in text and "--modulus" not in text and "--load" in text
+
+
+def test_a_figure_in_a_process_that_has_drawn_nothing(tmp_path):
+    """Its module is loaded with the figure."""
+    pytest.importorskip("matplotlib")
+    figure = tmp_path / "regime.png"
+    line = [sys.executable, "-m", "demlaws", "regime", *ALUMINIUM, "--sigma", "1.3um", "--load", "0.2", "--figure", str(figure)]
+    subprocess.run(line, check=True, capture_output=True)
+    assert figure.read_bytes().startswith(b"\x89PNG")

@@ -210,7 +210,7 @@ def test_goddard_against_pohrt_popov():
 
 def test_plastic_deformation_of_the_cone():
     """Proportional would be one ratio of deformation to load: it falls to half."""
-    run, _ = granite.run_test("rough-plastic", granite.find_test("RFC10"))
+    run = granite.run_test("rough-plastic", granite.find_test("RFC10"))
     rows = granite.stages_of(run)
     ratio = np.array([row.plastic_overlap / row.maximum_force for row in rows])
     assert list(q.proportion(TEXT).values()) == pytest.approx(list(ratio / ratio.mean()), rel=1e-6)
@@ -223,8 +223,8 @@ def test_plastic_deformation_of_the_cone():
 
 
 def test_two_cones_and_reloading():
-    small = granite.stages_of(granite.run_test("rough-plastic", granite.find_test("FC5"))[0])
-    cone = granite.stages_of(granite.run_test("rough-plastic", granite.find_test("RFC10"))[0])
+    small = granite.stages_of(granite.run_test("rough-plastic", granite.find_test("FC5")))
+    cone = granite.stages_of(granite.run_test("rough-plastic", granite.find_test("RFC10")))
     deformed = {round(row.maximum_force): row.plastic_overlap for row in cone}
     fourth = {f"{row.maximum_force:.0f} N": row.plastic_overlap for row in small if row.stage == 4}
     expected = {label: pytest.approx(value / deformed[int(label[:-2])], rel=1e-6) for label, value in fourth.items()}
