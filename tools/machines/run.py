@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Another Debian release in a folder of this machine: README's commands and the engine tests there.
+"""Another release of Debian or Ubuntu in a folder of this machine: README's commands and the engine tests there.
 
     sudo python3 tools/machines/run.py debian-13                    # everything
     sudo python3 tools/machines/run.py debian-sid --do granite      # only `make granite` on the bare system
@@ -19,6 +19,7 @@ import argparse
 import contextlib
 import fcntl
 import functools
+import hashlib
 import os
 import re
 import shutil
@@ -26,16 +27,24 @@ import signal
 import subprocess
 import sys
 import time
+import urllib.request
 from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parents[2]
 RELEASES = {"debian-12": "bookworm", "debian-13": "trixie", "debian-sid": "sid"}
+RELEASES |= {"ubuntu-22.04": "jammy", "ubuntu-24.04": "noble", "ubuntu-26.04": "resolute"}
+WITHOUT_YADE = ("noble",)
+OLD_LAMMPS = ("bookworm", "jammy", "noble")  # their package lmp has no GranularModel or an untested one
+UBUNTU = "http://archive.ubuntu.com/ubuntu"
+KEYRING = f"{UBUNTU}/pool/main/u/ubuntu-keyring/ubuntu-keyring_2021.03.26_all.deb"
+"""Has the key F6ECB3762474EDA9D21B7022871920D1991BC93C, with which Ubuntu signs its releases since 2018."""
+KEYRING_SHA256 = "0d0e7ed6b112f5d03eabf3c7eb01ebdacf9c57714b279e90495cfc58c8c4520f"
 STEPS = ("granite", "make-test", "checks", "tests")  # in this order; `make test` contains the engine tests and much else
 NO_ROOT = 75  # EX_TEMPFAIL of sysexits.h
 GIGABYTES = 9  # that must be free before a root is made; with engines, venv and pip's cache it holds about 5
 DAYS = 7  # after which a kept root is made again
 TRIES = 3
-LAMMPS = "/usr/bin/lmp"  # of the release's own package; Debian 12's is too old for granular models
+LAMMPS = "/usr/bin/lmp"  # of the release's own package
 INSIDE = "/home/demlaws"  # the clone, as seen in the root
 BUNDLE = "/etc/ssl/certs/ca-certificates.crt"
 CERTIFICATES = "/etc/host-certificates.crt"  # the host's, as seen in the root
@@ -131,10 +140,10 @@ NAMESPACE = ["setpriv", "--pdeathsig", "KILL", "unshare", "-mpf", "--kill-child"
 
 
 class Root:
-    """A Debian release under `path`."""
+    """A release of Debian or Ubuntu under `path`."""
 
     def __init__(self, release, folder, ends):
-        self.suite = RELEASES[release]
+        self.suite, self.ubuntu = RELEASES[release], release.startswith("ubuntu")
         self.path = folder / release
         self.mark = folder / f"{release}.json"  # a root without it is not ours to remove; {}: not yet whole
         self.scratch = folder / f"{release}.tmp"  # what mmdebstrap would leave in /tmp when it is interrupted
@@ -204,13 +213,13 @@ class Root:
             raise NoRoot(f"{free:.1f} GB are free in {self.path.parent}, a root needs {GIGABYTES}: --folder names another")
         line = ["mmdebstrap", "--mode=root", "--variant=apt", "--quiet", "--dpkgopt=force-unsafe-io"]
         line += [f"--aptopt={option}" for option in apt_options(self.suite)]
-        line += [self.suite, str(self.path), *filter(None, [mirror()])]
+        archive = [] if self.ubuntu else [self.suite, str(self.path), *filter(None, [mirror()])]
 
         def once():
             self.remove()
             self.mark.write_text("{}")
             self.scratch.mkdir()
-            return self.start(line, {**os.environ, "TMPDIR": str(self.scratch)})
+            return self.start(line + (archive or self.of_ubuntu()), {**os.environ, "TMPDIR": str(self.scratch)})
 
         if status := self.tries(once, f"{self.suite}: mmdebstrap"):
             self.remove()
@@ -219,6 +228,22 @@ class Root:
         self.fetch("apt-get", "install", "-y", "-qq", "git", "make")
         shutil.rmtree(self.scratch)
         self.mark.write_text(f'{{"suite": "{self.suite}"}}')
+
+    def of_ubuntu(self):
+        """Arguments of mmdebstrap for a release of Ubuntu: keys, suite, folder and archive."""
+        package = self.scratch / "ubuntu-keyring.deb"
+        try:
+            with urllib.request.urlopen(KEYRING, timeout=60) as answer:
+                package.write_bytes(answer.read())
+        except OSError as error:
+            raise NoRoot(f"{KEYRING}: {error}") from None
+        digest = hashlib.sha256(package.read_bytes()).hexdigest()
+        if digest != KEYRING_SHA256:
+            raise NoRoot(f"{KEYRING} has the SHA-256 {digest}, not {KEYRING_SHA256}: its keys are not trusted")
+        subprocess.run(["dpkg-deb", "-x", package, self.scratch / "keyring"], check=True)
+        keys = self.scratch / "keyring" / "usr" / "share" / "keyrings" / "ubuntu-archive-keyring.gpg"
+        lines = [f"deb {UBUNTU} {suite} main universe" for suite in (self.suite, f"{self.suite}-updates")]
+        return [f"--keyring={keys}", self.suite, str(self.path), *lines]
 
     def fetch(self, *command):
         """A command that needs nothing but the archive: where it fails, the network is to blame."""
@@ -253,10 +278,10 @@ class Root:
 # --- the steps
 
 
-def make(root, target, fetched):
+def make(root, target, fetched, *options):
     """`make target`, again while the network may be what breaks it: until the file `fetched` is there."""
     fetched = root.path / fetched[1:]
-    status = root.tries(lambda: root.run("make", target, folder=INSIDE), f"make {target}", fetched.exists)
+    status = root.tries(lambda: root.run("make", target, *options, folder=INSIDE), f"make {target}", fetched.exists)
     if not fetched.exists() and root.run("apt-get", "update", "-qq", "-o", "APT::Update::Error-Mode=any"):
         raise NoRoot(f"make {target} failed and the archive cannot be reached")
     if status or not fetched.exists():
@@ -265,10 +290,10 @@ def make(root, target, fetched):
 
 def prepare(root):
     """The engines' packages and the venv of the tests."""
-    make(root, "engines", "/usr/bin/liggghts")  # apt installs all of them or none
+    make(root, "engines", "/usr/bin/liggghts")  # apt installs all that there are, or none
     make(root, "engines", f"{INSIDE}/.venv-lammps/bin/lmp")
     make(root, ".venv/.test", f"{INSIDE}/.venv/.test")
-    if root.suite != "bookworm":
+    if root.suite not in OLD_LAMMPS:
         root.fetch("apt-get", "install", "-y", "-qq", "lammps")
     root.run("apt-get", "clean")
 
@@ -286,16 +311,17 @@ def steps(root, wanted, pytest_arguments):
     if "granite" in wanted:
         plan.append(("make granite", lambda: make(root, "granite", f"{INSIDE}/.venv/.plots")))
     if "make-test" in wanted:
-        plan.append(("make test", lambda: make(root, "test", f"{INSIDE}/.venv/.test")))
+        options = ["PYTEST=-m 'not slow and not yade'"] if root.suite in WITHOUT_YADE else []
+        plan.append(("make test", lambda: make(root, "test", f"{INSIDE}/.venv/.test", *options)))
     if {"checks", "tests"} & set(wanted):
         plan.append(("(engines and venv)", lambda: prepare(root)))
     if "checks" in wanted:
-        for engine in ("yade", "liggghts", "lammps"):
+        for engine in ("yade", "liggghts", "lammps")[root.suite in WITHOUT_YADE :]:
             plan.append((f"demlaws {engine} check", functools.partial(must, root, ".venv/bin/demlaws", engine, "check")))
         row = functools.partial(must, root, ".venv/bin/python", "tools/machines/versions.py")
         plan.append(("versions, first plot of the wheel", row))
     if "tests" in wanted:
-        tests = pytest_arguments or ["tests/engines"]
+        tests = pytest_arguments or ["tests/engines", *(["-m", "not yade"] if root.suite in WITHOUT_YADE else [])]
         line = (".venv/bin/python", "-m", "pytest", "-q", "-n", str(os.cpu_count()), *tests)
         plan.append((f"pytest {' '.join(tests)}", functools.partial(must, root, *line)))
     return plan
