@@ -289,6 +289,9 @@ class Binding:
         for name, default in native.find_layout().unknown.items():
             if getattr(functor, name) != default:
                 raise DemlawsError(f"{name}={not default} cannot be used with a demlaws law, which does not know this option")
+        for name in native.OPTIONS if native.find_layout().own_slip else ():
+            if getattr(functor, name):
+                raise DemlawsError(f"{name}=True cannot be used with a demlaws law in this YADE: {reports.OWN_SLIP}")
 
     def roughness_text(self, first, second, radius):
         """Finding of `judge` on the roughness of a pair of materials' labels, with that of each surface; None: nothing."""

@@ -10,9 +10,9 @@ import mmap
 import numpy as np
 from numpy.lib.recfunctions import repack_fields
 
-FAULTS = 14
+FAULTS = 15
 WRONG_CLASS, NOT_FINITE, WRONG_CONTACT, TOO_ROUGH, TOO_DEEP, WRONG_MODULUS = range(6)
-NO_ROW, LOST_ROW, FLAT_GAP, NO_CURVATURE, CHANGED, SET_SHEAR, UNGUARDED, FRICTION = range(6, FAULTS)
+NO_ROW, LOST_ROW, FLAT_GAP, NO_CURVATURE, CHANGED, SET_SHEAR, UNGUARDED, FRICTION, NATIVE_STEP = range(6, FAULTS)
 UNLISTED, UNKNOWN_SHAPE, SHARED, DEEP, UNJUDGED = range(FAULTS, FAULTS + 5)
 """Kinds of notes of native code for the guard: faults, which stop the run, and others."""
 NOTES = FAULTS + 5
@@ -65,6 +65,8 @@ _CHOICES = (
     "plane_flats",  # 1: R of a sphere on a facet, wall or box is the sphere's radius
     "radius_mode",
     "own_step",  # 1: where possible a contact step without the native function (`mindlin`), 0: never, for tests
+    "native_step",  # 1: the native function acts on the other contacts; 0: these are a fault
+    "slip_of_yade",  # 1: the displacement of a step is not corrected, for the self-test
     "may_be_unlisted",  # 1: materials without a surface are meant so
     "by_pressure",  # 1: the code has the friction of MindlinPhysCDM
 )

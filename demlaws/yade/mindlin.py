@@ -2,7 +2,7 @@
 force, viscous damping, Coulomb's limit, forces and torques on the bodies. Every attribute is left as YADE leaves it.
 
 `advance` does this for a contact where it can (`own_step`), and calls the native `go` for includeMoment, includeAdhesion,
-calcEnergy and neverErase, for the first step of a contact, and for contacts that share their physics.
+calcEnergy and neverErase, and for contacts that share their physics.
 """
 
 from typing import NamedTuple
@@ -13,8 +13,8 @@ from demlaws.core.dispatch import generic
 from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import kernel
 from demlaws.core.vectors import assign, cross, dot, minus_scaled, scaled, vector
-from demlaws.yade import objects
-from demlaws.yade.records import c_function, on_stack, pointee, view
+from demlaws.yade import layout, objects
+from demlaws.yade.records import c_function, on_stack, pointee, record_fault, view
 
 _ADDRESS, _NUMBER = types.int64, types.int32
 call_go = c_function(types.uint8, *[_ADDRESS] * 4)
@@ -162,6 +162,8 @@ def own_step(mode, context, contact, geom, phys, row):
     root = sqrt(geom.penetrationDepth)
     phys.kn = 1.5 * phys.kno * root
     phys.ks = phys.kso * root
+    if not row.overlap > 0.0:
+        keep_first_overlap(phys, geom.penetrationDepth)
     normal_force = phys.kno * geom.penetrationDepth * root
     assign(phys.normalForce, scaled(normal_force, vector(geom.normal)))
     damped = phys.betan != 0.0 or phys.betas != 0.0
@@ -196,11 +198,19 @@ def exponent_of_damping(phys):
     """Exponent of another kind of viscous damping, which some versions of YADE have; 0: not used."""
 
 
+def _keep_first_overlap(phys, overlap):
+    phys.initD = overlap
+
+
+@generic(lambda phys, _: _keep_first_overlap if "initD" in phys.fields else lambda phys, overlap: None)
+def keep_first_overlap(phys, overlap):
+    """Note the overlap of a contact's first step, where YADE is built with partial saturation."""
+
+
 @kernel
 def supports_options(context, contact, geom, phys, row):
-    """Whether `own_step` does what the native law would do: the functor has no option, the contact is not new, no other contact
-    has its physics."""
-    if not (context.own_step != 0 and geom.penetrationDepth > 0.0 and row.overlap > 0.0):
+    """Whether `own_step` does what the native law would do: the functor has no option, no other contact has its physics."""
+    if not (context.own_step != 0 and geom.penetrationDepth > 0.0):
         return False
     law = view(contact.functor - context.functor_offset, objects.Functor)
     return row.interaction == contact.interaction and law.options == 0 and exponent_of_damping(phys) == 0.0
@@ -286,6 +296,8 @@ def advance(mode, context, contact, row):
     geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
     if supports_options(context, contact, geom, phys, row):
         return own_step(mode, context, contact, geom, phys, row)
+    if context.native_step == 0 and geom.penetrationDepth > 0.0:
+        record_fault(context, layout.NATIVE_STEP, view(contact.interaction, objects.Interaction), 0.0)
     betas = phys.betas
     before_native_step(mode, context, contact)
     keep = native_go(context, contact)

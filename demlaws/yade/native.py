@@ -64,7 +64,8 @@ APPLY = f"_ZN4yade10LawFunctor24applyForceAtContactPointE{CONST_VECTOR}S5_iS5_iS
 OPTIONS = ("includeAdhesion", "calcEnergy", "includeMoment", "neverErase")
 """Options of Mindlin's law with which `mindlin.own_step` is not used."""
 SLIP_OF_ITS_OWN = "preventGranularRatcheting"
-"""Option of versions whose native law does not read ScGeom.shearInc; newer ones accept the name as `nothing`."""
+"""Option of versions (2022.01a) whose native law does not read ScGeom.shearInc, into which the correction of a step is written:
+under load only `mindlin.own_step` acts. Newer ones accept the name as `nothing`."""
 DAMPING_EXPONENTS = ("alpha", "beta")
 """Names that MindlinPhys had for the exponent of another viscous damping."""
 SINGLE_BASE = "_ZTVN10__cxxabiv120__si_class_type_infoE"
@@ -135,6 +136,8 @@ class Layout:
         }
         found["ScGeom"]["vtable"] = found["MindlinPhys"]["vtable"] = "i8", 0
         found["MindlinPhys"]["isSliding"] = "u1", find_flag(yade.MindlinPhys(), "isSliding")
+        if hasattr(yade.MindlinPhys, "initD"):  # where YADE is built with partial saturation
+            found["MindlinPhys"]["initD"] = "f8", find_number(yade.MindlinPhys, "initD")
         for name in DAMPING_EXPONENTS:
             if hasattr(yade.MindlinPhys, name):
                 found["MindlinPhys"]["damping_exponent"] = "f8", find_number(yade.MindlinPhys, name)
@@ -209,11 +212,7 @@ class Layout:
         if symbol_at(base_kind - 16) != SINGLE_BASE or parent != symbol(self.core, "_ZTIN4yade10LawFunctorE"):
             raise BridgeUnavailable(f"{LAW} does not begin with a LawFunctor")
         flags = {name: value for name, value in functor.dict().items() if isinstance(value, bool)}
-        if SLIP_OF_ITS_OWN in flags:
-            raise BridgeUnavailable(
-                f"{LAW} of this YADE computes the slip by itself (option {SLIP_OF_ITS_OWN}), on facets and walls as between "
-                "spheres; the bridge needs ScGeom.shearInc, which YADE 2023.02a and newer use"
-            )
+        self.own_slip = SLIP_OF_ITS_OWN in flags
         self.unknown = {name: value for name, value in flags.items() if name not in (*OPTIONS, "nothing")}
         options = sorted(find_flag(functor, name) for name in OPTIONS)
         if options != list(range(options[0], options[0] + 4)):
@@ -366,7 +365,8 @@ class Attachment:
         for name, classes in (("geometry", found.geometries), ("round_shape", found.round_shapes)):
             context[f"{name}_classes"][: len(classes)] = classes
             context[f"{name}_count"] = len(classes)
-        context["own_step"], context["by_pressure"] = 1, isinstance(pairs.friction.tag, ByPressure)
+        context["own_step"], context["native_step"] = 1, not found.own_slip
+        context["by_pressure"] = isinstance(pairs.friction.tag, ByPressure)
         context["surfaces"], context["labels"] = len(pairs.labels), pairs.encoded_labels.ctypes.data
         context["label_size"] = pairs.encoded_labels.itemsize
         context["pair_numbers"], context["pairs"] = pairs.numbers.ctypes.data, pairs.records.ctypes.data

@@ -28,7 +28,14 @@ def unlisted_text(binding, bodies, missing):
     )
 
 
+OWN_SLIP = (
+    f"it needs YADE's own contact step, whose slip is not ScGeom.shearInc in YADE {yade.config.version}; use 2023.02a or newer"
+)
 MESSAGES = {
+    layout.NATIVE_STEP: (
+        " has the physics of another contact (at a joint of a chain), a damping by alpha, or a functor with an option: "
+        f"{OWN_SLIP}"
+    ),
     layout.UNGUARDED: (
         " was computed by a functor that has no guard in the scene, and got no force: give the law to an InteractionLoop in "
         "O.engines (engines within an integrator are not served)"

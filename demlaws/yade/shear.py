@@ -53,6 +53,8 @@ def synchronise(mode, context, contact, row):
 
 @kernel
 def _to_half_step(mode, context, contact, row):
+    if context.slip_of_yade != 0:
+        return
     geom, law = view(contact.geom, objects.ScGeom), view(contact.functor - context.functor_offset, objects.Functor)
     scene, interaction = view(law.scene, objects.Scene), view(contact.interaction, objects.Interaction)
     first, second = view(contact.first, objects.State), view(contact.second, objects.State)

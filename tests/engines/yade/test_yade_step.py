@@ -4,7 +4,22 @@ import ctypes
 
 import numpy as np
 import pytest
-from yade_scenes import engine_list, functor, interaction_loop, material, sphere, under_yade, yade
+from yade_scenes import (
+    advance,
+    engine_list,
+    fixed_pair,
+    functor,
+    interaction_loop,
+    material,
+    set_engines,
+    sphere,
+    stops,
+    under_yade,
+    yade,
+)
+
+from demlaws.errors import DemlawsError
+from demlaws.yade import native
 
 STEPS = 250
 OPTIONS = [{"calcEnergy": True}, {"includeMoment": True}, {"neverErase": True}]
@@ -137,6 +152,43 @@ def test_damped_periodic_and_where_the_native_go_acts(omega, case):
     assert share > 0.55 if options else 0.0 < share < 0.1
     if damping:
         assert np.abs(stock["normalViscous"]).max() > 0.0 or np.abs(stock["shearViscous"]).max() > 0.0
+
+
+@pytest.fixture
+def own_slip(monkeypatch):
+    """As YADE 2022.01a, whose native law does not read ScGeom.shearInc."""
+    monkeypatch.setattr(native.find_layout(), "own_slip", True)
+
+
+def test_a_native_law_with_a_slip_of_its_own_acts_on_no_contact(omega, own_slip):
+    """It is asked only where a contact ends, and what our step leaves is what stock Mindlin leaves."""
+    stock, law = seen(box_of_stones(yade.Law2_ScGeom_MindlinPhys_Mindlin())), hertz()
+    calls = Counted(law)
+    assert_same(seen(box_of_stones(law)), stock)
+    assert 0 < calls.calls < 0.05 * contact_steps(stock)
+
+
+@pytest.mark.parametrize("option", ["calcEnergy", "includeMoment", "neverErase"])
+def test_options_that_need_a_native_step_with_another_slip_are_refused(omega, own_slip, option):
+    refused = f"{option}=True cannot .* in this YADE: it needs YADE's own contact step, whose slip is not ScGeom.shearInc"
+    with pytest.raises(DemlawsError, match=refused):
+        functor(**{option: True})
+    law = functor()
+    omega.bodies.append(fixed_pair(material()))
+    set_engines(law)
+    advance(3)
+    setattr(law, option, True)
+    stops(refused)
+
+
+def test_a_contact_that_needs_a_native_step_with_another_slip_stops_the_run(omega, own_slip, monkeypatch):
+    monkeypatch.setattr(native, "OPTIONS", ())  # the guard does not look at them
+    law = functor()
+    omega.bodies.append(fixed_pair(material()))
+    set_engines(law)
+    advance(3)
+    law.includeMoment = True
+    stops("a damping by alpha, or a functor with an option: it needs YADE's own contact step")
 
 
 @pytest.mark.parametrize("shear", ["elastic", "slip"])

@@ -489,11 +489,11 @@ def test_a_flag_of_another_version_may_keep_its_default(bridge, omega):
     assert found.unknown == {"flagOfTomorrow": True} and bridge.find_layout().unknown == {}
 
 
-def test_a_native_law_with_a_slip_of_its_own_is_refused(bridge, omega):
-    """YADE 2022.01a: shearInc, and with it our correction, would have no effect."""
+def test_a_native_law_with_a_slip_of_its_own_is_known(bridge, omega):
+    """YADE 2022.01a: its law does not read shearInc, and our correction has no effect on it."""
     other, found = with_flag(bridge, "preventGranularRatcheting")
-    with pytest.raises(bridge.BridgeUnavailable, match=r"computes the slip by itself \(option preventG.*2023.02a and newer"):
-        found._find_options(other)
+    found._find_options(other)
+    assert found.own_slip and found.unknown == {"preventGranularRatcheting": True}
 
 
 def test_a_flag_that_demlaws_does_not_know_is_refused(omega, bridge, monkeypatch):
