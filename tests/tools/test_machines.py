@@ -41,6 +41,16 @@ def test_engines_of_a_system_without_yade(system):
     assert "yade" not in asked[1].split()
 
 
+def test_the_environment_gets_a_pip_that_builds_apart_from_the_system(tmp_path):
+    python, log = tmp_path / "python", tmp_path / "log"
+    made = f"{{ mkdir -p {tmp_path}/venv/bin; cp {python} {tmp_path}/venv/bin/; }}"
+    python.write_text(f'#!/bin/sh\necho "$@" >> {log}\n[ "$2" != venv ] || {made}')
+    python.chmod(0o755)
+    line = ["make", "--no-print-directory", f"{tmp_path}/venv/bin/python", f"VENV={tmp_path}/venv", f"PYTHON={python}"]
+    subprocess.run(line, cwd=ROOT, check=True, capture_output=True)
+    assert next(words for words in log.read_text().splitlines() if words.startswith("-m pip install")).endswith(" pip>=23")
+
+
 def test_keys_of_ubuntu_that_are_not_those_known_are_refused(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(ROOT / "tools" / "machines")
     import run
