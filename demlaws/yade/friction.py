@@ -10,7 +10,7 @@ from demlaws.core.shear import friction_at, mean_pressure
 from demlaws.core.unloading import Thornton
 from demlaws.errors import DemlawsError, did_you_mean
 from demlaws.yade import objects
-from demlaws.yade.records import view
+from demlaws.yade.records import type_of, view
 
 OF_MATERIALS = "materials"
 """The choice of the c1 and c2 of FrictMatCDM."""
@@ -37,7 +37,7 @@ def _by_pressure(friction, context, phys, phys_address, pair, row, rule, shape, 
         return
     mu0, c1, c2 = pair.mu0, pair.c1, pair.c2
     if mu0 != mu0:
-        if phys.vtable != context.conical:
+        if type_of(phys.vtable) != context.conical:
             return
         conical = view(phys_address, objects.MindlinPhysCDM)
         mu0, c1, c2 = conical.mu0, conical.c1, conical.c2

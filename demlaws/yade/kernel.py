@@ -33,6 +33,7 @@ from demlaws.yade.records import (
     read_floats,
     record_fault,
     request_guard,
+    type_of,
     view,
     write_floats,
 )
@@ -104,15 +105,15 @@ def effective_radius(radius1, radius2):
 @kernel
 def is_flat(context, body):
     """Whether a body's shape is a facet, a wall or a box."""
-    vtable = pointee(body.shape)
-    return vtable == context.facet or vtable == context.wall or vtable == context.box
+    shape = type_of(pointee(body.shape))
+    return shape == context.facet or shape == context.wall or shape == context.box
 
 
 @kernel
-def is_among(vtable, classes, count):
-    """Whether an object that begins with this word is of one of the classes."""
+def is_among(kind, classes, count):
+    """Whether a type is that of one of the classes."""
     for n in range(count):  # noqa: SIM110  compiled code has no generators
-        if classes[n] == vtable:
+        if classes[n] == kind:
             return True
     return False
 
@@ -120,7 +121,7 @@ def is_among(vtable, classes, count):
 @kernel
 def has_no_radius(context, body):
     """Whether a body's shape is neither a flat nor one with a radius of its own."""
-    return not is_among(pointee(body.shape), context.round_shape_classes, context.round_shape_count) and not is_flat(
+    return not is_among(type_of(pointee(body.shape)), context.round_shape_classes, context.round_shape_count) and not is_flat(
         context, body
     )
 
@@ -332,7 +333,7 @@ def make_row(kind, context, pairs, row_dtype, geom, phys, interaction, phys_addr
     if place == 0:
         record_fault(context, layout.NO_ROW, interaction, 0.0)
         return 0
-    if context.by_pressure == 0 and phys.vtable == context.conical:
+    if context.by_pressure == 0 and type_of(phys.vtable) == context.conical:
         c1 = view(phys_address, objects.MindlinPhysCDM).c1
         if c1 != 0.0:
             record_fault(context, layout.FRICTION, interaction, c1)
@@ -436,8 +437,9 @@ def go(kind, params_kind, shear, mode, rule, friction, pair_dtype, row_dtype, co
     phys_address = pointee(contact.phys_pointer)
     geom, phys = view(contact.geom, objects.ScGeom), view(phys_address, objects.MindlinPhys)
     interaction = view(contact.interaction, objects.Interaction)
-    known = phys.vtable == context.physics or phys.vtable == context.capillary or phys.vtable == context.conical
-    if not (known and is_among(geom.vtable, context.geometry_classes, context.geometry_count)):
+    physics = type_of(phys.vtable)
+    known = physics == context.physics or physics == context.capillary or physics == context.conical
+    if not (known and is_among(type_of(geom.vtable), context.geometry_classes, context.geometry_count)):
         return unknown_class(context, contact, interaction)
     overlap = -1.0 if geom.penetrationDepth == -math.inf else geom.penetrationDepth  # newer YADE: level sets apart
     row_address = np.int64(phys.prevU[1])
@@ -466,7 +468,7 @@ def go(kind, params_kind, shear, mode, rule, friction, pair_dtype, row_dtype, co
         phys.kno, phys.kso = coefficients(force, sideways, overlap, row.ratio)
         row.written = phys.kno + phys.kso
         tangential = phys.kso * math.sqrt(overlap)
-        if phys.vtable == context.conical:
+        if physics == context.conical:
             keep_radius(rule, phys_address, row, overlap, new)
     elif overlap - overlap != 0.0:
         record_fault(context, layout.NOT_FINITE, interaction, overlap)  # NaN: a body's position is not finite

@@ -27,7 +27,7 @@ UNSEEN, SEEN, REPORTED = 0, 1, 2
 """Values of `seen` of a kind of notes; a fault that was reported is not noted again."""
 
 MOST_CLASSES = 8
-"""Classes of geometry or shapes of which a context can have the tables of virtual functions."""
+"""Classes of geometry or shapes of which a context can have the types."""
 
 ROWS_BITS, BLOCKS_BITS = 14, 14
 ROWS, BLOCKS = 2**ROWS_BITS, 2**BLOCKS_BITS
@@ -43,7 +43,7 @@ _CLASSES = (
     "facet",
     "wall",
     "box",
-)  # addresses of tables of virtual functions: how objects begin
+)  # addresses of types
 _TABLES = (
     "surfaces",  # number of surfaces: of labels, and the unlisted materials
     "labels",  # address of the surfaces' labels, in UTF-8, each filled up with zeros to `label_size` bytes

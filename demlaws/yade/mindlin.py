@@ -21,8 +21,8 @@ call_go = c_function(types.uint8, *[_ADDRESS] * 4)
 """bool Law2::go(shared_ptr<IGeom>&, shared_ptr<IPhys>&, Interaction*)."""
 call_body_by_id = c_function(_ADDRESS, _NUMBER, _ADDRESS)
 """const shared_ptr<Body>& Body::byId(int, Scene*); scene 0: the current one."""
-call_apply_force = c_function(types.void, _ADDRESS, _ADDRESS, _ADDRESS, _NUMBER, _ADDRESS, _NUMBER, _ADDRESS)
-"""void LawFunctor::applyForceAtContactPoint(force, point, id, position, id, position)."""
+call_apply_force = c_function(types.void, _ADDRESS, _ADDRESS, _NUMBER, _ADDRESS, _NUMBER, _ADDRESS, _ADDRESS)
+"""void Shop::applyForceAtContactPoint(force, point, id, position, id, position, scene)."""
 NO_DEGREES_OF_FREEDOM = 63
 """State.blockedDOFs of a body that is not dynamic."""
 
@@ -140,7 +140,7 @@ def shear_damping(context, contact, phys, increment):
 
 
 @kernel
-def apply_forces(context, contact, law, geom, interaction, first, second, force):
+def apply_forces(context, law, geom, interaction, first, second, force):
     """Add the force on the first body and its reaction, with their torques, to the bodies."""
     scene = view(law.scene, objects.Scene)
     point, place1, place2 = geom.contactPoint.ctypes.data, first.pos.ctypes.data, second.pos.ctypes.data
@@ -149,8 +149,7 @@ def apply_forces(context, contact, law, geom, interaction, first, second, force)
         point = on_stack((0.0, 0.0, 0.0))
         place1 = on_stack(scaled(half - geom.refR1, normal))
         place2 = on_stack(scaled(geom.refR2 - half, normal))
-    functor = contact.functor - context.functor_offset
-    call_apply_force(context.apply_force, (functor, on_stack(force), point, interaction.id1, place1, interaction.id2, place2))
+    call_apply_force(context.apply_force, (on_stack(force), point, interaction.id1, place1, interaction.id2, place2, law.scene))
 
 
 @kernel
@@ -189,7 +188,7 @@ def own_step(mode, context, contact, geom, phys, row):
     shear_force = minus_scaled(shear_force, 1.0, viscous)
     assign(phys.shearForce, shear_force)
     force = minus_scaled(scaled(-1.0, vector(phys.normalForce)), 1.0, shear_force)
-    apply_forces(context, contact, law, geom, interaction, first, second, force)
+    apply_forces(context, law, geom, interaction, first, second, force)
     return 1
 
 

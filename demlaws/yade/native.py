@@ -43,12 +43,12 @@ from demlaws.yade.search import (
     find_string,
     find_vector,
     find_word,
-    first_word,
     mapped,
     mapped_until,
     read_memory,
     symbol,
     symbol_at,
+    type_of,
     window,
 )
 
@@ -60,7 +60,8 @@ TABLE = f"_ZTVN4yade{len(LAW)}{LAW}E"
 BODY_BY_ID = "_ZN4yade4Body4byIdEiPNS_5SceneE"
 CONST_VECTOR = "RKN5Eigen6MatrixIdLi3ELi1ELi0ELi3ELi1EEE"
 ROTATE = f"_ZNK4yade6ScGeom6rotateE{CONST_VECTOR.replace('K', '', 1)}"
-APPLY = f"_ZN4yade10LawFunctor24applyForceAtContactPointE{CONST_VECTOR}S5_iS5_iS5_"
+APPLY = f"_ZN4yade4Shop24applyForceAtContactPointE{CONST_VECTOR}S5_iS5_iS5_PNS_5SceneE"
+"""Not that of LawFunctor, which is inline: with link-time optimisation (Ubuntu's packages) no library exports it."""
 OPTIONS = ("includeAdhesion", "calcEnergy", "includeMoment", "neverErase")
 """Options of Mindlin's law with which `mindlin.own_step` is not used."""
 SLIP_OF_ITS_OWN = "preventGranularRatcheting"
@@ -104,7 +105,7 @@ class Layout:
         self.addresses = self._find_classes() | {
             "go": self.slot[2],
             "body_by_id": symbol(self.core, BODY_BY_ID),
-            "apply_force": symbol(self.library, APPLY),
+            "apply_force": symbol(ctypes.CDLL(mapped("/libpre_dem.so")), APPLY),
             "functor_offset": self.slot[0],
         }
         members = self.find_members()
@@ -156,23 +157,23 @@ class Layout:
         return found
 
     def _find_classes(self):
-        """Tables of virtual functions of the classes that native code knows; raises unless derived classes have the members
+        """Types of the classes that native code knows; raises unless derived classes have the members
         where their bases have them."""
         names = {"physics": "MindlinPhys", "facet": "Facet", "wall": "Wall", "box": "Box"}
-        addresses = {name: first_word(getattr(yade, cls)) for name, cls in names.items()}
+        addresses = {name: type_of(getattr(yade, cls)) for name, cls in names.items()}
         addresses["capillary"] = addresses["physics"]
         if hasattr(yade, "MindlinCapillaryPhys"):  # where YADE is built with capillarity
             self._same_places(yade.MindlinCapillaryPhys, yade.MindlinPhys, ("kn", "kno", "kso"))
-            addresses["capillary"] = first_word(yade.MindlinCapillaryPhys)
+            addresses["capillary"] = type_of(yade.MindlinCapillaryPhys)
         addresses["conical"] = 0
         if hasattr(yade, "MindlinPhysCDM"):
             self._same_places(yade.MindlinPhysCDM, yade.MindlinPhys, ("kn", "kno", "kso", "tangensOfFrictionAngle"))
-            addresses["conical"] = first_word(yade.MindlinPhysCDM)
+            addresses["conical"] = type_of(yade.MindlinPhysCDM)
         geometries = [getattr(yade, name) for name in GEOMETRIES if hasattr(yade, name)]
         for cls in geometries:
             self._same_places(cls, yade.ScGeom, ("penetrationDepth", "refR1", "refR2"))
-        self.geometries = [first_word(cls) for cls in geometries]
-        self.round_shapes = [first_word(getattr(yade, name)) for name in ROUND_SHAPES if hasattr(yade, name)]
+        self.geometries = [type_of(cls) for cls in geometries]
+        self.round_shapes = [type_of(getattr(yade, name)) for name in ROUND_SHAPES if hasattr(yade, name)]
         return addresses
 
     @staticmethod

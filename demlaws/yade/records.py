@@ -172,6 +172,12 @@ def request_guard(context):
         array(context.guard_counter, 1, np.int64)[0] = 0
 
 
+@kernel
+def type_of(first_word):
+    """Address of the type of an object of C++ that begins with this word."""
+    return pointee(first_word - 8)
+
+
 @not_inlined
 def record_fault(context, kind, interaction, value):
     """Note something of a contact for the guard, which runs before the next step; a fault stops the run there."""

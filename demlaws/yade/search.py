@@ -130,7 +130,7 @@ def mapped(file_end):
     if len(paths) != 1:
         raise BridgeUnavailable(
             f"{len(paths)} loaded libraries are named {file_end[1:]}, not one: the bridge needs the shared libraries "
-            "libyade.so and libpkg_dem.so, of YADE 2023.02a or newer (up to 2021 YADE is one library)"
+            "libyade.so, libpkg_dem.so and libpre_dem.so, of YADE 2022.01a or newer (up to 2021 YADE is one library)"
         )
     return paths.pop()
 
@@ -196,14 +196,18 @@ def find_word(thing, target):
     return _only(places, f"the address of {type(target).__name__} in {type(thing).__name__}")
 
 
-def first_word(cls):
-    """Address of the table of virtual functions with which objects of a class begin."""
+def type_of(cls):
+    """Address of a class's type, which is before the table of virtual functions with which its objects begin.
+
+    With link-time optimisation each library may have a table of its own; the type is one.
+    """
     thing = cls()  # referenced while it is read
     first = memory_at(window(thing)[0]).value
-    name = f"_ZTVN4yade{len(cls.__name__)}{cls.__name__}E"
-    if symbol_at(first - 16) != name:
-        raise BridgeUnavailable(f"{cls.__name__} does not begin with its table of virtual functions {name}")
-    return first
+    mapped_until(first - 8)
+    found, name = memory_at(first - 8).value, f"_ZTIN4yade{len(cls.__name__)}{cls.__name__}E"
+    if symbol_at(found) != name:
+        raise BridgeUnavailable(f"{cls.__name__} does not begin with a table of virtual functions of its type {name}")
+    return found
 
 
 def _places_of_matrix(start, size, matrix):
