@@ -52,7 +52,7 @@ from demlaws.yade.search import (
     window,
 )
 
-TESTED = ("2023.02a", "2025.2.0", "2026.1.0")
+TESTED = ("2022.01a", "2023.02a", "2025.2.0", "2026.1.0")
 """Versions on which the tests have run; the checks below decide for every other one."""
 LAW = "Law2_ScGeom_MindlinPhys_Mindlin"
 GO = f"_ZN4yade{len(LAW)}{LAW}2goERN5boost10shared_ptrINS_5IGeomEEERNS2_INS_5IPhysEEEPNS_11InteractionE"

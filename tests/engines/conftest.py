@@ -71,9 +71,12 @@ def pytest_collection_modifyitems(items):
 
 
 @pytest.fixture
-def omega():
+def omega(request):
     import yade
 
+    marked = request.node.get_closest_marker("native_step")
+    if marked and "preventGranularRatcheting" in yade.Law2_ScGeom_MindlinPhys_Mindlin().dict():
+        pytest.skip("this YADE's own contact step has another slip and acts on no contact with an overlap")
     assert yade.O.numThreads == 1, "OpenMP was loaded before tests/conftest.py set its threads"
     yade.O.reset()
     yield yade.O

@@ -228,6 +228,7 @@ def test_totals_count_contacts_that_were_erased(omega, tmp_path, erase):
     assert law.totals() == after and law.totals().unaccounted == 1
 
 
+@pytest.mark.native_step
 def test_never_erase(omega):
     """A contact that Mindlin keeps while the bodies are apart is a new one when they meet again."""
     law = functor(neverErase=True)
@@ -263,6 +264,7 @@ def test_a_law_made_before_the_bodies_serves_every_size(omega):
     stops("N_H", 50)
 
 
+@pytest.mark.native_step
 @pytest.mark.parametrize("damping", [{}, {"betan": 0.05, "betas": 0.05}])
 def test_moments_are_those_of_native_mindlin(omega, damping):
     """A packing that is compressed and sheared with rolling and twisting resistance: Hertz's law beside YADE's own."""

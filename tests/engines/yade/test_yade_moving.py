@@ -87,6 +87,7 @@ def test_forces_and_torques_of_a_moving_contact(omega, kind):
         assert np.abs(former.force - wanted.force).max() > 0.05 * np.abs(wanted.force).max()
 
 
+@pytest.mark.native_step
 @pytest.mark.parametrize("case", ["native go", "one level", "damped", "loading"])
 def test_the_same_by_other_ways(omega, case):
     """YADE's own step with the corrected displacement, one level, viscous forces, K_t by first loading."""

@@ -216,6 +216,7 @@ def test_a_large_overlap_is_warned_of_once(omega, rule):
     assert "2 of 2" in large_overlaps(2)[0]
 
 
+@pytest.mark.native_step
 def test_an_overlap_beyond_the_radius_stops(omega):
     """Sphere 1 is driven in at 200 m/s; no force is applied at that overlap."""
     law = functor(neverErase=True)

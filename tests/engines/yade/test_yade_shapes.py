@@ -124,6 +124,7 @@ def _over_a_joint(name, law):
     return np.array(rows)
 
 
+@pytest.mark.native_step
 @pytest.mark.parametrize("name", ["ScGridCoGeom", "CylScGeom", "CylScGeom6D"])
 def test_a_joint_doubles_the_force_as_natively(omega, name):
     native = _over_a_joint(name, yade.Law2_ScGeom_MindlinPhys_Mindlin())

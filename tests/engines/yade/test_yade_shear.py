@@ -205,6 +205,7 @@ def test_a_gas_gains_no_energy(omega, name, rule, shear):
     assert most <= 1.001 * start
 
 
+@pytest.mark.native_step
 def test_levels_with_the_native_go(omega):
     """With calcEnergy YADE's own function acts; all levels follow its Coulomb limit. (Our step is no reference: where both
     differ, the self-test refuses it.)"""
@@ -290,6 +291,7 @@ def test_friction_limits_a_damped_contact_that_slides():
         assert 0.95 < spin / (2.5 * job["friction"] * (5.0 + away)) < 1.005
 
 
+@pytest.mark.native_step
 @pytest.mark.parametrize("calc_energy", [False, True])  # True: YADE's own function acts
 @pytest.mark.parametrize("shear", ["elastic", "slip"])
 def test_springs_and_dashpot_together_stay_within_the_limit(omega, shear, calc_energy):

@@ -116,6 +116,7 @@ def contact_steps(found):
     return 10 * len(found["pair"])
 
 
+@pytest.mark.native_step
 def test_hertz_leaves_what_stock_mindlin_leaves(omega):
     stock = seen(box_of_stones(yade.Law2_ScGeom_MindlinPhys_Mindlin()))
     law = hertz()
@@ -129,6 +130,7 @@ def test_hertz_leaves_what_stock_mindlin_leaves(omega):
     assert 0 < calls.calls < 0.1 * contact_steps(stock)  # of new contacts and those that end
 
 
+@pytest.mark.native_step
 @pytest.mark.parametrize("case", [*DAMPING, "periodic", "periodic and damped", *OPTIONS], ids=str)
 def test_damped_periodic_and_where_the_native_go_acts(omega, case):
     """It acts with options of the functor, set while it runs; not with damping or in a periodic scene."""
@@ -160,6 +162,7 @@ def own_slip(monkeypatch):
     monkeypatch.setattr(native.find_layout(), "own_slip", True)
 
 
+@pytest.mark.native_step
 def test_a_native_law_with_a_slip_of_its_own_acts_on_no_contact(omega, own_slip):
     """It is asked only where a contact ends, and what our step leaves is what stock Mindlin leaves."""
     stock, law = seen(box_of_stones(yade.Law2_ScGeom_MindlinPhys_Mindlin())), hertz()
@@ -191,6 +194,7 @@ def test_a_contact_that_needs_a_native_step_with_another_slip_stops_the_run(omeg
     stops("a damping by alpha, or a functor with an option: it needs YADE's own contact step")
 
 
+@pytest.mark.native_step
 @pytest.mark.parametrize("shear", ["elastic", "slip"])
 def test_a_rough_law_with_and_without_the_native_go(omega, shear):
     """Attributes and totals of energy of a law with history."""
@@ -207,6 +211,7 @@ def test_a_rough_law_with_and_without_the_native_go(omega, shear):
     assert mine.shear_dissipated == pytest.approx(totals.shear_dissipated, rel=1e-9) and mine.shear_dissipated > 0.0
 
 
+@pytest.mark.native_step
 @pytest.mark.parametrize("periodic", [False, True])
 def test_viscous_dissipation_is_that_of_yade(omega, periodic):
     """As YADE counts it with calcEnergy, in our step and in YADE's own."""
@@ -220,6 +225,7 @@ def test_viscous_dissipation_is_that_of_yade(omega, periodic):
         assert law.totals().viscous == pytest.approx(expected, rel=1e-9) and expected > 0.0
 
 
+@pytest.mark.native_step
 def test_sums_of_calcenergy_are_those_of_the_law(omega):
     """YADE's own bookkeeping holds for Mindlin's shear of a Hertz contact."""
     law = functor("pohrt-popov", "hertz", calcEnergy=True)
