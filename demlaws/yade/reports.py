@@ -33,8 +33,8 @@ OWN_SLIP = (
 )
 MESSAGES = {
     layout.NATIVE_STEP: (
-        " has the physics of another contact (at a joint of a chain), a damping by alpha, or a functor with an option: "
-        f"{OWN_SLIP}"
+        " has damping by en or es (give betan and betas instead), the physics of another contact (at a joint of a chain), or a "
+        f"functor with an option: {OWN_SLIP}"
     ),
     layout.UNGUARDED: (
         " was computed by a functor that has no guard in the scene, and got no force: give the law to an InteractionLoop in "

@@ -333,6 +333,7 @@ def test_larger_young_is_the_remedy_of_a_large_overlap(omega, rule):
         assert 5e-4 < impact(1e8) < 5e-3
 
 
+@pytest.mark.native_step
 def test_a_restitution_of_zero_is_blamed_not_the_step(omega):
     """en = 0.5, es = 0: YADE's damping ratio of shear is not finite; the remedy of the message is done."""
 

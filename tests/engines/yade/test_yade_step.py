@@ -191,7 +191,7 @@ def test_a_contact_that_needs_a_native_step_with_another_slip_stops_the_run(omeg
     set_engines(law)
     advance(3)
     law.includeMoment = True
-    stops("a damping by alpha, or a functor with an option: it needs YADE's own contact step")
+    stops("or a functor with an option: it needs YADE's own contact step")
 
 
 @pytest.mark.native_step
