@@ -128,6 +128,7 @@ def save_and_load(omega, folder):
 
 
 @pytest.mark.native_step
+@pytest.mark.native_step
 @pytest.mark.parametrize("kind", ["facet", "box", "wall"])
 def test_a_ball_that_rolls_on_a_turntable_comes_back(omega, kind):
     """It moves on a circle with 2/7 of the spin of the table, also on a Wall whose noRatch is left as it is."""

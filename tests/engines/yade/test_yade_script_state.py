@@ -82,6 +82,7 @@ def attributes():
     return found
 
 
+@pytest.mark.native_step
 def test_every_attribute_acts_as_in_yades_law_or_stops(omega):
     """A walk over all that geometry and physics have; the law of Hertz beside YADE's own."""
     names = attributes()

@@ -19,7 +19,6 @@ from yade_scenes import (
 )
 
 from demlaws.errors import DemlawsError
-from demlaws.yade import native
 
 STEPS = 250
 OPTIONS = [{"calcEnergy": True}, {"includeMoment": True}, {"neverErase": True}]
@@ -159,6 +158,8 @@ def test_damped_periodic_and_where_the_native_go_acts(omega, case):
 @pytest.fixture
 def own_slip(monkeypatch):
     """As YADE 2022.01a, whose native law does not read ScGeom.shearInc."""
+    from demlaws.yade import native
+
     monkeypatch.setattr(native.find_layout(), "own_slip", True)
 
 
@@ -185,7 +186,7 @@ def test_options_that_need_a_native_step_with_another_slip_are_refused(omega, ow
 
 
 def test_a_contact_that_needs_a_native_step_with_another_slip_stops_the_run(omega, own_slip, monkeypatch):
-    monkeypatch.setattr(native, "OPTIONS", ())  # the guard does not look at them
+    monkeypatch.setattr("demlaws.yade.native.OPTIONS", ())  # the guard does not look at them
     law = functor()
     omega.bodies.append(fixed_pair(material()))
     set_engines(law)
