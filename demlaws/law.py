@@ -214,9 +214,7 @@ def join(
     return law
 
 
-def join_up_to(
-    contact: Contact, curve: "FormulaCurve", unloading: "str | os.PathLike | Law", max_force: float | str
-) -> "Table":
+def join_up_to(contact: Contact, curve: "FormulaCurve", unloading: "str | os.PathLike | Law", max_force: Any) -> "Table":
     """As `join`, with the table of the curve up to `max_force` [N]."""
     join_unchecked(contact, curve, unloading)
     table = composed(contact, curve).tabulate(max_force=max_force)
