@@ -214,8 +214,8 @@ def impact(law: Law, mass: float | str, speed: float | str, steps_per_contact: i
     peak, duration = elastic_contact(law, mass, speed)
     dt = duration / count
     state = law.new_state(1).arrays
-    # a plastic contact may leave more slowly than it came: room for a hundred times the elastic duration
-    limit = int(100 * count)
+    # a plastic contact leaves its dent at the rebound speed: restitution e takes some 1/e times the elastic duration
+    limit = int(max(100 * count, min(5000 * count, 1e7)))
     room = np.empty((min(limit, int(4 * count) + 16), 3))
     start = law.rule_tag, law.shape, p
     steps, overlap, velocity, dissipated, _ = impact_loop(*start, state, m, v, dt, 0.0, limit, room)

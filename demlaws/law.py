@@ -2,6 +2,7 @@
 
 import dataclasses
 import functools
+import math
 import os
 from collections.abc import Callable
 from pathlib import Path as File
@@ -23,6 +24,7 @@ from demlaws.units import as_given, as_typed, number
 
 if TYPE_CHECKING:
     from demlaws.core.grid import Nodes
+    from demlaws.curves.branch import Measured
     from demlaws.curves.points import Knots
     from demlaws.curves.table import TableCurve
 
@@ -65,6 +67,9 @@ class Law(Response):
         return hash((self.name, self.unloading))
 
     # --- parts
+
+    measured: "Measured | None" = None
+    """The points that the law was fitted to: their noise allows changes of an unloading curve."""
 
     @functools.cached_property
     def unloading_law(self) -> "Law | None":
@@ -189,11 +194,32 @@ def composed(contact: Contact, curve: "FormulaCurve | TableCurve", unloading: Un
     return (Table if curve.tabulated else Law)(contact, curve, unloading)
 
 
-def join(contact: Contact, curve: "FormulaCurve | TableCurve", unloading: "str | os.PathLike | Law") -> Any:
-    """A curve of first loading joined with the unloading that a user named; NotPassive where the pair returns work."""
+def join(
+    contact: Contact, curve: "FormulaCurve | TableCurve", unloading: "str | os.PathLike | Law", max_force: float = math.inf
+) -> Any:
+    """A curve of first loading joined with the unloading that a user named; NotPassive where the pair returns work at a force
+    up to `max_force` [N]. A fitted unloading curve is made stiffer, within the noise of its points."""
     law = join_unchecked(contact, curve, unloading)
-    refuse_unless_passive(law)
+    try:
+        refuse_unless_passive(law, max_force)
+    except NotPassive as refusal:
+        if getattr(unloading, "measured", None) is None or contact.size is not None:
+            raise
+        from demlaws.curves.branch import stiffened
+
+        assert isinstance(unloading, Law)
+        branch = Table(unloading.contact, stiffened(composed(contact, curve), unloading, refusal))
+        law = join_unchecked(contact, curve, branch)
+        refuse_unless_passive(law, max_force)
     return law
+
+
+def join_up_to(contact: Contact, curve: "FormulaCurve", unloading: "str | os.PathLike | Law", max_force: Any) -> "Table":
+    """As `join`, with the table of the curve up to `max_force` [N]."""
+    join_unchecked(contact, curve, unloading)
+    table = composed(contact, curve).tabulate(max_force=max_force)
+    parts = join(contact, curve, unloading, table.largest_force).unloading_parts
+    return Table(contact, table.curve, _adapted(parts, contact, table.curve))
 
 
 def join_unchecked(contact: Contact, curve: "FormulaCurve | TableCurve", unloading: "str | os.PathLike | Law") -> Any:

@@ -8,9 +8,8 @@ import numpy as np
 from demlaws.contact import Contact, as_contact
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.curves.closed import FormulaCurve
-from demlaws.curves.unloading import refuse_unless_passive
 from demlaws.errors import DemlawsError, did_you_mean
-from demlaws.law import Law, join, join_unchecked, read_unloading
+from demlaws.law import Law, join, join_up_to, read_unloading
 from demlaws.laws.registry import find, registry
 
 
@@ -71,10 +70,7 @@ def law(
     unloading = definition.default_rule(**curve.options) if unloading is None else unloading
     if max_force is None:
         return join(contact, curve, unloading)
-    bound = join_unchecked(contact, curve, unloading)
-    table = bound.tabulate(max_force=max_force)
-    refuse_unless_passive(bound, table.largest_force)
-    return table
+    return join_up_to(contact, curve, unloading, max_force)
 
 
 def check_unloading(unloading: Any) -> "str | Law":

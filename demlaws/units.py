@@ -120,6 +120,10 @@ def quantity(text, name, unit=""):
     symbol = plain_unit(match[2]) if match else ""
     if match and (not symbol or symbol in factors):
         value = Typed(float(match[1]) * factors.get(symbol, 1.0))
+        if (math.isinf(value) and "inf" not in match[1]) or (
+            value == 0.0 and re.search("[1-9]", match[1].lower().split("e")[0])
+        ):
+            raise DemlawsError(f"{name} = {text}: the number is too {'small' if value == 0.0 else 'large'} to compute with")
         value.text = text
         return value
     units = f" in {unit}, or with one of the units {', '.join(factors)}" if factors else f" in {unit}" if unit else ""

@@ -141,6 +141,15 @@ def test_timestep_of_a_body_on_a_fixed_contact(name, unloading):
     assert 0.47 * limit < dl.timestep(law, MASS, load, other_mass=np.inf, shear_ratio=0.0) < 1.02 * limit
 
 
+def test_an_impact_of_a_very_soft_metal_separates():
+    """Restitution 0.003 was refused: no separation within 100,000 steps."""
+    pair = dl.Contact(4.35e-3, 32.32e9)
+    result = quiet(driver.impact, dl.law("thornton-ning", pair, yield_pressure=1e5), mass=1e-3, speed=2.0)
+    assert 0.002 < result.restitution < 0.004
+    assert result.time[-1] == pytest.approx(result.duration) and result.time.size > 100_000
+    assert abs(result.energy_error) < 1e-4
+
+
 def test_an_impact_is_recorded_to_its_end():
     """Also one that ends after many times the elastic duration, below a restitution of 0.1."""
     law = dl.law("thornton-ning", dl.Contact(4.35e-3, 32.32e9), yield_pressure=1e6)

@@ -121,3 +121,17 @@ def test_units_of_other_packages_are_refused(value):
 def test_the_smallest_overlap_where_underflow_raises():
     with np.errstate(all="raise"):
         assert check_overlaps(np.array([0.0, 5e-324]), 4e-3) is None
+
+
+@pytest.mark.parametrize(
+    ("text", "word"), [("1e400", "large"), ("-2e999 mm", "large"), ("1e-400", "small"), ("3e-330mm", "small")]
+)
+def test_a_number_beyond_the_range_of_floats_is_refused(text, word):
+    """A radius of "1e400" was infinite: a flat."""
+    with pytest.raises(dl.DemlawsError, match=f"radius = {text}: the number is too {word}"):
+        quantity(text, "radius", "m")
+
+
+@pytest.mark.parametrize("text", ["0", "0e5", "0.0e-400", "inf", "1e300"])
+def test_a_number_in_the_range_of_floats_is_read(text):
+    assert quantity(text, "radius", "m") == float(text)

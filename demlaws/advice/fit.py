@@ -84,7 +84,7 @@ def fit(
         "drift": displacement [m] in proportion to the rows, "force_zero"). An empty list fits none.
         Each hold over which the displacement creeps adds one, "creep_1" and so on.
         Default: `Fitting.free`, "force_zero", which may be left out if the load cell was tared in air, and, if the points
-        unload, "drift", which may be left out of a test at constant temperature.
+        load and unload, "drift", which may be left out of a test at constant temperature.
     options : dict, optional
         Name of the law → fixed options.
     displacement_noise : float, optional
@@ -224,6 +224,7 @@ def _models_to_fit(names, rules, free, force, distinct):
     if unknown := [rule for rule in rules or () if rule not in available]:
         raise DemlawsError(f"unknown unloading rule {unknown[0]!r}: the rules that a fit takes are {', '.join(available)}")
     unloads = np.any(force < 0.98 * np.maximum.accumulate(force)) if force.size else False
+    loads = np.any(force - np.minimum.accumulate(force) > 0.02 * np.max(force)) if force.size else False
     for name in names:
         definition = find(name)
         fields = definition.fitting.parameters
@@ -236,8 +237,8 @@ def _models_to_fit(names, rules, free, force, distinct):
             raise DemlawsError(f"{few}: at least {len(variables) + 4} are needed for {name}")
         if free is None and distinct >= len(variables) + 5:
             variables.append(FORCE_ZERO)
-        if free is None and unloads and distinct >= len(variables) + 6:
-            variables.append(DRIFT)  # loading alone does not tell it from the law
+        if free is None and loads and unloads and distinct >= len(variables) + 6:
+            variables.append(DRIFT)  # loading alone, or unloading alone, does not tell it from the law
         for rule in rules or (definition.unloading if unloads else ("elastic",)):
             # first loading alone does not show a quantity of the unloading curve
             yield name, rule, [n for n in variables if rule != "elastic" or n not in fields or not fields[n].unloading]

@@ -9,8 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.advice.fit_model import COMPLIANCE, ZERO
+from demlaws.advice.fit_model import COMPLIANCE, FORCE_ZERO, ZERO
 from demlaws.contact import Contact
+from demlaws.curves.branch import Measured
 from demlaws.law import Law
 
 _ENDS = {"fractal_dimension", COMPLIANCE}
@@ -217,6 +218,9 @@ def _report(model, x, squares, absolute, notes):
     if not 0.02 < share < 50.0:
         notes.append(f"the fitted modulus is {share:.2g} times the given one: give displacement in m and force in N")
     law, aicc = model.law(x), _aicc(model, squares, k, absolute)
+    loads = model.force - model.values(x).get(FORCE_ZERO, 0.0)
+    noise = 0.0 if systematic else float(np.min(model.sigma)) * math.sqrt(variance)
+    law.measured = Measured(float(np.min(loads)), float(np.max(loads)), noise)
     chi_squared, covariance = squares / (n - k) if absolute else math.nan, covariance * np.outer(unit, unit)
     facts = estimates, covariance, (*model.free, ZERO), misfit, aicc, 0.0, 1.0, chi_squared, law, predicted, tuple(notes)
     return Fit(law.name, model.unloading, *facts, systematic)

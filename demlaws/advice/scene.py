@@ -47,7 +47,7 @@ class Scene:
     radii : float or sequence
         Radius of the grains [m], or the smallest and largest.
     materials, surfaces : Material, Surface, or sequences
-        One for all grains, or one entry per kind of grain.
+        One for all grains, or one entry per kind of grain; a material as a surface is its surface.
     force : (float, float)
         Smallest and largest normal force of interest [N].
     pressure : (float, float)
@@ -133,8 +133,9 @@ class Scene:
             if not isinstance(getattr(self, label), bool | np.bool_):
                 raise DemlawsError(f"{label} = {getattr(self, label)!r}: give true or false, without quotes")
         materials = _all_of(self.materials, Material, "materials")
-        given = self.surfaces if self.surfaces is not None else [surface_of(material) for material in materials]
-        surfaces = _all_of(given, Surface, "surfaces")
+        given = materials if self.surfaces is None else self.surfaces
+        several = given if isinstance(given, list | tuple) else [given]
+        surfaces = _all_of([surface_of(one) if isinstance(one, Material) else one for one in several], Surface, "surfaces")
         if any(surface.edge_radius is not None for surface in surfaces):
             raise DemlawsError("edge_radius: the contacts of a scene are those of spheres; give the edges' radius as radii")
         kinds = max(len(materials), len(surfaces))

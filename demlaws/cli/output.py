@@ -34,7 +34,9 @@ class OutputFile:
         return path
 
     def check(self, path, overwrite=False):
-        """Raise DemlawsError if the file exists, is not empty and is not known to be of this kind."""
+        """Raise DemlawsError if its folder is missing, or the file exists, is not empty and is not known to be of this kind."""
+        if not path.parent.exists():
+            raise DemlawsError(f"cannot write {path}: the folder {path.parent} does not exist: make it, or name another")
         if overwrite or (self.is_csv and str(path) == "-") or not os.path.isfile(path):
             return
         with open(path, "rb") as file:

@@ -191,6 +191,11 @@ def largest_stiffness_ratio(law: Any, max_force: float = math.inf) -> tuple[floa
         force, stiffness = force_loop(law.shape, p, overlap)
         usable = np.isfinite(force) & (force > 0) & (force <= max_force)
         elastic, other = unloading_curve_at(law, p, force)
+        if not np.any(usable):
+            lowest = f"{np.nanmin(force):.3g} N at an overlap of {overlap[0]:.3g} m"
+            raise DemlawsError(
+                f"max_force = {max_force:.3g} N is below all forces of law {law.name!r}, which begin with {lowest}"
+            )
         usable &= elastic > 0.0  # at a seating load the curve is a step; beyond its end there is none
         if not np.any(usable):
             raise DemlawsError("the unloading curve has no load in common with the law: is it for another contact?")

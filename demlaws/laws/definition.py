@@ -342,9 +342,9 @@ class Definition(NamedTuple):
                 raise MissingQuantity.of(f"law {self.name!r}", field)
         try:
             return self.prepare(contact, **options)
-        except TypeError as error:  # a list where a word belongs
+        except TypeError as error:  # a list where a word belongs, or a fault of the function
             text = ", ".join(f"{name}={value!r:.60}" for name, value in options.items())
-            raise DemlawsError(f"law {self.name!r} cannot use {text}: {error}") from error
+            raise DemlawsError(f"law {self.name!r}: its prepare(contact, {text}) raises TypeError: {error}") from error
 
     def refuse_missing(self, given: Collection[str]) -> None:
         """Raise DemlawsError unless all options without a default are among the `given` ones."""

@@ -56,3 +56,11 @@ def test_a_law_has_no_error_against_itself_and_another_rule_has(quantity):
     law = on_sample("table")
     assert error_of(law, law, SAMPLE, quantity, True).max() < 1e-9
     assert error_of(on_sample("elastic"), law, SAMPLE, quantity, True).max() > 1e-3
+
+
+def test_a_material_as_the_surface_of_a_scene_is_its_surface():
+    granite = dl.materials.granite
+    scene = {"radii": 0.01, "materials": granite, "force": 100.0}
+    assert dl.Scene(**scene, surfaces=granite) == dl.Scene(**scene, surfaces=[granite.surface])
+    with pytest.raises(dl.DemlawsError, match=r"surfaces must be one demlaws\.Surface"):
+        dl.Scene(**scene, surfaces="granite")

@@ -428,6 +428,15 @@ def test_loading_alone_does_not_show_a_drift():
     assert "drift" not in dl.fit(few, PAIR, laws="rms", unloading="hertz").best.parameters
 
 
+def test_unloading_alone_does_not_show_a_drift():
+    """A drift in proportion to the rows is a compliance there: the modulus was 23 GPa for 32.32."""
+    loads = np.linspace(100.0, 1.0, 30)
+    overlap = dl.law("hertz", PAIR).overlap(loads) + 5e-8 * np.random.default_rng(8).standard_normal(loads.size)
+    best = dl.fit(np.column_stack([overlap, loads]), PAIR, "hertz", unloading="elastic").best
+    assert "drift" not in best.parameters
+    assert best.contact.modulus == pytest.approx(PAIR.modulus, rel=0.02)
+
+
 def test_outliers_are_named():
     """Two readings of 64 were off by 0.5 µm: intervals 10 times as wide, without a word."""
     law = dl.law("rms", PAIR, "hertz")

@@ -340,3 +340,11 @@ def test_a_file_that_raises_is_one_line(tmp_path):
     file.write_text("raise ValueError('on purpose')")
     done = demlaws("laws", "--law-file", str(file))
     assert done.returncode == 2 and done.stderr.count("\n") == 1 and str(file) in done.stderr, done.stderr
+
+
+def test_a_missing_folder_is_named_and_not_made(tmp_path, capsys):
+    """`--out` made all folders of a mistyped path."""
+    table = ["table", "--law", "hertz", "--radius", "4mm", "4mm", "--material", "granite", "--out"]
+    assert main([*table, str(tmp_path / "none" / "deep" / "a.tbl")]) == 2
+    assert f"the folder {tmp_path / 'none' / 'deep'} does not exist" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())

@@ -137,3 +137,10 @@ def test_it_is_a_table_in_closed_form_accuracy():
     assert table.unloading == law.unloading == "hertz"
     with pytest.raises(dl.DemlawsError, match="max_force"):
         dl.law("rms", pair, max_force="much")
+
+
+def test_a_largest_force_below_all_forces_is_named():
+    """The text asked whether the unloading curve was for another contact."""
+    match = r"max_force = \S+ N is below all forces of law 'rms', which begin with"
+    with quiet(), pytest.raises(dl.DemlawsError, match=match):
+        dl.law("rms", dl.Contact(4e-3, 32e9, 2e-6), max_force=1e-30)

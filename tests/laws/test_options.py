@@ -179,3 +179,14 @@ def test_a_scene_accepts_text_for_every_quantity(tmp_path):
         file.write_text(f"{others}{name} = '3 furlong'\n[material]\nyoung = '60.6 GPa'\npoisson = 0.25\n")
         with pytest.raises(dl.DemlawsError, match=name):
             dl.Scene.load(file)
+
+
+def test_a_fault_in_prepare_is_not_a_fault_of_the_options():
+    """The text was "cannot use slope=0.5"."""
+
+    def prepare(contact, slope):
+        return len(5)
+
+    faulty = find("goddard")._replace(prepare=prepare)
+    with pytest.raises(dl.DemlawsError, match=r"its prepare\(contact, slope=0\.5\) raises TypeError: object of type 'int'"):
+        faulty.shape(dl.Contact(4e-3, 32e9), slope=0.5)
