@@ -147,7 +147,10 @@ def _refuse_unless_passive(sections, law):
 
 
 def _limits(curve, contact):
-    """Keys of the range of force that the law's source supports, over E* √R length^1.5; of an array: the first."""
+    """Keys of the range of force that the law's source supports, over E* √R length^1.5; of an array: the first.
+
+    Nine digits: those after the thirteenth are other ones with other releases of numpy and scipy.
+    """
     one = contact_at(contact, 0)
     length = curve.shape.length_over_roughness * one.sigma_or_zero + curve.shape.length_over_radius * one.radius
     scale, lines = one.modulus * math.sqrt(one.radius * length) * length, []
@@ -155,9 +158,9 @@ def _limits(curve, contact):
         if limit.pressure:
             lines.append(f"pressure {YIELD_RATIO!r} {limit.reason}")
         elif limit.minimum_force > 0.0:
-            lines.append(f"below {limit.minimum_force / scale!r} {limit.reason}")
+            lines.append(f"below {limit.minimum_force / scale:.9g} {limit.reason}")
         elif math.isfinite(limit.maximum_force):
-            lines.append(f"above {limit.maximum_force / scale!r} {limit.reason}")
+            lines.append(f"above {limit.maximum_force / scale:.9g} {limit.reason}")
     return {f"limit_{number}": line for number, line in enumerate(lines, start=1)}
 
 
