@@ -568,10 +568,37 @@ def test_a_signal_ends_the_ranks(engine, tmp_path, number):
     raise AssertionError(f"{len(left)} of {len(ranks)} processes went on")
 
 
+OVERFLOW = """\
+atom_style sphere
+units si
+boundary f f f
+newton off
+communicate single vel yes
+region box block 0 1 0 1 0 1 units box
+create_box 1 box
+create_atoms 1 single 0.5 0.5 0.5 units box
+create_atoms 1 single 0.51 0.5 0.5 units box
+create_atoms 1 single 0.5 0.51 0.5 units box
+set group all diameter 0.009 density 2500
+neighbor 0.02 bin
+neigh_modify one 1 page 10
+fix m1 all property/global youngsModulus peratomtype 5e6
+fix m2 all property/global poissonsRatio peratomtype 0.45
+fix m3 all property/global coefficientRestitution peratomtypepair 1 0.9
+fix m4 all property/global coefficientFriction peratomtypepair 1 0.05
+pair_style gran model hertz
+pair_coeff * *
+fix 1 all nve/sphere
+timestep 1e-6
+run 10
+"""
+"""LIGGGHTS aborts on one rank: what is in its buffers is lost."""
+
+
 @both
 def test_the_engines_own_error_is_shown_without_the_plugin(engine, run, tmp_path):
-    """LIGGGHTS's was lost in a buffer."""
-    (tmp_path / "in.case").write_text("units si\nregion box block 0 1 0 1 0 nonsense units box\n")
+    text = OVERFLOW if engine == "liggghts" else "units si\nregion box block 0 1 0 1 0 nonsense units box\n"
+    (tmp_path / "in.case").write_text(text)
     with pytest.raises(EngineStopped, match="ERROR") as caught:
         run(tmp_path / "in.case", plugin=False)
     assert "MPI_ABORT" not in str(caught.value)

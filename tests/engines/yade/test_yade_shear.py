@@ -96,6 +96,19 @@ def test_shear_force_is_that_of_the_passive_contact(omega, name, rule):
             assert np.diff(mine.dissipated).min() >= -1e-12 * mine.work.max()
 
 
+def test_a_step_that_turns_a_fallen_force_round_loses_energy(omega):
+    """The contact slides at 20 N, then in one long step the other way at 5 N."""
+    one = example_law("hertz", CONTACT, "elastic")
+    overlaps = [float(one.overlap(force)) for force in (40.0, 40.0, 10.0)]
+    places = np.array([(0.0, 0.0), (2.0, 0.0), (-6.0, 0.0)]) * overlaps[0]
+    law, lost = functor("hertz", "elastic"), []
+    pair_of_spheres(law, friction=0.5)
+    for start, end, overlap in zip([places[0], *places], places, overlaps, strict=False):
+        _, _, (shear,), *_ = lead([overlap], [end], start)
+        lost.append(law.totals().shear_dissipated)
+    assert shear == pytest.approx(5.0, rel=1e-3) and lost[2] > lost[1] > lost[0] == 0.0
+
+
 # --- levels
 
 
