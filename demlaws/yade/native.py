@@ -274,9 +274,8 @@ _entries = {}
 
 def _entry(pairs):
     """Address of native code for laws of this kind."""
-    tags = pairs.shear, pairs.mode, pairs.rule, pairs.friction.tag
-    # the tags themselves are empty tuples, all equal
-    key = pairs.kind, pairs.params_kind, *map(type, tags), pairs.records.dtype, pairs.row, objects.identity()
+    # tags are empty tuples, all equal: by their names
+    key = repr(pairs.law), pairs.records.dtype, pairs.row, objects.identity()
     if key not in _entries:
         _entries[key] = kernel.entry(pairs, 8 * COPIED)
     return _entries[key].address
@@ -414,7 +413,7 @@ class Attachment:
             number = int(row["tag"]) - 1
             row["phys"], row["interaction"] = address(contact.phys), address(contact)
             row["pair"] = self.context["pairs"] + number * self._pairs.records.itemsize
-            kernel.fill_loop(self._pairs.kind, self._pairs.records, rows)
+            kernel.fill_loop(self._pairs.law, self._pairs.records, rows)
             smooth = row["hertz"] != 0.0 or row["modulus"] == 0.0
             contact.phys.prevU = yade.Vector3(0.0, -row_address if smooth else row_address, self.context["generation"])
 
