@@ -22,7 +22,7 @@ from demlaws.units import LARGEST_OVERLAP, LARGEST_ROUGHNESS, RANGES, SMALL_OVER
 from demlaws.yade import layout, objects
 from demlaws.yade.friction import apply as apply_friction, keep_radius
 from demlaws.yade.layout import CONTEXT, SHAPE
-from demlaws.yade.mindlin import Pointers, body_of, native_go, with_states
+from demlaws.yade.mindlin import Contact, body_of, native_go
 from demlaws.yade.records import (
     add_float,
     add_integer,
@@ -413,18 +413,18 @@ def end_contact(law, context, pair, row, state):
 
 
 @not_inlined
-def without_row(context, contact, phys):
+def without_row(context, pointers, phys):
     """The step of a contact that has no row: no force, or NaN without a guard, which would stop the run."""
     phys.kno = 0.0 if context.guard_counter != 0 else math.nan
     phys.kso = 0.0
-    return native_go(context, contact)
+    return native_go(context, pointers)
 
 
 @not_inlined
-def unknown_class(context, contact, interaction):
+def unknown_class(context, pointers, interaction):
     """The step of a contact of other classes: the native law's, and a fault."""
     record_fault(context, layout.WRONG_CLASS, interaction, 0.0)
-    return native_go(context, contact)
+    return native_go(context, pointers)
 
 
 @kernel
@@ -474,25 +474,26 @@ def is_faulty(context, interaction, row, overlap, force):
 
 
 @kernel
-def go(law, pair_dtype, row_dtype, context, contact):
+def go(law, pair_dtype, row_dtype, context, pointers):
     """The body of `go`: our force and stiffness as coefficients kno and kso of Mindlin's law, which then acts."""
-    phys_address = pointee(contact.phys_pointer)
-    geom, phys = view(contact.geom, objects.ScGeom), view(phys_address, objects.MindlinPhys)
-    interaction = view(contact.interaction, objects.Interaction)
+    functor_address, geom_pointer, phys_pointer, interaction_address = pointers
+    phys_address = pointee(phys_pointer)
+    geom, phys = view(pointee(geom_pointer), objects.ScGeom), view(phys_address, objects.MindlinPhys)
+    interaction = view(interaction_address, objects.Interaction)
     known = phys.vtable == context.physics or phys.vtable == context.capillary or phys.vtable == context.conical
     if not (known and is_among(geom.vtable, context.geometry_classes, context.geometry_count)):
-        return unknown_class(context, contact, interaction)
+        return unknown_class(context, pointers, interaction)
     overlap = -1.0 if geom.penetrationDepth == -math.inf else geom.penetrationDepth  # newer YADE: level sets apart
     row_address = np.int64(phys.prevU[1])
     # that of another contact, law or process is not its own
     if phys.prevU[2] != context.generation or view(abs(row_address), row_dtype).phys != phys_address:
         pairs = array(context.pairs, context.surfaces * (context.surfaces + 1) // 2, pair_dtype)
-        row_address = make_row(law, context, pairs, row_dtype, geom, phys, interaction, phys_address, contact.interaction)
+        row_address = make_row(law, context, pairs, row_dtype, geom, phys, interaction, phys_address, interaction_address)
         if row_address == 0:
-            return without_row(context, contact, phys)
+            return without_row(context, pointers, phys)
     row = view(abs(row_address), row_dtype)
     pair = view(row.pair, pair_dtype)
-    if row.interaction != contact.interaction:
+    if row.interaction != interaction_address:
         record_fault(context, layout.SHARED, interaction, 0.0)
     if geom.refR1 + geom.refR2 != row.reach:
         follow_radii(law, context, geom, interaction, row, pair)
@@ -514,10 +515,14 @@ def go(law, pair_dtype, row_dtype, context, contact):
     elif overlap - overlap != 0.0:
         record_fault(context, layout.NOT_FINITE, interaction, overlap)  # NaN: a body's position is not finite
     write_tuple(row.state.ctypes.data, law.state, new)
-    contact = with_states(context, contact)
+    functor = view(functor_address - context.functor_offset, objects.Functor)
+    first = view(body_of(context, interaction.id1, functor.scene).state, objects.State)
+    second = view(body_of(context, interaction.id2, functor.scene).state, objects.State)
+    of_scene = functor, view(functor.scene, objects.Scene), first, second
+    contact = Contact(context, row, pointers, geom, phys, interaction, *of_scene)
     if overlap > 0.0:
-        synchronise(law.mode, context, contact, row)
-    keep = apply_mindlin(law.mode, context, contact, row, tangential)
+        synchronise(law.mode, contact)
+    keep = apply_mindlin(law.mode, contact, tangential)
     row.overlap = overlap
     assign(row.left, vector(phys.shearElastic))
     if overlap > 0.0:
@@ -538,8 +543,7 @@ LAW = PAIR = ROW = CONTEXT_OFFSET = None
 
 def _go(functor, geom_pointer, phys_pointer, interaction):
     context = view(pointee(pointee(functor) + CONTEXT_OFFSET), CONTEXT)
-    contact = Pointers(functor, geom_pointer, phys_pointer, interaction, pointee(geom_pointer), 0, 0)
-    return go(LAW, PAIR, ROW, context, contact)
+    return go(LAW, PAIR, ROW, context, (functor, geom_pointer, phys_pointer, interaction))
 
 
 def entry(pairs, context_offset):
