@@ -33,7 +33,7 @@ MECHANISMS = {
     "measured points as a law": "curves/points.py curves/user_curves.py",
     "functions as a law": "user_laws/*.py laws/registry.py curves/soundness.py",
     "shear: levels, partial slip": "core/shear.py core/levels.py core/slip.py yade/shear.py yade/slip.py",
-    "YADE: native bridge": "yade/native.py yade/search.py yade/obj*.py yade/rec*.py yade/tup*.py yade/layout.py yade/kernel.py",
+    "YADE: native bridge": "yade/native.py yade/search.py yade/obj*.py yade/rec*.py yade/layout.py yade/kernel.py",
     "height maps": "surfaces/*.py solvers/contact.py solvers/scan.py solvers/ellipsoid.py solvers/summits.py laws/asperity.py",
     "choose, soften, fit": "advice/*.py",
     "conversion of inputs": "plugins/convert.py",

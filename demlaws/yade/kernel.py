@@ -5,6 +5,7 @@
 """
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import types
@@ -19,9 +20,9 @@ from demlaws.core.vectors import assign, vector
 from demlaws.laws.hertz import HertzParams, HertzShape
 from demlaws.units import LARGEST_OVERLAP, LARGEST_ROUGHNESS, RANGES, SMALL_OVERLAP
 from demlaws.yade import layout, objects
-from demlaws.yade.friction import Constant, apply as apply_friction, keep_radius
+from demlaws.yade.friction import apply as apply_friction, keep_radius
 from demlaws.yade.layout import CONTEXT, SHAPE
-from demlaws.yade.mindlin import Pointers, body_of, native_go, with_states
+from demlaws.yade.mindlin import Contact, body_of, native_go
 from demlaws.yade.records import (
     add_float,
     add_integer,
@@ -30,15 +31,15 @@ from demlaws.yade.records import (
     exchange_if,
     not_inlined,
     pointee,
-    read_floats,
+    read_tuple,
     record_fault,
     request_guard,
     type_of,
     view,
-    write_floats,
+    words_of,
+    write_tuple,
 )
-from demlaws.yade.shear import Native, Slip, apply_mindlin, compress, synchronise
-from demlaws.yade.tuples import keep_state, shape_of, state_of
+from demlaws.yade.shear import Slip, apply_mindlin, compress, synchronise
 
 LOWEST_MODULUS = RANGES["modulus"].low
 call_gap_radius = c_function(types.float64, *[types.int64] * 8, *[types.float64] * 2)
@@ -50,39 +51,79 @@ call_map_memory = c_function(types.int64, types.int64, types.int64, *[types.int3
 # --- the law
 
 
+class Law(NamedTuple):
+    """The kind of law that code is compiled for: the numba types of Shape, Params and state, and what acts, as tags."""
+
+    shape: types.Type
+    params: types.Type
+    state: types.Type
+    rule: tuple  # of unloading
+    shear: tuple  # how K_t is found
+    mode: Any  # how the shear force follows K_t
+    friction: Any
+
+
+def has_numbers_only(kind):
+    """Whether a numba type is a number, an array, None, or a tuple of those."""
+    if isinstance(kind, types.BaseTuple):
+        return all(map(has_numbers_only, kind))
+    return isinstance(kind, types.Number | types.Boolean | types.Array | types.NoneType)
+
+
+@loop
+def write_shape(kind, shape, words):
+    """Write a Shape to an array of 64-bit words, if it has room; returns how many words it takes."""
+    size = words_of(kind)
+    if size <= words.size:
+        write_tuple(words.ctypes.data, kind, shape)
+    return size
+
+
 @kernel
-def fill_params(kind, row, pair):
+def fill_params(law, row, pair):
     """Make the Params of a contact, once, from its R and E* and its pair's Shape; returns whether it is smooth, or a marker."""
     if pair.smooth != 0 or row.modulus == 0.0:
         row.hertz = hertz_coefficient(row.radius, row.modulus)
         return True
-    params = scale(shape_of(kind, pair), row.radius, row.modulus, clamped_roughness(pair.roughness, row.radius))
-    write_floats(row.params.ctypes.data, params)
+    params = scale(shape_of(law, pair), row.radius, row.modulus, clamped_roughness(pair.roughness, row.radius))
+    write_tuple(row.params.ctypes.data, law.params, params)
     return False
 
 
 @kernel
-def params_of(params_kind, contact):
-    """The law's Params, which `fill_params` has made, of a contact that is not smooth."""
-    return read_floats(contact.params.ctypes.data, params_kind)
+def shape_of(law, pair):
+    """The law's Shape of a pair of surfaces."""
+    return read_tuple(pair.shape.ctypes.data, law.shape)
 
 
 @kernel
-def response(shear, rule, shape, p, overlap, state):
+def params_of(law, contact):
+    """The law's Params, which `fill_params` has made, of a contact that is not smooth."""
+    return read_tuple(contact.params.ctypes.data, law.params)
+
+
+@kernel
+def state_of(law, contact):
+    """State of the unloading rule in the history of a contact."""
+    return read_tuple(contact.state.ctypes.data, law.state)
+
+
+@kernel
+def response(law, rule, shape, p, overlap, state):
     """Force [N], tangent stiffness, the stiffness used to compute K_t [N/m], and new state."""
     force, stiffness, new = step(rule, shape, p, overlap, state)
-    return force, stiffness, shear_stiffness(shear, rule, shape, p, overlap, force, stiffness, new), new
+    return force, stiffness, shear_stiffness(law.shear, rule, shape, p, overlap, force, stiffness, new), new
 
 
 @kernel
-def energies(kind, params_kind, rule, pair, contact, overlap, state):
+def energies(law, pair, contact, overlap, state):
     """Stored and dissipated energy [J] of a contact since it was made."""
     if contact.modulus == 0.0:
         return 0.0, 0.0
     if pair.smooth != 0:
-        smooth = rule_of_smooth_contact(rule)
+        smooth = rule_of_smooth_contact(law.rule)
         return stored_and_dissipated(smooth, HertzShape(), HertzParams(contact.hertz), overlap, state)
-    return stored_and_dissipated(rule, shape_of(kind, pair), params_of(params_kind, contact), overlap, state)
+    return stored_and_dissipated(law.rule, shape_of(law, pair), params_of(law, contact), overlap, state)
 
 
 @kernel
@@ -217,7 +258,7 @@ def edged_radius(radius, radius1, radius2, edge1, edge2, flat):
 
 
 @not_inlined
-def follow_radii(kind, context, geom, interaction, row, pair):
+def follow_radii(law, context, geom, interaction, row, pair):
     """Renew R and the row of a contact whose bodies have grown or shrunk; E* remains. The law may not serve it: a fault."""
     row.reach = geom.refR1 + geom.refR2
     body1, body2 = body_of(context, interaction.id1, 0), body_of(context, interaction.id2, 0)
@@ -233,7 +274,7 @@ def follow_radii(kind, context, geom, interaction, row, pair):
     elif not judged(pair, radius, row.modulus):
         record_fault(context, layout.UNJUDGED, interaction, radius)
     row.radius = radius
-    fill_params(kind, row, pair)
+    fill_params(law, row, pair)
 
 
 @kernel
@@ -248,10 +289,10 @@ def contact_radius(context, geom, body1, body2):
 
 
 @loop
-def fill_loop(kind, pairs, contacts):
+def fill_loop(law, pairs, contacts):
     """`fill_params` of an array of contacts, whose `tag` is the number of their pair + 1."""
     for i in range(contacts.size):
-        fill_params(kind, contacts[i], pairs[np.int64(contacts[i].tag) - 1])
+        fill_params(law, contacts[i], pairs[np.int64(contacts[i].tag) - 1])
 
 
 @not_inlined
@@ -324,7 +365,7 @@ def take_row(context, row_dtype):
 
 
 @not_inlined
-def make_row(kind, context, pairs, row_dtype, geom, phys, interaction, phys_address, interaction_address):
+def make_row(law, context, pairs, row_dtype, geom, phys, interaction, phys_address, interaction_address):
     """Address of a new contact's row, negative for a smooth pair; 0: there is no memory for it, or its row is lost."""
     if phys.prevU[1] != 0.0:
         record_fault(context, layout.LOST_ROW, interaction, 0.0)
@@ -340,7 +381,7 @@ def make_row(kind, context, pairs, row_dtype, geom, phys, interaction, phys_addr
     row = view(place, row_dtype)
     pair = initialise_contact(context, pairs, row, geom, phys, interaction)
     row.phys, row.interaction, row.pair = phys_address, interaction_address, context.pairs + pair * pairs.itemsize
-    row_address = -place if fill_params(kind, row, pairs[pair]) else place
+    row_address = -place if fill_params(law, row, pairs[pair]) else place
     phys.prevU[1], phys.prevU[2] = float(row_address), context.generation
     return row_address
 
@@ -360,9 +401,9 @@ def gather_rows(addresses, words):
 
 
 @not_inlined
-def end_contact(kind, params_kind, rule, context, pair, row, state):
+def end_contact(law, context, pair, row, state):
     """Bank the dissipation of a contact that ends, with the energy of shear that it stored."""
-    dissipated = energies(kind, params_kind, rule, pair, row, 0.0, state)[1]
+    dissipated = energies(law, pair, row, 0.0, state)[1]
     add_float(context.banked.ctypes.data, dissipated)
     add_float(context.banked_shear.ctypes.data, row.lost)
     add_float(context.banked_viscous.ctypes.data, row.viscous)
@@ -373,37 +414,39 @@ def end_contact(kind, params_kind, rule, context, pair, row, state):
 
 
 @not_inlined
-def without_row(context, contact, phys):
+def without_row(context, pointers, phys):
     """The step of a contact that has no row: no force, or NaN without a guard, which would stop the run."""
     phys.kno = 0.0 if context.guard_counter != 0 else math.nan
     phys.kso = 0.0
-    return native_go(context, contact)
+    return native_go(context, pointers)
 
 
 @not_inlined
-def unknown_class(context, contact, interaction):
+def unknown_class(context, pointers, interaction):
     """The step of a contact of other classes: the native law's, and a fault."""
     record_fault(context, layout.WRONG_CLASS, interaction, 0.0)
-    return native_go(context, contact)
+    return native_go(context, pointers)
 
 
 @kernel
-def law_of_contact(kind, params_kind, shear, mode, rule, friction, context, phys, phys_address, rough, pair, row, overlap, old):
+def law_of_contact(law, context, phys, phys_address, rough, pair, row, overlap, old):
     """`response` of a contact by what its row has, with springs and friction set; rough: whether it has Params of the law.
 
     A marker, whose E* is 0, has no force: YADE's own law gives it none.
     """
     if rough:
-        shape, p = shape_of(kind, pair), params_of(params_kind, row)
-        force, stiffness, sideways, new = response(shear, rule, shape, p, overlap, old)
-        compress(mode, rule, shape, p, row, overlap, force, sideways, new)
-        apply_friction(friction, context, phys, phys_address, pair, row, rule, shape, p, overlap, force, stiffness, new)
+        shape, p = shape_of(law, pair), params_of(law, row)
+        force, stiffness, sideways, new = response(law, law.rule, shape, p, overlap, old)
+        compress(law.mode, law.rule, shape, p, row, overlap, force, sideways, new)
+        of_step = law.rule, shape, p, overlap, force, stiffness, new
+        apply_friction(law.friction, context, phys, phys_address, pair, row, *of_step)
         return force, stiffness, sideways, new
     if row.hertz != 0.0:
-        shape, p, smooth = HertzShape(), HertzParams(row.hertz), rule_of_smooth_contact(rule)
-        force, stiffness, sideways, new = response(shear, smooth, shape, p, overlap, old)
-        compress(mode, smooth, shape, p, row, overlap, force, sideways, new)
-        apply_friction(friction, context, phys, phys_address, pair, row, smooth, shape, p, overlap, force, stiffness, new)
+        shape, p, smooth = HertzShape(), HertzParams(row.hertz), rule_of_smooth_contact(law.rule)
+        force, stiffness, sideways, new = response(law, smooth, shape, p, overlap, old)
+        compress(law.mode, smooth, shape, p, row, overlap, force, sideways, new)
+        of_step = smooth, shape, p, overlap, force, stiffness, new
+        apply_friction(law.friction, context, phys, phys_address, pair, row, *of_step)
         return force, stiffness, sideways, new
     return 0.0, 0.0, 0.0, old
 
@@ -432,32 +475,33 @@ def is_faulty(context, interaction, row, overlap, force):
 
 
 @kernel
-def go(kind, params_kind, shear, mode, rule, friction, pair_dtype, row_dtype, context, contact):
+def go(law, pair_dtype, row_dtype, context, pointers):
     """The body of `go`: our force and stiffness as coefficients kno and kso of Mindlin's law, which then acts."""
-    phys_address = pointee(contact.phys_pointer)
-    geom, phys = view(contact.geom, objects.ScGeom), view(phys_address, objects.MindlinPhys)
-    interaction = view(contact.interaction, objects.Interaction)
+    functor_address, geom_pointer, phys_pointer, interaction_address = pointers
+    phys_address = pointee(phys_pointer)
+    geom, phys = view(pointee(geom_pointer), objects.ScGeom), view(phys_address, objects.MindlinPhys)
+    interaction = view(interaction_address, objects.Interaction)
     physics = type_of(phys.vtable)
     known = physics == context.physics or physics == context.capillary or physics == context.conical
     if not (known and is_among(type_of(geom.vtable), context.geometry_classes, context.geometry_count)):
-        return unknown_class(context, contact, interaction)
+        return unknown_class(context, pointers, interaction)
     overlap = -1.0 if geom.penetrationDepth == -math.inf else geom.penetrationDepth  # newer YADE: level sets apart
     row_address = np.int64(phys.prevU[1])
     # that of another contact, law or process is not its own
     if phys.prevU[2] != context.generation or view(abs(row_address), row_dtype).phys != phys_address:
         pairs = array(context.pairs, context.surfaces * (context.surfaces + 1) // 2, pair_dtype)
-        row_address = make_row(kind, context, pairs, row_dtype, geom, phys, interaction, phys_address, contact.interaction)
+        row_address = make_row(law, context, pairs, row_dtype, geom, phys, interaction, phys_address, interaction_address)
         if row_address == 0:
-            return without_row(context, contact, phys)
+            return without_row(context, pointers, phys)
     row = view(abs(row_address), row_dtype)
     pair = view(row.pair, pair_dtype)
-    if row.interaction != contact.interaction:
+    if row.interaction != interaction_address:
         record_fault(context, layout.SHARED, interaction, 0.0)
     if geom.refR1 + geom.refR2 != row.reach:
-        follow_radii(kind, context, geom, interaction, row, pair)
-    old = state_of(rule, row)
+        follow_radii(law, context, geom, interaction, row, pair)
+    old = state_of(law, row)
     of_contact = context, phys, phys_address, row_address > 0, pair, row, overlap, old
-    force, stiffness, sideways, new = law_of_contact(kind, params_kind, shear, mode, rule, friction, *of_contact)
+    force, stiffness, sideways, new = law_of_contact(law, *of_contact)
     if is_faulty(context, interaction, row, overlap, force):
         # without a guard, which would stop the run, propagate NaN
         force, stiffness, sideways, new = 0.0 if context.guard_counter != 0 else math.nan, 0.0, 0.0, old
@@ -469,20 +513,24 @@ def go(kind, params_kind, shear, mode, rule, friction, pair_dtype, row_dtype, co
         row.written = phys.kno + phys.kso
         tangential = phys.kso * math.sqrt(overlap)
         if physics == context.conical:
-            keep_radius(rule, phys_address, row, overlap, new)
+            keep_radius(law.rule, phys_address, row, overlap, new)
     elif overlap - overlap != 0.0:
         record_fault(context, layout.NOT_FINITE, interaction, overlap)  # NaN: a body's position is not finite
-    keep_state(new, row)
-    contact = with_states(context, contact)
+    write_tuple(row.state.ctypes.data, law.state, new)
+    functor = view(functor_address - context.functor_offset, objects.Functor)
+    first = view(body_of(context, interaction.id1, functor.scene).state, objects.State)
+    second = view(body_of(context, interaction.id2, functor.scene).state, objects.State)
+    of_scene = functor, view(functor.scene, objects.Scene), first, second
+    contact = Contact(context, row, pointers, geom, phys, interaction, *of_scene)
     if overlap > 0.0:
-        synchronise(mode, context, contact, row)
-    keep = apply_mindlin(mode, context, contact, row, tangential)
+        synchronise(law.mode, contact)
+    keep = apply_mindlin(law.mode, contact, tangential)
     row.overlap = overlap
     assign(row.left, vector(phys.shearElastic))
     if overlap > 0.0:
         phys.kn = stiffness  # Mindlin left 1.5 P/δ here; the time stepper needs the tangent
     else:
-        end_contact(kind, params_kind, rule, context, pair, row, old)
+        end_contact(law, context, pair, row, old)
     if keep == 0:
         add_integer(context.open.ctypes.data, -1)
         row.tag = 0.0
@@ -492,13 +540,12 @@ def go(kind, params_kind, shear, mode, rule, friction, pair_dtype, row_dtype, co
 
 
 # what `entry` gives to a copy of the function below
-KIND = PARAMS_KIND = SHEAR = MODE = RULE = FRICTION = PAIR = ROW = CONTEXT_OFFSET = None
+LAW = PAIR = ROW = CONTEXT_OFFSET = None
 
 
 def _go(functor, geom_pointer, phys_pointer, interaction):
     context = view(pointee(pointee(functor) + CONTEXT_OFFSET), CONTEXT)
-    contact = Pointers(functor, geom_pointer, phys_pointer, interaction, pointee(geom_pointer), 0, 0)
-    return go(KIND, PARAMS_KIND, SHEAR, MODE, RULE, FRICTION, PAIR, ROW, context, contact)
+    return go(LAW, PAIR, ROW, context, (functor, geom_pointer, phys_pointer, interaction))
 
 
 def entry(pairs, context_offset):
@@ -507,16 +554,11 @@ def entry(pairs, context_offset):
     The address of the context is `context_offset` bytes after the functor's table of virtual
     functions. The dtypes, with offsets in YADE's objects, are constants of the code.
     """
-    if isinstance(pairs.mode, Slip):
+    if isinstance(pairs.law.mode, Slip):
         import demlaws.yade.slip  # noqa: F401  its code of `compress` and `apply_mindlin`
     constants = {
         "OBJECTS": objects.identity(),
-        "KIND": pairs.kind,
-        "PARAMS_KIND": pairs.params_kind,
-        "SHEAR": pairs.shear,
-        "MODE": pairs.mode,
-        "RULE": pairs.rule,
-        "FRICTION": pairs.friction.tag,
+        "LAW": pairs.law,
         "PAIR": pairs.records.dtype,
         "ROW": pairs.row,
         "CONTEXT_OFFSET": context_offset,
@@ -528,34 +570,34 @@ def entry(pairs, context_offset):
 
 
 @loop
-def evaluate_loop(kind, params_kind, shear, rule, pairs, contacts, out):
-    """The law for an array of contacts, whose state is updated in place; out: an array of `EVALUATED`.
+def evaluate_loop(law, pairs, contacts, out):
+    """The law, without springs and friction, for an array of contacts, whose state is updated in place.
 
-    Returns the first contact whose force is not finite, or -1.
+    out: an array of `EVALUATED`. Returns the first contact whose force is not finite, or -1.
     """
     bad = -1
     for i in range(contacts.size):
         c = contacts[i]
-        old = state_of(rule, c)
+        old = state_of(law, c)
         pair = pairs[np.int64(c.tag) - 1]
-        kinds, rough = (kind, params_kind, shear, Native(), rule, Constant()), pair.smooth == 0 and c.modulus != 0.0
-        force, stiffness, sideways, new = law_of_contact(*kinds, 0, 0, 0, rough, pair, c, c.overlap, old)
+        rough = pair.smooth == 0 and c.modulus != 0.0
+        force, stiffness, sideways, new = law_of_contact(law, 0, 0, 0, rough, pair, c, c.overlap, old)
         if force - force != 0.0 or c.overlap - c.overlap != 0.0:
             bad = i if bad < 0 else bad
             force, stiffness, sideways, new = 0.0, 0.0, 0.0, old
-        keep_state(new, c)
+        write_tuple(c.state.ctypes.data, law.state, new)
         kno, kso = coefficients(force, sideways, c.overlap, c.ratio) if c.overlap > 0.0 else (0.0, 0.0)
         out[i].kno = kno
         out[i].kso = kso
         out[i].tangent = stiffness
         out[i].force = force
-        out[i].stored, out[i].dissipated = energies(kind, params_kind, rule, pair, c, c.overlap, old)
+        out[i].stored, out[i].dissipated = energies(law, pair, c, c.overlap, old)
         if rough:
-            shape, p = shape_of(kind, pair), params_of(params_kind, c)
-            out[i].pressure = mean_pressure(rule, shape, p, c.modulus, c.overlap, force, stiffness, new)
+            shape, p = shape_of(law, pair), params_of(law, c)
+            out[i].pressure = mean_pressure(law.rule, shape, p, c.modulus, c.overlap, force, stiffness, new)
             _, _, equivalent, area = first_loading(shape, p, max(c.overlap, c.state[0]))
             out[i].yielded = area > equivalent * (1.0 + 1e-9)  # a²/R is δ_H(P) before (`core.dispatch`)
         elif c.modulus != 0.0:
             hertz = HertzShape(), HertzParams(c.hertz), c.modulus
-            out[i].pressure = mean_pressure(rule_of_smooth_contact(rule), *hertz, c.overlap, force, stiffness, new)
+            out[i].pressure = mean_pressure(rule_of_smooth_contact(law.rule), *hertz, c.overlap, force, stiffness, new)
     return bad

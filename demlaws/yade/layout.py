@@ -112,12 +112,12 @@ SHAPE = np.dtype(
 
 
 @functools.cache  # YADE keeps the laws of scenes that are gone
-def pair_dtype(*shape_fields):
-    """dtype of a pair of surfaces; shape_fields: of `tuples.fields`, of the law's Shape."""
+def pair_dtype(words):
+    """dtype of a pair of surfaces; words: of the law's Shape."""
     # fields that all pairs have come last: numba takes a record for another one that it begins with
     judged = [(name, "f8", (2,)) for name in ("judged_radii", "judged_moduli")]  # ranges for which the guard has judged the law
     numbers = [(name, "f8") for name in ("roughness", "radius", "modulus", "mu0", "c1", "c2")]
-    return np.dtype([*shape_fields, ("smooth", "i8"), *numbers, *judged])
+    return np.dtype([("shape", "i8", (words,)), ("smooth", "i8"), *numbers, *judged])
 
 
 @functools.cache

@@ -5,7 +5,7 @@ force, viscous damping, Coulomb's limit, forces and torques on the bodies. Every
 calcEnergy and neverErase, and for contacts that share their physics.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from numba import types
 
@@ -27,33 +27,25 @@ NO_DEGREES_OF_FREEDOM = 63
 """State.blockedDOFs of a body that is not dynamic."""
 
 
-class Pointers(NamedTuple):
-    """Addresses of what the native `go` is called with, of the contact's geometry, and of its bodies' states."""
+class Contact(NamedTuple):
+    """What the step of a contact reads and writes: records of the law's context and row, and of YADE's objects."""
 
-    functor: int
-    geom_pointer: int
-    phys_pointer: int
-    interaction: int
-    geom: int
-    first: int
-    second: int
+    context: Any
+    row: Any
+    pointers: tuple  # the addresses that the native `go` is called with
+    geom: Any
+    phys: Any
+    interaction: Any
+    law: Any  # the functor
+    scene: Any
+    first: Any  # states of the bodies
+    second: Any
 
 
 @kernel
 def body_of(context, number, scene):
     """A body; scene 0: the current one."""
     return view(pointee(call_body_by_id(context.body_by_id, (number, scene))), objects.Body)
-
-
-@kernel
-def with_states(context, contact):
-    """The contact with the states of its bodies."""
-    law = view(contact.functor - context.functor_offset, objects.Functor)
-    interaction = view(contact.interaction, objects.Interaction)
-    first = body_of(context, interaction.id1, law.scene).state
-    second = body_of(context, interaction.id2, law.scene).state
-    known = contact.functor, contact.geom_pointer, contact.phys_pointer, contact.interaction, contact.geom
-    return Pointers(*known, first, second)
 
 
 @kernel
@@ -69,9 +61,9 @@ def turned_by(a, axis):
 
 
 @kernel
-def native_go(context, contact):
+def native_go(context, pointers):
     """The native law's own step."""
-    return call_go(context.go, (contact.functor, contact.geom_pointer, contact.phys_pointer, contact.interaction))
+    return call_go(context.go, pointers)
 
 
 @kernel
@@ -101,63 +93,67 @@ def times_cells(matrix, cells):
 
 
 @kernel
-def velocity_apart(scene, interaction, first, second):
+def image_of(contact, point):
+    """A point of the first body [m] as it is beside the second one in a periodic scene."""
+    if contact.scene.isPeriodic == 0:
+        return point
+    size = view(contact.scene.cell, objects.Cell).hSize
+    return minus_scaled(point, 1.0, times_cells(size, contact.interaction.cellDist))
+
+
+@kernel
+def velocity_apart(contact, first, second):
     """The second velocity less the first one [m/s], with that of the cell between two bodies of a periodic scene."""
     apart = minus_scaled(second, 1.0, first)
-    if scene.isPeriodic == 0:
+    if contact.scene.isPeriodic == 0:
         return apart
-    return minus_scaled(apart, -1.0, times_cells(view(scene.cell, objects.Cell).shiftVelocity, interaction.cellDist))
+    shift = view(contact.scene.cell, objects.Cell).shiftVelocity
+    return minus_scaled(apart, -1.0, times_cells(shift, contact.interaction.cellDist))
 
 
 @kernel
-def approach_velocity(scene, geom, interaction, first, second):
+def approach_velocity(contact):
     """Relative velocity along the normal [m/s], positive where the bodies part."""
-    point = image = vector(geom.contactPoint)
-    if scene.isPeriodic != 0:
-        image = minus_scaled(point, 1.0, times_cells(view(scene.cell, objects.Cell).hSize, interaction.cellDist))
-    apart = velocity_apart(scene, interaction, velocity_at(first, point), velocity_at(second, image))
-    return dot(vector(geom.normal), apart)
+    point = vector(contact.geom.contactPoint)
+    at_point = velocity_at(contact.first, point), velocity_at(contact.second, image_of(contact, point))
+    return dot(vector(contact.geom.normal), velocity_apart(contact, *at_point))
 
 
 @kernel
-def damping_of_normal(context, contact, geom, phys, size):
+def damping_of_normal(contact, size):
     """Viscous normal force [N], at most as large as the force without damping, `size` [N], and displacement [m]."""
-    law = view(contact.functor - context.functor_offset, objects.Functor)
-    scene, interaction = view(law.scene, objects.Scene), view(contact.interaction, objects.Interaction)
-    first, second = view(contact.first, objects.State), view(contact.second, objects.State)
-    coefficient = 2.0 * sqrt(reduced_mass(first, second) * phys.kn) * phys.betan
-    velocity = approach_velocity(scene, geom, interaction, first, second)
-    return min(coefficient * velocity, size), velocity * scene.dt
+    phys = contact.phys
+    coefficient = 2.0 * sqrt(reduced_mass(contact.first, contact.second) * phys.kn) * phys.betan
+    velocity = approach_velocity(contact)
+    return min(coefficient * velocity, size), velocity * contact.scene.dt
 
 
 @kernel
-def shear_damping(context, contact, phys, increment):
+def shear_damping(contact, increment):
     """Viscous shear force [N] for a displacement [m] of the step."""
-    law = view(contact.functor - context.functor_offset, objects.Functor)
-    first, second = view(contact.first, objects.State), view(contact.second, objects.State)
-    coefficient = 2.0 * sqrt(reduced_mass(first, second) * phys.ks) * phys.betas
-    return scaled(coefficient / view(law.scene, objects.Scene).dt, increment)
+    phys = contact.phys
+    coefficient = 2.0 * sqrt(reduced_mass(contact.first, contact.second) * phys.ks) * phys.betas
+    return scaled(coefficient / contact.scene.dt, increment)
 
 
 @kernel
-def apply_forces(context, law, geom, interaction, first, second, force):
+def apply_forces(contact, force):
     """Add the force on the first body and its reaction, with their torques, to the bodies."""
-    scene = view(law.scene, objects.Scene)
-    point, place1, place2 = geom.contactPoint.ctypes.data, first.pos.ctypes.data, second.pos.ctypes.data
-    if scene.isPeriodic != 0:  # positions are not wrapped: by distances along the normal from the contact, as YADE does
+    context, geom, interaction = contact.context, contact.geom, contact.interaction
+    point, place1, place2 = geom.contactPoint.ctypes.data, contact.first.pos.ctypes.data, contact.second.pos.ctypes.data
+    if contact.scene.isPeriodic != 0:  # positions are not wrapped: by distances along the normal from the contact, as YADE does
         normal, half = vector(geom.normal), 0.5 * geom.penetrationDepth
         point = on_stack((0.0, 0.0, 0.0))
         place1 = on_stack(scaled(half - geom.refR1, normal))
         place2 = on_stack(scaled(geom.refR2 - half, normal))
-    call_apply_force(context.apply_force, (on_stack(force), point, interaction.id1, place1, interaction.id2, place2, law.scene))
+    at = on_stack(force), point, interaction.id1, place1, interaction.id2, place2, contact.law.scene
+    call_apply_force(context.apply_force, at)
 
 
 @kernel
-def own_step(mode, context, contact, geom, phys, row):
+def own_step(mode, contact):
     """The native law for a contact that is Mindlin's own."""
-    law = view(contact.functor - context.functor_offset, objects.Functor)
-    interaction = view(contact.interaction, objects.Interaction)
-    first, second = view(contact.first, objects.State), view(contact.second, objects.State)
+    geom, phys, row = contact.geom, contact.phys, contact.row
     root = sqrt(geom.penetrationDepth)
     phys.kn = 1.5 * phys.kno * root
     phys.ks = phys.kso * root
@@ -167,7 +163,7 @@ def own_step(mode, context, contact, geom, phys, row):
     assign(phys.normalForce, scaled(normal_force, vector(geom.normal)))
     damped = phys.betan != 0.0 or phys.betas != 0.0
     if damped:
-        drag, moved = damping_of_normal(context, contact, geom, phys, normal_force)
+        drag, moved = damping_of_normal(contact, normal_force)
         row.viscous += drag * moved
         assign(phys.normalViscous, scaled(drag, vector(geom.normal)))
         normal_force -= drag
@@ -176,10 +172,10 @@ def own_step(mode, context, contact, geom, phys, row):
     stretch = minus_scaled(turned(geom, vector(phys.usElastic)), 1.0, increment)
     assign(phys.usTotal, minus_scaled(turned(geom, vector(phys.usTotal)), 1.0, increment))
     limit = phys.tangensOfFrictionAngle * abs(normal_force)
-    shear_force, share, stuck, slides = force_in_own_step(mode, geom, phys, row, increment, limit)
+    shear_force, share, stuck, slides = force_in_own_step(mode, contact, increment, limit)
     viscous = (0.0, 0.0, 0.0)
     if damped and stuck > 0.0:
-        viscous = within_limit(mode, shear_force, scaled(stuck, shear_damping(context, contact, phys, increment)), limit)
+        viscous = within_limit(mode, shear_force, scaled(stuck, shear_damping(contact, increment)), limit)
         row.viscous += dot(viscous, increment)
     phys.isSliding = slides
     assign(phys.shearElastic, shear_force)
@@ -187,8 +183,7 @@ def own_step(mode, context, contact, geom, phys, row):
     assign(phys.shearViscous, viscous)
     shear_force = minus_scaled(shear_force, 1.0, viscous)
     assign(phys.shearForce, shear_force)
-    force = minus_scaled(scaled(-1.0, vector(phys.normalForce)), 1.0, shear_force)
-    apply_forces(context, law, geom, interaction, first, second, force)
+    apply_forces(contact, minus_scaled(scaled(-1.0, vector(phys.normalForce)), 1.0, shear_force))
     return 1
 
 
@@ -207,35 +202,36 @@ def keep_first_overlap(phys, overlap):
 
 
 @kernel
-def supports_options(context, contact, geom, phys, row):
+def supports_options(contact):
     """Whether `own_step` does what the native law would do: the functor has no option, no other contact has its physics."""
-    if not (context.own_step != 0 and geom.penetrationDepth > 0.0):
+    row = contact.row
+    if not (contact.context.own_step != 0 and contact.geom.penetrationDepth > 0.0):
         return False
-    law = view(contact.functor - context.functor_offset, objects.Functor)
-    return row.interaction == contact.interaction and law.options == 0 and exponent_of_damping(phys) == 0.0
+    return row.interaction == contact.pointers[3] and contact.law.options == 0 and exponent_of_damping(contact.phys) == 0.0
 
 
-@generic(
-    lambda *_: (
-        lambda mode, geom, phys, row, increment: minus_scaled(turned(geom, vector(phys.shearElastic)), phys.ks, increment)
-    )
-)
-def trial_force(mode, geom, phys, row, increment):
+def _turned_and_displaced(mode, contact, increment):
+    phys = contact.phys
+    return minus_scaled(turned(contact.geom, vector(phys.shearElastic)), phys.ks, increment)
+
+
+@generic(lambda *_: _turned_and_displaced)
+def trial_force(mode, contact, increment):
     """Elastic shear force after the step's displacement `increment` [m], before Coulomb's limit: turned with the contact."""
 
 
 @generic(lambda *_: _force_with_limit)
-def force_in_own_step(mode, geom, phys, row, increment, limit):
+def force_in_own_step(mode, contact, increment, limit):
     """Elastic shear force [N] after the step's displacement [m], under Coulomb's limit [N]; the share of it that the limit has
     left, the share of the contact's stiffness that sticks, and whether the contact slides."""
 
 
-def _force_with_limit(mode, geom, phys, row, increment, limit):
-    force = trial_force(mode, geom, phys, row, increment)
+def _force_with_limit(mode, contact, increment, limit):
+    force = trial_force(mode, contact, increment)
     square = dot(force, force)
     if square > limit * limit:
         share = limit / sqrt(square)
-        slide(mode, row, share)
+        slide(mode, contact.row, share)
         return scaled(share, force), share, 0.0, True
     return force, 1.0, 1.0, False
 
@@ -260,53 +256,50 @@ def slide(mode, row, share):
 
 
 @kernel
-def limit_of_native_step(context, contact, geom, phys):
+def limit_of_native_step(contact):
     """Coulomb's limit [N] in the native law's own step, whose stiffnesses are written."""
-    overlap = geom.penetrationDepth
+    phys, overlap = contact.phys, contact.geom.penetrationDepth
     phys.kn = 1.5 * phys.kno * sqrt(overlap)
     phys.ks = phys.kso * sqrt(overlap)
     size = phys.kno * overlap * sqrt(overlap)
     if phys.betan != 0.0 or phys.betas != 0.0:
-        size -= damping_of_normal(context, contact, geom, phys, size)[0]
+        size -= damping_of_normal(contact, size)[0]
     return phys.tangensOfFrictionAngle * abs(size)
 
 
 @kernel
-def reduce_dashpot(mode, context, contact, geom, phys, force, stuck, limit):
+def reduce_dashpot(mode, contact, force, stuck, limit):
     """Set the damping ratio of shear for a native step whose elastic force is `force` [N], of which a share sticks."""
-    viscous = scaled(stuck, shear_damping(context, contact, phys, vector(geom.shearInc)))
+    phys, viscous = contact.phys, scaled(stuck, shear_damping(contact, vector(contact.geom.shearInc)))
     allowed, square = within_limit(mode, force, viscous, limit), dot(viscous, viscous)
     phys.betas = phys.betas * stuck * sqrt(dot(allowed, allowed) / square) if square > 0.0 else 0.0
 
 
-@generic(lambda *_: lambda mode, context, contact: None)
-def before_native_step(mode, context, contact):
+@generic(lambda *_: lambda mode, contact: None)
+def before_native_step(mode, contact):
     """What the native law's own step needs: its turn of vectors is another one."""
 
 
-@generic(lambda *_: lambda mode, contact, row: None)
-def after_native_step(mode, contact, row):
+@generic(lambda *_: lambda mode, contact: None)
+def after_native_step(mode, contact):
     """What else the native law's own step changes."""
 
 
 @kernel
-def advance(mode, context, contact, row):
+def advance(mode, contact):
     """Mindlin's law; returns whether the contact lasts."""
-    geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
-    if supports_options(context, contact, geom, phys, row):
-        return own_step(mode, context, contact, geom, phys, row)
-    if context.native_step == 0 and geom.penetrationDepth > 0.0:
-        record_fault(context, layout.NATIVE_STEP, view(contact.interaction, objects.Interaction), 0.0)
+    if supports_options(contact):
+        return own_step(mode, contact)
+    geom, phys = contact.geom, contact.phys
+    if contact.context.native_step == 0 and geom.penetrationDepth > 0.0:
+        record_fault(contact.context, layout.NATIVE_STEP, contact.interaction, 0.0)
     betas = phys.betas
-    before_native_step(mode, context, contact)
-    keep = native_go(context, contact)
-    after_native_step(mode, contact, row)
+    before_native_step(mode, contact)
+    keep = native_go(contact.context, contact.pointers)
+    after_native_step(mode, contact)
     if geom.penetrationDepth > 0.0 and (phys.betan != 0.0 or phys.betas != 0.0 or exponent_of_damping(phys) != 0.0):
-        law = view(contact.functor - context.functor_offset, objects.Functor)
-        scene, interaction = view(law.scene, objects.Scene), view(contact.interaction, objects.Interaction)
-        first, second = view(contact.first, objects.State), view(contact.second, objects.State)
-        moved = approach_velocity(scene, geom, interaction, first, second) * scene.dt
-        row.viscous += dot(vector(phys.normalViscous), vector(geom.normal)) * moved
-        row.viscous += dot(vector(phys.shearViscous), vector(geom.shearInc))
+        moved = approach_velocity(contact) * contact.scene.dt
+        contact.row.viscous += dot(vector(phys.normalViscous), vector(geom.normal)) * moved
+        contact.row.viscous += dot(vector(phys.shearViscous), vector(geom.shearInc))
     phys.betas = betas
     return keep

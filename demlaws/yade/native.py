@@ -28,17 +28,13 @@ from demlaws.yade.friction import ByPressure
 from demlaws.yade.omega import O, scratch_scene, set_engines
 from demlaws.yade.records import memory_at
 from demlaws.yade.search import (
-    NUMBERS,
     BridgeUnavailable,
     address,
+    columns,
     find_axes,
-    find_cell_distance,
-    find_cell_size,
-    find_degrees_of_freedom,
-    find_flag,
-    find_number,
+    find_content,
+    find_member,
     find_pointer,
-    find_scene_number,
     find_shift_velocity,
     find_string,
     find_vector,
@@ -98,9 +94,7 @@ class Layout:
         self.library, self.core = ctypes.CDLL(mapped("/libpkg_dem.so")), ctypes.CDLL(mapped("/libyade.so"))
         self.table = symbol(self.library, TABLE)
         self.table_end = mapped_until(self.table)
-        self.number_done = find_number(
-            yade.PyRunner, "nDone", ctypes.c_int64, (1122334455667788, 2233445566778899, 3344556677889900)
-        )
+        self.number_done = find_member(yade.PyRunner(), "nDone", "i8")[-1]
         self.slot = self.find_slot(yade.Law2_ScGeom_MindlinPhys_Mindlin())
         self.addresses = self._find_classes() | {
             "go": self.slot[2],
@@ -131,27 +125,30 @@ class Layout:
             yade.State: ("pos", "vel", "angVel"),
         }
         found = {
-            cls.__name__: {name: ("f8", find_number(cls, name)) for name in names}
-            | {name: (*objects.VECTOR, find_vector(cls, name)) for name in vectors[cls]}
+            cls.__name__: {name: find_member(cls(), name) for name in names}
+            | {name: find_vector(cls(), name) for name in vectors[cls]}
             for cls, names in numbers.items()
         }
         found["ScGeom"]["vtable"] = found["MindlinPhys"]["vtable"] = "i8", 0
-        found["MindlinPhys"]["isSliding"] = "u1", find_flag(yade.MindlinPhys(), "isSliding")
+        found["MindlinPhys"]["isSliding"] = find_member(yade.MindlinPhys(), "isSliding", "u1")
         if hasattr(yade.MindlinPhys, "initD"):  # where YADE is built with partial saturation
-            found["MindlinPhys"]["initD"] = "f8", find_number(yade.MindlinPhys, "initD")
+            found["MindlinPhys"]["initD"] = find_member(yade.MindlinPhys(), "initD")
         for name in DAMPING_EXPONENTS:
             if hasattr(yade.MindlinPhys, name):
-                found["MindlinPhys"]["damping_exponent"] = "f8", find_number(yade.MindlinPhys, name)
-        conical = getattr(yade, "MindlinPhysCDM", None)
-        numbers_of_conical = ("R", "mu0", "c1", "c2")
-        found["MindlinPhysCDM"] = {name: ("f8", find_number(conical, name) if conical else 0) for name in numbers_of_conical}
-        found["MindlinPhysCDM"]["isYielding"] = "u1", find_flag(conical(), "isYielding") if conical else 0
-        found["State"]["ori"] = "f8", (4,), find_vector(yade.State, "ori", 4)
-        found["State"]["blockedDOFs"] = "u4", find_degrees_of_freedom()
-        bodies = {name: ("i4", find_number(yade.Interaction, name, ctypes.c_int32, NUMBERS)) for name in ("id1", "id2")}
-        found["Interaction"] = bodies | {"cellDist": ("i4", (3,), find_cell_distance())}
+                found["MindlinPhys"]["damping_exponent"] = find_member(yade.MindlinPhys(), name)
+        kinds_of_conical = {"R": "f8", "mu0": "f8", "c1": "f8", "c2": "f8", "isYielding": "u1"}
+        found["MindlinPhysCDM"] = {
+            name: find_member(yade.MindlinPhysCDM(), name, kind) if hasattr(yade, "MindlinPhysCDM") else (kind, 0)
+            for name, kind in kinds_of_conical.items()
+        }
+        turns = [yade.Quaternion(0.5, part, 0.25, 0.125) for part in (0.1, 0.2, 0.3)]
+        found["State"]["ori"] = find_member(yade.State(), "ori", settings=turns, encode=list)
+        found["State"]["blockedDOFs"] = find_member(yade.State(), "blockedDOFs", "u4", ("xX", "yZ", "zXZ"), axes_as_bits)
+        found["Interaction"] = {name: find_member(yade.Interaction(), name, "i4") for name in ("id1", "id2")}
+        distances = [yade.Vector3i(cells, 7, -5) for cells in (112233, 223344, 334455)]
+        found["Interaction"]["cellDist"] = find_member(yade.Interaction(), "cellDist", "i4", distances)
         parts = {"material": yade.FrictMat, "shape": yade.Sphere, "state": yade.State}
-        found["Body"] = {name: ("i8", find_pointer(yade.Body, name, cls)) for name, cls in parts.items()}
+        found["Body"] = {name: find_pointer(yade.Body, name, cls) for name, cls in parts.items()}
         label = find_string(yade.FrictMat, "label")
         found["Material"] = {"label": ("i8", label), "label_length": ("i8", label + 8)}
         return found
@@ -179,7 +176,7 @@ class Layout:
     @staticmethod
     def _same_places(cls, base, names):
         for name in names if cls is not base else ():
-            if find_number(cls, name) != find_number(base, name):
+            if find_member(cls(), name) != find_member(base(), name):
                 raise BridgeUnavailable(f"{cls.__name__}.{name} is not where {base.__name__} has it")
 
     def _find_members_of_scene(self):
@@ -198,11 +195,12 @@ class Layout:
                 O.step()
             options = self._find_options(functor)
             cell = find_word(scene, O.cell)  # before the flag of a periodic scene is looked for
-            size = find_cell_size(O.cell)
-            periodic = find_flag(scene, "periodic", O)
+            size = find_content("Cell.hSize", [(O.cell, columns(O.cell.hSize))])
+            periodic = find_member(scene, "periodic", "u1", owner=O)
+            step = find_member(scene, "dt", settings=(1.25e-7, 2.5e-7, 3.125e-7), owner=O)
             return {
-                "Functor": {"scene": ("i8", find_word(functor, scene)), "options": ("u4", options)},
-                "Scene": {"isPeriodic": ("u1", periodic), "dt": ("f8", find_scene_number(scene, "dt")), "cell": ("i8", cell)},
+                "Functor": {"scene": find_word(functor, scene), "options": ("u4", options)},
+                "Scene": {"isPeriodic": periodic, "dt": step, "cell": cell},
                 "Cell": {"hSize": ("f8", (3, 3), size), "shiftVelocity": ("f8", (3, 3), find_shift_velocity())},
             }
 
@@ -215,7 +213,7 @@ class Layout:
         flags = {name: value for name, value in functor.dict().items() if isinstance(value, bool)}
         self.own_slip = SLIP_OF_ITS_OWN in flags
         self.unknown = {name: value for name, value in flags.items() if name not in (*OPTIONS, "nothing")}
-        options = sorted(find_flag(functor, name) for name in OPTIONS)
+        options = sorted(find_member(functor, name, "u1")[-1] for name in OPTIONS)
         if options != list(range(options[0], options[0] + 4)):
             raise BridgeUnavailable(f"{LAW} has its options at {options}")
         return options[0]
@@ -240,6 +238,11 @@ class Layout:
         if len(slots) != 1:
             raise BridgeUnavailable(f"the virtual function go of {LAW} was found at {len(slots)} places, not one")
         return slots[0]
+
+
+def axes_as_bits(axes):
+    """State.blockedDOFs as YADE keeps it: a bit for each letter of xyzXYZ."""
+    return sum(1 << "xyzXYZ".index(axis) for axis in axes)
 
 
 _layout = None
@@ -271,9 +274,8 @@ _entries = {}
 
 def _entry(pairs):
     """Address of native code for laws of this kind."""
-    tags = pairs.shear, pairs.mode, pairs.rule, pairs.friction.tag
-    # the tags themselves are empty tuples, all equal
-    key = pairs.kind, pairs.params_kind, *map(type, tags), pairs.records.dtype, pairs.row, objects.identity()
+    # tags are empty tuples, all equal: by their names
+    key = repr(pairs.law), pairs.records.dtype, pairs.row, objects.identity()
     if key not in _entries:
         _entries[key] = kernel.entry(pairs, 8 * COPIED)
     return _entries[key].address
@@ -412,7 +414,7 @@ class Attachment:
             number = int(row["tag"]) - 1
             row["phys"], row["interaction"] = address(contact.phys), address(contact)
             row["pair"] = self.context["pairs"] + number * self._pairs.records.itemsize
-            kernel.fill_loop(self._pairs.kind, self._pairs.records, rows)
+            kernel.fill_loop(self._pairs.law, self._pairs.records, rows)
             smooth = row["hertz"] != 0.0 or row["modulus"] == 0.0
             contact.phys.prevU = yade.Vector3(0.0, -row_address if smooth else row_address, self.context["generation"])
 

@@ -19,10 +19,10 @@ from demlaws.laws.definition import HERTZ_CURVE
 from demlaws.laws.hertz import HertzShape
 from demlaws.laws.registry import find, laws
 from demlaws.units import number
-from demlaws.yade import kernel, layout, tuples
-from demlaws.yade.friction import ByPressure, Choice
+from demlaws.yade import kernel, layout
+from demlaws.yade.friction import ByPressure, Choice, Constant
 from demlaws.yade.radii import Radii
-from demlaws.yade.shear import MODES, Levels
+from demlaws.yade.shear import MODES, Levels, Native
 
 ALL_LABELS = "*"
 """In place of a label: every material whose label is not listed."""
@@ -267,16 +267,16 @@ class Pairs:
             self.unloading = unloading if isinstance(unloading, str) and unloading in RULES else self._unloading(unloading)
         records = {source.definition.rule(self.unloading) for source in self.sources}  # each law must take the rule
         rule = records.pop() if records else RULES["elastic"]
-        self.rule, self.state_names, self.rule_curve = rule.tag, rule.state, rule.curve
+        self.state_names = rule.state
         if self.springs and rule.springs is None:
             raise DemlawsError(f"shear={SLIP!r} needs an unloading rule with springs, for instance 'hertz', not {rule.name!r}")
-        self._make_records(entries)
+        self._make_records(entries, rule)
 
     def _choose_shear(self, shear, levels, ratio):
         if not isinstance(shear, str) or shear not in MODES:
             raise DemlawsError(f"shear must be {', '.join(map(repr, MODES))}, got {shear!r:.60}")
-        self.shear_name, self.mode, self.shear = shear, MODES[shear], CHOICES[shear if shear in CHOICES else DEFAULT].tag
-        self.springs, in_levels = SPRINGS if shear == SLIP else 0, isinstance(self.mode, Levels)
+        self.shear_name = shear
+        self.springs, in_levels = SPRINGS if shear == SLIP else 0, isinstance(MODES[shear], Levels)
         if not in_levels and levels is not None:
             raise DemlawsError(f"shear={shear!r} has no levels: leave out levels={levels!r}")
         count = DEFAULT_LEVELS if levels is None else levels
@@ -324,7 +324,7 @@ class Pairs:
                 )
         return tuple(sorted(pair))
 
-    def _make_records(self, surfaces):
+    def _make_records(self, surfaces, rule):
         count = len(surfaces)
         self.numbers = np.zeros((count, count), np.int64)
         self.shapes, self.roughnesses, self.combined, more = [], [], [], []
@@ -345,7 +345,7 @@ class Pairs:
                 f"law: one functor computes one law, with options by pair, or tables of any laws, got {names}: give each pair "
                 "a table, dl.law(...).tabulate()"
             )
-        if not kinds and self.rule_curve == "law":
+        if not kinds and rule.curve == "law":
             raise DemlawsError(
                 f"law {self.name}: no pair of surfaces has what the law needs, and a smooth contact has no such unloading. "
                 "Give surfaces=demlaws.Surface(…) with the quantities of `demlaws laws` for this law"
@@ -353,21 +353,25 @@ class Pairs:
         example, number = next(
             ((shape, n) for n, shape in enumerate(self.shapes) if shape is not None), (HertzShape(), len(self.shapes) - 1)
         )
-        self.kind = numba.typeof(example)
         radius, modulus = self.typical_contact(number)
         params = scale_contact(example, radius, modulus, clamped_roughness(self.roughnesses[number], radius))
         refuse_other_values(params)
-        self.params_kind, floats = numba.typeof(params), len(list(leaves(params)))
+        floats = len(list(leaves(params)))
+        kinds = [numba.typeof(value) for value in (example, params, (0.0,) * len(rule.state))]
+        shear = CHOICES[self.shear_name if self.shear_name in CHOICES else DEFAULT].tag
+        self.law = kernel.Law(*kinds, rule.tag, shear, MODES[self.shear_name], self.friction.tag)
         self.row = layout.row_dtype(self.levels, floats, self.springs)
         self.contact = layout.contact_dtype(floats)
         self.saved = layout.saved_dtype(self.row)
-        self._keep = []
-        self.records = np.zeros(len(self.shapes), layout.pair_dtype(*tuples.fields(self.kind, "shape")))
+        if not kernel.has_numbers_only(self.law.shape):
+            raise TypeError(f"a law's shape is {self.law.shape}, which cannot be passed to YADE")
+        words = kernel.write_shape(self.law.shape, example, np.zeros(0, np.int64))
+        self.records = np.zeros(len(self.shapes), layout.pair_dtype(max(words, 1)))
         for record, shape, roughness, numbers in zip(self.records, self.shapes, self.roughnesses, more, strict=True):
             record["smooth"], record["roughness"] = shape is None, roughness
             record["radius"], record["modulus"], record["mu0"], record["c1"], record["c2"] = numbers
             if shape is not None:
-                tuples.pack(shape, record, "shape", self._keep)
+                kernel.write_shape(self.law.shape, shape, record["shape"])
 
     def pair_of_law(self):
         """Two labels whose pair the law is for, and its record: the last ones, which are listed if any is."""
@@ -421,7 +425,7 @@ class Pairs:
         """New contacts of pairs of these numbers, of R [m] and E* [Pa]: an array of `layout.contact_dtype`, K_t/K = 1."""
         contacts = np.zeros(len(numbers), self.contact)
         contacts["ratio"], contacts["tag"], contacts["radius"], contacts["modulus"] = 1.0, np.add(numbers, 1.0), radius, modulus
-        kernel.fill_loop(self.kind, self.records, contacts)
+        kernel.fill_loop(self.law, self.records, contacts)
         return contacts
 
     def evaluate(self, contacts):
@@ -432,8 +436,8 @@ class Pairs:
         the law's yield point.
         """
         out, places = np.zeros(len(contacts), layout.EVALUATED), contacts["tag"].astype(int) - 1
-        kinds = self.kind, self.params_kind, self.shear, self.rule
-        bad = kernel.evaluate_loop(*kinds, self.records, contacts, out)
+        law = self.law._replace(mode=Native(), friction=Constant())
+        bad = kernel.evaluate_loop(law, self.records, contacts, out)
         known = [source is None or source.knows_area(self.unloading) for _, source in self.combined]
         out["pressure"][~np.array(known)[places]] = math.nan
         out["yielded"] *= self.yields[places]

@@ -70,26 +70,56 @@ def pointee(address):
 
 
 @intrinsic
-def read_floats(typing_context, address, kind):
-    """The (nested) tuple of floats of a numba type whose numbers are one after the other at an address."""
+def read_tuple(typing_context, address, kind):
+    """The (nested) tuple of a numba type, of numbers and arrays, that `write_tuple` has written at an address; its arrays are
+    not counted as references."""
     result = kind.instance_type
 
     def generate(context, builder, signature, arguments):
-        place = builder.inttoptr(arguments[0], context.get_value_type(result).as_pointer())
-        return builder.load(place, align=8)
+        return _read(context, builder, result, _place(context, builder, result, arguments[0]))
 
     return result(types.int64, kind), generate
 
 
+def _place(context, builder, kind, address):
+    return builder.inttoptr(address, context.get_value_type(kind).as_pointer())
+
+
+def _read(context, builder, kind, place):
+    """One load for each number: where it is used, not where the tuple is."""
+    if isinstance(kind, types.Array):
+        source, array = (context.make_array(kind)(context, builder, ref=ref) for ref in (place, None))
+        for name in ("nitems", "itemsize", "data", "shape", "strides"):
+            setattr(array, name, getattr(source, name))
+        return array._getvalue()
+    if not isinstance(kind, types.BaseTuple):
+        return builder.load(place)
+    value = context.get_value_type(kind)(ir.Undefined)
+    for n, item in enumerate(kind):
+        part = builder.gep(place, [ir.IntType(32)(0), ir.IntType(32)(n)], inbounds=True)
+        value = builder.insert_value(value, _read(context, builder, item, part), n)
+    return value
+
+
 @intrinsic
-def write_floats(typing_context, address, values):
-    """Write the numbers of a (nested) tuple of floats one after the other at an address."""
+def write_tuple(typing_context, address, kind, values):
+    """Write a (nested) tuple of a numba type at an address."""
 
     def generate(context, builder, signature, arguments):
-        builder.store(arguments[1], builder.inttoptr(arguments[0], arguments[1].type.as_pointer()), align=8)
+        builder.store(arguments[2], _place(context, builder, kind.instance_type, arguments[0]))
         return context.get_dummy_value()
 
-    return types.void(types.int64, values), generate
+    return types.void(types.int64, kind, kind.instance_type), generate
+
+
+@intrinsic
+def words_of(typing_context, kind):
+    """Number of 64-bit words that a tuple of a numba type takes in memory."""
+
+    def generate(context, builder, signature, arguments):
+        return _WORD(-(-context.get_abi_sizeof(context.get_value_type(kind.instance_type)) // 8))
+
+    return types.int64(kind), generate
 
 
 def _adder(numba_type, operation):

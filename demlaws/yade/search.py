@@ -1,7 +1,7 @@
 """Where the members of YADE's objects are: found on objects made for this check, proven by writing and reading back.
 
-A number written through the API is found at exactly one place of three objects, is written there, and reads back through the
-API. If one of these does not hold, `BridgeUnavailable` is raised.
+An object is set to several values through the API, and has their bytes at exactly one place; a value written there reads back
+through the API. If one of these does not hold, `BridgeUnavailable` is raised.
 """
 
 import ctypes
@@ -13,8 +13,13 @@ import yade
 from demlaws.errors import DemlawsError
 from demlaws.yade.records import memory_at
 
-NUMBERS = (11223344, 55667788, 99001122)
-"""Integers that no object has by chance."""
+SETTINGS = {
+    "f8": (1.2345e33, 2.4691e33, 3.7037e33),
+    "i4": (11223344, 55667788, 99001122),
+    "i8": (1122334455667788, 2233445566778899, 3344556677889900),
+    "u1": (False, True, False, True),
+}
+"""Format of a number → values that no object has by chance; of a flag."""
 LARGEST_OBJECT = 4096  # bytes; a larger block was not allocated by malloc
 
 
@@ -53,66 +58,108 @@ def read_memory(start, size, kind):
     return np.ctypeslib.as_array(memory_at(start, kind * (size // ctypes.sizeof(kind))))
 
 
-def _only(places, what):
-    """The one offset [bytes] of `places`."""
+def find_content(what, cases, step=8):
+    """The one byte offset, a multiple of `step`, at which each of these objects has its content: (object, bytes), one after the
+    other, so that one object may be changed in between."""
+    found = []
+    for thing, content in cases:
+        memory = read_memory(*window(thing), ctypes.c_uint8).tobytes()
+        found.append({place for place in range(0, len(memory), step) if memory.startswith(content, place)})
+    places = set.intersection(*found)
     if len(places) != 1:
-        raise BridgeUnavailable(f"{what} is not at one place of the object, but at {sorted(map(int, places))}")
-    return int(next(iter(places)))
+        raise BridgeUnavailable(f"{what} is not at one place of the object, but at {sorted(places)}")
+    return places.pop()
 
 
-def one_place(cls, name, things, matches):
-    """The byte offset at which `matches(start, size, thing)` finds an attribute in each of these objects."""
-    places = (set(map(int, matches(*window(thing), thing))) for thing in things)
-    return _only(set.intersection(*places), f"{cls.__name__}.{name}")
+def find_member(thing, name, kind="f8", settings=None, encode=np.array, owner=None):
+    """Field of a record, (format, shape of a vector, byte offset): where an object has an attribute, set to each of `settings`.
+
+    owner: whose attribute it is, if not the object's; encode: from the attribute to its number or numbers.
+    """
+    owner, settings = owner or thing, settings or SETTINGS[kind]
+
+    def content():
+        return np.asarray(encode(getattr(owner, name)), kind)
+
+    def cases():
+        for setting in settings:
+            put(owner, name, setting)
+            yield thing, content().tobytes()
+
+    what = f"{type(owner).__name__}.{name}"
+    place = find_content(what, cases(), np.dtype(kind).itemsize)
+    last = content()
+    put(owner, name, settings[0])
+    memory_at(window(thing)[0] + place, ctypes.c_uint8 * last.nbytes)[:] = last.tobytes()
+    if (content() != last).any():
+        raise BridgeUnavailable(f"{what}: what is written at byte {place} does not read back")
+    put(owner, name, settings[0])
+    return (kind, last.shape, place) if last.shape else (kind, place)
 
 
-def find_number(cls, name, kind=ctypes.c_double, values=(1.2345e33, 2.4691e33, 3.7037e33), make=None, read=None):
-    """Byte offset of a number: where `values` are found in three objects; a number written there reads back."""
-    things = [make(value) if make else cls(**{name: value}) for value in values]
-    value_of = {id(thing): value for thing, value in zip(things, values, strict=True)}
-
-    def matches(start, size, thing):
-        return np.flatnonzero(read_memory(start, size, kind) == value_of[id(thing)]) * ctypes.sizeof(kind)
-
-    place = one_place(cls, name, things, matches)
-    memory_at(window(things[-1])[0] + place, kind).value = values[0]
-    if (read(things[-1]) if read else getattr(things[-1], name)) != values[0]:
-        raise BridgeUnavailable(f"{cls.__name__}.{name}: a number written at byte {place} does not read back")
-    return place
+def put(thing, name, value):
+    """Set an attribute; some can be set in the second way only."""
+    try:
+        setattr(thing, name, value)
+    except AttributeError:
+        thing.updateAttrs({name: value})
 
 
-def find_flag(thing, name, owner=None):
-    """Byte of `thing` that is 1 while this attribute of `owner` (default: `thing`) is set, and else 0."""
-    seen, owner = [], owner or thing
-    for value in (False, True, False):
-        setattr(owner, name, value)
-        seen.append(read_memory(*window(thing), ctypes.c_uint8).copy())
-    return _only(np.flatnonzero((seen[0] == 0) & (seen[1] == 1) & (seen[2] == 0)), f"the flag {type(owner).__name__}.{name}")
+def find_vector(thing, name):
+    """Field of a Vector3: doubles, x first."""
+    return find_member(thing, name, settings=[yade.Vector3(n, 2.0 * n, 3.0 * n) for n in SETTINGS["f8"]])
+
+
+def find_pointer(cls, name, target_cls):
+    """Field of a shared pointer: the target's address."""
+
+    def cases():
+        for _ in range(3):
+            thing = cls()
+            setattr(thing, name, target_cls())
+            yield thing, address_bytes(getattr(thing, name))
+
+    return "i8", find_content(f"{cls.__name__}.{name}", cases())
+
+
+def find_word(thing, target):
+    """Field of an object that has the address of another one."""
+    return "i8", find_content(f"address of {type(target).__name__} in {type(thing).__name__}", [(thing, address_bytes(target))])
+
+
+def address_bytes(thing):
+    """The address of an object as it is in memory."""
+    return address(thing).to_bytes(8, "little")
 
 
 def find_string(cls, name):
     """Byte offset of a std::string: a pointer to the characters within the object, their number, the characters."""
+    things = [cls(**{name: text}) for text in ("abcdefgh", "ijklmno", "pqrstu")]
+    texts = [getattr(thing, name).encode() for thing in things]
+    cases = [(thing, len(text).to_bytes(8, "little") + text) for thing, text in zip(things, texts, strict=True)]
+    place = find_content(f"{cls.__name__}.{name}", cases) - 8
+    for thing in things:
+        if memory_at(address(thing) + place).value != address(thing) + place + 16:
+            raise BridgeUnavailable(f"{cls.__name__}.{name} does not point to characters within the object")
+    return place
 
-    def matches(start, size, thing):
-        text = getattr(thing, name).encode()
-        words = read_memory(start, size, ctypes.c_uint64)
-        here = start + 8 * np.arange(words.size)
-        candidates = 8 * np.flatnonzero((words[:-1] == here[:-1] + 16) & (words[1:] == len(text)))
-        return [n for n in candidates.tolist() if memory_at(start + n + 16, ctypes.c_char * len(text)).raw == text]
 
-    return one_place(cls, name, [cls(**{name: text}) for text in ("abcdefgh", "ijklmno", "pqrstu")], matches)
+def columns(matrix):
+    """A Matrix3 as it is in memory, column by column."""
+    return np.array([[matrix[row, column] for row in range(3)] for column in range(3)]).tobytes()
 
 
-def find_pointer(cls, name, target_cls):
-    """Byte offset of a shared_ptr attribute: where the target's address is."""
+def find_shift_velocity():
+    """Byte offset in Cell of velGrad times prevHSize, column by column: velocity [m/s] of a neighbouring cell per cell."""
 
-    def matches(start, size, thing):
-        return 8 * np.flatnonzero(read_memory(start, size, ctypes.c_uint64) == address(getattr(thing, name)))
+    def cases():
+        for value in (1.5, 2.5, 3.5):  # products without rounding
+            cell = yade.Cell()
+            cell.hSize = yade.Matrix3(value, 0.25, 0.5, 0.75, 2, 0.5, 0.125, 0.375, 3)
+            cell.updateAttrs({"velGrad": yade.Matrix3(5, value, 7, 1, 2, 3, 4, value, 9)})
+            yield cell, columns(cell.velGrad * cell.prevHSize)
 
-    owners = [cls() for _ in range(3)]
-    for owner in owners:
-        setattr(owner, name, target_cls())
-    return one_place(cls, name, owners, matches)
+    return find_content("velGrad * prevHSize of Cell", cases())
 
 
 def _mappings():
@@ -168,34 +215,6 @@ def symbol(library, name):
         raise BridgeUnavailable(f"YADE's libraries do not export {name}") from None
 
 
-def find_vector(cls, name, count=3):
-    """Byte offset of a Vector3, or of a Quaternion (count 4): doubles, x first."""
-
-    def make(value):
-        thing = cls()
-        vector = yade.Vector3(value, 2.0, 3.0) if count == 3 else yade.Quaternion(0.5, value, 0.25, 0.125)
-        if cls is yade.State and name in ("pos", "ori"):  # no arguments of State
-            setattr(thing, name, vector)
-        else:  # shearInc cannot be set otherwise
-            thing.updateAttrs({name: vector})
-        return thing
-
-    # as small as parts of a unit quaternion
-    values = (0.1234567, 0.2345678, 0.3456789)
-    place = find_number(cls, name, values=values, make=make, read=lambda thing: getattr(thing, name)[0])
-    thing = make(0.5)
-    expected = [getattr(thing, name)[n] for n in range(count)]
-    if list(read_memory(address(thing) + place, 8 * count, ctypes.c_double)) != expected:
-        raise BridgeUnavailable(f"{cls.__name__}.{name} is not {count} doubles in the expected order")
-    return place
-
-
-def find_word(thing, target):
-    """Byte offset of the 8 bytes of an object that has the address of another one."""
-    places = 8 * np.flatnonzero(read_memory(*window(thing), ctypes.c_uint64) == address(target))
-    return _only(places, f"the address of {type(target).__name__} in {type(thing).__name__}")
-
-
 def type_of(cls):
     """Address of a class's type, which is before the table of virtual functions with which its objects begin.
 
@@ -208,67 +227,6 @@ def type_of(cls):
     if symbol_at(found) != name:
         raise BridgeUnavailable(f"{cls.__name__} does not begin with a table of virtual functions of its type {name}")
     return found
-
-
-def _places_of_matrix(start, size, matrix):
-    """Byte offsets at which an object has the numbers of a Matrix3, column by column."""
-    expected = [matrix[row, column] for column in range(3) for row in range(3)]
-    numbers = np.lib.stride_tricks.sliding_window_view(read_memory(start, size, ctypes.c_double), 9)
-    return 8 * np.flatnonzero(np.isclose(numbers, expected, rtol=1e-14, atol=0.0).all(axis=1))
-
-
-def find_shift_velocity():
-    """Byte offset in Cell of velGrad times prevHSize, column by column: velocity [m/s] of a neighbouring cell per cell."""
-
-    def make(value):
-        cell = yade.Cell()
-        cell.hSize = yade.Matrix3(value, 0.1, 0.2, 0.3, 2, 0.5, 0.1, 0.7, 3)
-        cell.updateAttrs({"velGrad": yade.Matrix3(5, value, 7, 1, 2, 3, 4, value, 9)})
-        return cell
-
-    def matches(start, size, cell):
-        return _places_of_matrix(start, size, cell.velGrad * cell.prevHSize)
-
-    return one_place(yade.Cell, "velGrad * prevHSize", [make(value) for value in (1.5, 2.5, 3.5)], matches)
-
-
-def find_scene_number(scene, name, values=(1.25e-7, 2.5e-7, 3.125e-7)):
-    """Byte offset in the current scene of a number that is an attribute of O."""
-
-    def matches(start, size, value):
-        setattr(yade.O, name, value)
-        return 8 * np.flatnonzero(read_memory(start, size, ctypes.c_double) == value)
-
-    return _only(set.intersection(*(set(matches(*window(scene), value).tolist()) for value in values)), f"O.{name}")
-
-
-def find_degrees_of_freedom():
-    """Byte offset in State of blockedDOFs: an unsigned integer of one bit for each of xyzXYZ."""
-    names = {9: "xX", 34: "yZ", 44: "zXZ"}
-
-    def make(value):
-        state = yade.State()
-        state.blockedDOFs = names[value]
-        return state
-
-    values, bits = tuple(names), {name: value for value, name in names.items()}
-    return find_number(yade.State, "blockedDOFs", ctypes.c_uint32, values, make, lambda state: bits.get(state.blockedDOFs))
-
-
-def find_cell_distance():
-    """Byte offset in Interaction of cellDist: how many cells its bodies are apart."""
-
-    def make(cells):
-        contact = yade.Interaction()
-        contact.updateAttrs({"cellDist": yade.Vector3i(cells, 7, -5)})
-        return contact
-
-    return find_number(yade.Interaction, "cellDist", ctypes.c_int32, NUMBERS, make, lambda contact: contact.cellDist[0])
-
-
-def find_cell_size(cell):
-    """Byte offset in Cell of hSize, column by column; `cell` has moved, so that it differs from former sizes."""
-    return _only(_places_of_matrix(*window(cell), cell.hSize), "Cell.hSize")
 
 
 def _turned(v, axes):

@@ -11,17 +11,16 @@ from demlaws.core.fastmath import sqrt
 from demlaws.core.levels import energy_of_levels, follow_stiffness, force_of_levels, scale_levels
 from demlaws.core.numba_compat import kernel
 from demlaws.core.vectors import assign, cross, dot, minus_scaled, scaled, vector
-from demlaws.yade import layout, objects
+from demlaws.yade import layout
 from demlaws.yade.mindlin import (
     advance,
+    image_of,
     limit_of_native_step,
     reduce_dashpot,
-    times_cells,
     together_within_limit,
     turned,
     velocity_apart,
 )
-from demlaws.yade.records import pointee, view
 
 
 class Levels(NamedTuple):
@@ -39,8 +38,8 @@ class Slip(NamedTuple):
 # --- the displacement of a step
 
 
-@generic(lambda *_: lambda mode, context, contact, row: None)
-def synchronise(mode, context, contact, row):
+@generic(lambda *_: lambda mode, contact: None)
+def synchronise(mode, contact):
     """Correct the displacement of the step, shearInc, which YADE has from spins ω of the half step and n of the full step.
 
     With h of the half step, along n - change/2, change = n - n_before, surfaces part at v2 - v1 - (r1 ω1 + r2 ω2) × h, of which
@@ -52,22 +51,20 @@ def synchronise(mode, context, contact, row):
 
 
 @kernel
-def _to_half_step(mode, context, contact, row):
-    if context.slip_of_yade != 0:
+def _to_half_step(mode, contact):
+    if contact.context.slip_of_yade != 0:
         return
-    geom, law = view(contact.geom, objects.ScGeom), view(contact.functor - context.functor_offset, objects.Functor)
-    scene, interaction = view(law.scene, objects.Scene), view(contact.interaction, objects.Interaction)
-    first, second = view(contact.first, objects.State), view(contact.second, objects.State)
+    geom, dt, first, second = contact.geom, contact.scene.dt, contact.first, contact.second
     normal, spins = vector(geom.normal), minus_scaled(vector(first.angVel), -1.0, vector(second.angVel))
     change = cross(vector(geom.orthonormal_axis), normal)  # orthonormal_axis: n_before × n
     middle = minus_scaled(normal, 0.5, change)
     moved = vector(geom.shearInc)
-    if row.lever == layout.ROUND:
-        apart = velocity_apart(scene, interaction, vector(first.vel), vector(second.vel))
-        moved = between_spheres(scene.dt, geom, apart, vector(first.angVel), spins, change, middle)
-    elif row.lever == layout.FLAT:
-        moved = on_flat(scene, geom, interaction, first, second, change, middle)
-    angle = 0.5 * scene.dt * dot(spins, middle)
+    if contact.row.lever == layout.ROUND:
+        apart = velocity_apart(contact, vector(first.vel), vector(second.vel))
+        moved = between_spheres(dt, geom, apart, vector(first.angVel), spins, change, middle)
+    elif contact.row.lever == layout.FLAT:
+        moved = on_flat(contact, change, middle)
+    angle = 0.5 * dt * dot(spins, middle)
     assign(geom.twist_axis, scaled(angle, normal))
     assign(geom.shearInc, turned_about(moved, normal, 0.5 * angle))
 
@@ -112,22 +109,20 @@ def between_spheres(dt, geom, apart, spin1, spins, change, middle):
 
 
 @kernel
-def on_flat(scene, geom, interaction, first, second, change, middle):
+def on_flat(contact, change, middle):
     """Displacement of the half step [m] on a flat first body, which turns about its position: with that lever, whatever
     Ig2_Wall_Sphere_ScGeom.noRatch is."""
-    normal, half = vector(geom.normal), 0.5 * scene.dt
-    point = image = vector(geom.contactPoint)
-    if scene.isPeriodic != 0:
-        image = minus_scaled(point, 1.0, times_cells(view(scene.cell, objects.Cell).hSize, interaction.cellDist))
+    geom, first, second, dt = contact.geom, contact.first, contact.second, contact.scene.dt
+    normal, half, point = vector(geom.normal), 0.5 * dt, vector(geom.contactPoint)
     place, spin1, spin2 = minus_scaled(point, 1.0, vector(first.pos)), vector(first.angVel), vector(second.angVel)
-    arm = dot(minus_scaled(vector(second.pos), 1.0, image), normal)
+    arm = dot(minus_scaled(vector(second.pos), 1.0, image_of(contact, point)), normal)
     share = (geom.refR2 - arm) / geom.penetrationDepth  # of the overlap, by which the lever is shorter than the radius
-    apart = velocity_apart(scene, interaction, vector(first.vel), vector(second.vel))
+    apart = velocity_apart(contact, vector(first.vel), vector(second.vel))
     deeper = half * share * dot(minus_scaled(apart, 1.0, cross(spin1, place)), middle)
     place = minus_scaled(minus_scaled(place, half, apart), -0.5 * arm, change)
     place = minus_scaled(place, -deeper, normal)
     apart = minus_scaled(apart, 1.0, cross(spin1, place))
-    return scaled(scene.dt, to_plane_of_now(apart, scaled(arm - deeper, spin2), normal, change, middle))
+    return scaled(dt, to_plane_of_now(apart, scaled(arm - deeper, spin2), normal, change, middle))
 
 
 @kernel
@@ -155,14 +150,14 @@ def turned_with(turn, a):
 
 
 @kernel
-def _energy_of_levels(mode, phys, row, stiffness):
-    return energy_of_levels(row.bound, row.stretch)
+def _energy_of_levels(mode, contact, stiffness):
+    return energy_of_levels(contact.row.bound, contact.row.stretch)
 
 
 @kernel
-def _force_of_displaced_levels(mode, geom, phys, row, increment):
-    move_levels(geom, row, increment)
-    return force_of_levels(row.bound, row.stretch)
+def _force_of_displaced_levels(mode, contact, increment):
+    move_levels(contact.geom, contact.row, increment)
+    return force_of_levels(contact.row.bound, contact.row.stretch)
 
 
 @kernel
@@ -179,21 +174,27 @@ def _scale_levels(mode, row, share):
 
 
 @kernel
-def _turn_in_advance(mode, context, contact):
-    geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
+def _turn_in_advance(mode, contact):
+    geom, phys = contact.geom, contact.phys
     wanted = turned_with(turn_of_step(geom), vector(phys.shearElastic))
     if phys.betas != 0.0 and geom.penetrationDepth > 0.0:
-        limit = limit_of_native_step(context, contact, geom, phys)
-        reduce_dashpot(mode, context, contact, geom, phys, minus_scaled(wanted, phys.ks, vector(geom.shearInc)), 1.0, limit)
-    given = wanted
-    for _ in range(12):
-        given = minus_scaled(given, 1.0, minus_scaled(turned(geom, given), 1.0, wanted))
-    assign(phys.shearElastic, given)
+        limit = limit_of_native_step(contact)
+        reduce_dashpot(mode, contact, minus_scaled(wanted, phys.ks, vector(geom.shearInc)), 1.0, limit)
+    assign(phys.shearElastic, before_turn(geom, wanted))
 
 
 @kernel
-def _follow_native_step(mode, contact, row):
-    geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
+def before_turn(geom, wanted):
+    """The vector that the turn of the contact, as ScGeom::rotate has it, makes the wanted one."""
+    given = wanted
+    for _ in range(12):
+        given = minus_scaled(given, 1.0, minus_scaled(turned(geom, given), 1.0, wanted))
+    return given
+
+
+@kernel
+def _follow_native_step(mode, contact):
+    geom, phys, row = contact.geom, contact.phys, contact.row
     if not geom.penetrationDepth > 0.0:
         return
     move_levels(geom, row, vector(geom.shearInc))
@@ -215,46 +216,48 @@ def _turned_with_contact(mode, geom, force):
     return turned_with(turn_of_step(geom), force)
 
 
-@generic(lambda *_: lambda mode, phys, row, stiffness: row.held - stored_energy(mode, phys, row, stiffness))
-def relax_shear(mode, phys, row, stiffness):
+@generic(lambda *_: lambda mode, contact, stiffness: contact.row.held - stored_energy(mode, contact, stiffness))
+def relax_shear(mode, contact, stiffness):
     """Change the shear force for K_t now, `stiffness` [N/m], before Mindlin's law acts; energy [J] that is lost by this."""
 
 
 @kernel
-def _relax_levels(mode, phys, row, stiffness):
+def _relax_levels(mode, contact, stiffness):
+    row = contact.row
     loss = follow_stiffness(row.bound, row.stretch, stiffness)
-    assign(phys.shearElastic, force_of_levels(row.bound, row.stretch))
+    assign(contact.phys.shearElastic, force_of_levels(row.bound, row.stretch))
     return loss
 
 
 @generic(lambda *_: _energy_of_force)
-def stored_energy(mode, phys, row, stiffness):
+def stored_energy(mode, contact, stiffness):
     """Energy of shear [J] that the contact stores."""
 
 
-def _energy_of_force(mode, phys, row, stiffness):
-    force = vector(phys.shearElastic)
+def _energy_of_force(mode, contact, stiffness):
+    force = vector(contact.phys.shearElastic)
     return 0.5 * dot(force, force) / stiffness if stiffness > 0.0 else 0.0
 
 
 @kernel
-def is_changed(phys, row):
+def is_changed(contact):
     """Whether something else has set the elastic shear force since the last step."""
-    now, left = vector(phys.shearElastic), vector(row.left)
+    now, left = vector(contact.phys.shearElastic), vector(contact.row.left)
     return now[0] != left[0] or now[1] != left[1] or now[2] != left[2]
 
 
-@generic(lambda *_: lambda mode, phys, row, stiffness, force: stored_energy(mode, phys, row, stiffness))
-def set_shear_force(mode, phys, row, stiffness, force):
+@generic(lambda *_: lambda mode, contact, stiffness, force: stored_energy(mode, contact, stiffness))
+def set_shear_force(mode, contact, stiffness, force):
     """Take over an elastic shear force [N] that a script has set; energy [J] of the contact with it."""
 
 
 @kernel
-def _adopt_as_one_level(mode, phys, row, stiffness, force):
+def _adopt_as_one_level(mode, contact, stiffness, force):
+    row = contact.row
     if stiffness > 0.0:
         for level in range(len(row.bound)):
             assign(row.stretch[level], scaled(1.0 / stiffness, force))
-        assign(phys.shearElastic, force)
+        assign(contact.phys.shearElastic, force)
     return energy_of_levels(row.bound, row.stretch)
 
 
@@ -267,19 +270,19 @@ def account(row, stiffness, stored, loss):
 
 
 @kernel
-def apply_with_account(mode, context, contact, row, stiffness):
+def apply_with_account(mode, contact, stiffness):
     """Mindlin's law, with an account of the energy of shear."""
-    geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
-    given, changed = vector(phys.shearElastic), is_changed(phys, row)
-    held, loss = row.held, relax_shear(mode, phys, row, stiffness)
+    geom, phys, row = contact.geom, contact.phys, contact.row
+    given, changed = vector(phys.shearElastic), is_changed(contact)
+    held, loss = row.held, relax_shear(mode, contact, stiffness)
     if changed:
-        held, loss = set_shear_force(mode, phys, row, stiffness, given), 0.0
+        held, loss = set_shear_force(mode, contact, stiffness, given), 0.0
     first, old = held - loss, vector(phys.shearElastic)
-    keep = advance(mode, context, contact, row)
+    keep = advance(mode, contact)
     if not stiffness > 0.0:
         account(row, 0.0, 0.0, held)
         return keep
-    last = stored_energy(mode, phys, row, stiffness)
+    last = stored_energy(mode, contact, stiffness)
     if phys.isSliding != 0 and first + last > 0.0:
         increment, new = vector(geom.shearInc), vector(phys.shearElastic)  # its work on the body is positive against the force
         old = turned_force(mode, geom, old)
@@ -296,7 +299,7 @@ def compress(mode, rule, shape, p, row, overlap, force, stiffness, state):
 
 
 @generic(lambda *_: apply_with_account.py_func)
-def apply_mindlin(mode, context, contact, row, stiffness):
+def apply_mindlin(mode, contact, stiffness):
     """Mindlin's law; stiffness: K_t [N/m]. Returns whether the contact lasts."""
 
 

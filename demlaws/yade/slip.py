@@ -6,10 +6,10 @@ from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import kernel
 from demlaws.core.slip import compressions, depth_of, set_springs, slip, unloads_by_hertz
 from demlaws.core.vectors import assign, cross, dot, minus_scaled, scaled, unit_perpendicular, vector
-from demlaws.yade import layout, objects
+from demlaws.yade import layout
 from demlaws.yade.mindlin import advance, limit_of_native_step, reduce_dashpot, supports_options, turned
-from demlaws.yade.records import pointee, record_fault, view
-from demlaws.yade.shear import Slip, account, is_changed
+from demlaws.yade.records import record_fault
+from demlaws.yade.shear import Slip, account, before_turn, is_changed
 
 
 @kernel
@@ -44,44 +44,41 @@ def step_of_springs(geom, row, stiffness, limit):
 
 
 @kernel
-def _force_in_own_step(mode, geom, phys, row, increment, limit):
-    force, stuck, slides = step_of_springs(geom, row, row.ratio * row.bound[len(row.bound) - 1], limit)
+def _force_in_own_step(mode, contact, increment, limit):
+    row = contact.row
+    force, stuck, slides = step_of_springs(contact.geom, row, row.ratio * row.bound[len(row.bound) - 1], limit)
     return force, 1.0, stuck, slides
 
 
 @kernel
-def apply_to_springs(mode, context, contact, row, stiffness):
+def apply_to_springs(mode, contact, stiffness):
     """Set the shear force to that of the springs, apply Mindlin's law and account for the energy; stiffness: K_t [N/m]."""
-    geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
+    geom, phys, row = contact.geom, contact.phys, contact.row
     if not stiffness > 0.0 or row.bound[len(row.bound) - 1] == 0.0:
         assign(phys.shearElastic, (0.0, 0.0, 0.0))  # without stiffness; the energy of the springs is lost
         row.bound[:] = 0.0
         row.spring[:] = 0.0
         account(row, 0.0, 0.0, row.held)
-        keep = advance(mode, context, contact, row)
+        keep = advance(mode, contact)
         assign(row.tangent[0], (0.0, 0.0, 0.0))
         return keep
-    if is_changed(phys, row):
-        record_fault(context, layout.SET_SHEAR, view(contact.interaction, objects.Interaction), 0.0)
+    if is_changed(contact):
+        record_fault(contact.context, layout.SET_SHEAR, contact.interaction, 0.0)
     normal = vector(geom.normal)
     first = turned_tangent(geom, vector(row.tangent[0]), normal)
     assign(row.tangent[0], first)
     assign(row.tangent[1], cross(normal, first))
-    if supports_options(context, contact, geom, phys, row):
-        keep = advance(mode, context, contact, row)
+    if supports_options(contact):
+        keep = advance(mode, contact)
         assign(phys.usElastic, scaled(1.0 / stiffness, vector(phys.shearElastic)))
         return keep
-    limit = limit_of_native_step(context, contact, geom, phys)
+    limit = limit_of_native_step(contact)
     force, stuck, slides = step_of_springs(geom, row, stiffness, limit)
     # The native law turns the force and adds K_t times the displacement: it starts from the force that leads to ours.
-    before = minus_scaled(force, -stiffness, vector(geom.shearInc))
-    given = before
-    for _ in range(12):
-        given = minus_scaled(given, 1.0, minus_scaled(turned(geom, given), 1.0, before))
-    assign(phys.shearElastic, given)
+    assign(phys.shearElastic, before_turn(geom, minus_scaled(force, -stiffness, vector(geom.shearInc))))
     betas = phys.betas
-    reduce_dashpot(mode, context, contact, geom, phys, force, stuck, limit)
-    keep = advance(mode, context, contact, row)
+    reduce_dashpot(mode, contact, force, stuck, limit)
+    keep = advance(mode, contact)
     phys.betas = betas
     phys.isSliding = slides
     assign(phys.usElastic, scaled(1.0 / stiffness, vector(phys.shearElastic)))

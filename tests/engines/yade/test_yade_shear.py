@@ -284,7 +284,7 @@ def test_choice_is_saved_and_checked(omega):
 
     pairs = Pairs("pohrt-popov", {"granite": GRANITE}, "hertz", {}, shear="loading", levels=2)
     again = pairs_from(pairs_text(pairs))
-    assert (again.shear_name, again.levels) == ("loading", 2) and type(again.shear) is type(pairs.shear)
+    assert (again.shear_name, again.levels) == ("loading", 2) and type(again.law.shear) is type(pairs.law.shear)
     assert "shear elastic in 3 levels" in repr(functor())
     former = json.loads(pairs_text(pairs))
     del former["levels"]

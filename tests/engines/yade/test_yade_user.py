@@ -439,22 +439,24 @@ def test_a_doctored_layout_fails_closed(bridge, monkeypatch, doctored):
 
     from demlaws.yade import search
 
-    real, find = search.read_memory, bridge.find_number
+    real, find = search.read_memory, bridge.find_member
+    twice = [np.float64(value).tobytes() for value in search.SETTINGS["f8"]]
 
     def read(start, size, kind):
-        words = real(start, size, kind).copy()
-        if kind is bridge.ctypes.c_double:
-            written = words[np.isin(words, [1.2345e33, 2.4691e33, 3.7037e33])]  # what `find_number` looks for
-            words[-1] = written[0] if written.size else words[-1]
-        return words
+        content = real(start, size, kind).copy()
+        if kind is bridge.ctypes.c_uint8 and any(value in content.tobytes() for value in twice):
+            here = content.view(np.float64)
+            here[-1] = here[np.isin(here, search.SETTINGS["f8"])][0]
+        return content
 
-    def moved(cls, name, *more, **options):
-        return find(cls, name, *more, **options) + 8 * (cls.__name__ == "ScGeom6D" and name == "refR2")
+    def moved(thing, name, *more, **options):
+        kind, *shape, place = find(thing, name, *more, **options)
+        return kind, *shape, place + 8 * (type(thing).__name__ == "ScGeom6D" and name == "refR2")
 
     changes = {
         "two places": (search, "read_memory", read),
         "another class": (search, "symbol_at", lambda location: "_ZTIN4yade5OtherE"),
-        "a moved member": (bridge, "find_number", moved),
+        "a moved member": (bridge, "find_member", moved),
         "precision": (yade.config, "highPrecisionBits", 80),
     }
     monkeypatch.setattr(*changes.get(doctored) or (bridge, doctored, getattr(bridge, doctored) + "x"))
