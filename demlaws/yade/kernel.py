@@ -63,13 +63,6 @@ class Law(NamedTuple):
     friction: Any
 
 
-def has_numbers_only(kind):
-    """Whether a numba type is a number, an array, None, or a tuple of those."""
-    if isinstance(kind, types.BaseTuple):
-        return all(map(has_numbers_only, kind))
-    return isinstance(kind, types.Number | types.Boolean | types.Array | types.NoneType)
-
-
 @loop
 def write_shape(kind, shape, words):
     """Write a Shape to an array of 64-bit words, if it has room; returns how many words it takes."""

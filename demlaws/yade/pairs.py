@@ -66,6 +66,13 @@ def _bound_law(law):
     raise DemlawsError(f"law must be a law's name, a Law, a Table or the path of a table, got {law!r}")
 
 
+def _has_numbers_only(kind):
+    """Whether a numba type is a number, an array, None, or a tuple of those."""
+    if isinstance(kind, numba.types.BaseTuple):
+        return all(map(_has_numbers_only, kind))
+    return isinstance(kind, numba.types.Number | numba.types.Boolean | numba.types.Array | numba.types.NoneType)
+
+
 class LawSource:
     """What a user gave as a law: a name with options, a `Law`, a `Table`, or the path of a saved table.
 
@@ -363,7 +370,7 @@ class Pairs:
         self.row = layout.row_dtype(self.levels, floats, self.springs)
         self.contact = layout.contact_dtype(floats)
         self.saved = layout.saved_dtype(self.row)
-        if not kernel.has_numbers_only(self.law.shape):
+        if not _has_numbers_only(self.law.shape):
             raise TypeError(f"a law's shape is {self.law.shape}, which cannot be passed to YADE")
         words = kernel.write_shape(self.law.shape, example, np.zeros(0, np.int64))
         self.records = np.zeros(len(self.shapes), layout.pair_dtype(max(words, 1)))
