@@ -263,11 +263,16 @@ HERTZ_CURVE, CLOSED, ROOT, CELLS, MAP = "Hertz's curve", "closed form", "root", 
 form; as the root of an equation; from cells, a table from the start, of a curve that a solver gave; of one height map."""
 
 
+def no_kinks(params: Any, **options: Any) -> list[float]:  # no lambda: tables are pickled
+    """Of a law whose stiffness is continuous and smooth: no overlaps."""
+    return []
+
+
 class Loading(NamedTuple):
     """What first loading is computed from, and how."""
 
     needs: tuple = ()  # names of Contact fields that must be given
-    kinks: Callable = lambda params, **_: []  # params, **options → overlaps [m] where dK/dδ or K jumps: nodes of a table
+    kinks: Callable = no_kinks  # params, **options → overlaps [m] where dK/dδ or K jumps: nodes of a table
     computed: str = CLOSED
     bulk: Bulk | None = None  # of a law whose bulk yields
 
