@@ -236,6 +236,7 @@ def test_sums_of_calcenergy_are_those_of_the_law(omega):
     assert min(totals.shear_stored, totals.shear_dissipated) > 0.0
 
 
+@pytest.mark.native_step
 def test_on_two_threads(tmp_path):
     under_yade(
         """
