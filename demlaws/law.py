@@ -216,7 +216,6 @@ def join(
 
 def join_up_to(contact: Contact, curve: "FormulaCurve", unloading: "str | os.PathLike | Law", max_force: Any) -> "Table":
     """As `join`, with the table of the curve up to `max_force` [N]."""
-    join_unchecked(contact, curve, unloading)
     table = composed(contact, curve).tabulate(max_force=max_force)
     parts = join(contact, curve, unloading, table.largest_force).unloading_parts
     return Table(contact, table.curve, _adapted(parts, contact, table.curve))

@@ -70,13 +70,20 @@ def pytest_collection_modifyitems(items):
                 item.add_marker(pytest.mark.skip(reason=f"not installed: {', '.join(ABSENT[name])}"))
 
 
+@pytest.fixture(autouse=True)
+def native_step(request):
+    """Skip a marked test in YADE 2022.01a. In CI, where YADE is Debian's, a skipped test is a failure."""
+    if request.node.get_closest_marker("native_step"):
+        import yade
+
+        if "preventGranularRatcheting" in yade.Law2_ScGeom_MindlinPhys_Mindlin().dict():
+            pytest.skip("this YADE's own contact step has another slip and acts on no contact with an overlap")
+
+
 @pytest.fixture
-def omega(request):
+def omega():
     import yade
 
-    marked = request.node.get_closest_marker("native_step")
-    if marked and "preventGranularRatcheting" in yade.Law2_ScGeom_MindlinPhys_Mindlin().dict():
-        pytest.skip("this YADE's own contact step has another slip and acts on no contact with an overlap")
     assert yade.O.numThreads == 1, "OpenMP was loaded before tests/conftest.py set its threads"
     yade.O.reset()
     yield yade.O

@@ -25,14 +25,16 @@ OPTIONS |= {"PYTHON_EXECUTABLE": "/usr/bin/python3"}
 BOOST = "libboost-{python,thread,date-time,filesystem,iostreams,regex,serialization,system,log,chrono}-dev"
 NEEDED = {"cmake": "cmake", "make": "make", "/usr/include/boost/python.hpp": BOOST, "/usr/include/bzlib.h": "libbz2-dev"}
 NEEDED |= {"/usr/include/eigen3/Eigen/Core": "libeigen3-dev", "/usr/include/sqlite3.h": "libsqlite3-dev"}
-CLANG = "#ifndef __clang__\n"
 EDITS = {
     "py/high-precision/_math.cpp": [
         ("//#ifndef __clang__ //", "#ifndef __clang__ //"),
         ("\n};\n//#endif\n\ntemplate", "\n};\n#endif\n\ntemplate"),
     ],
     "py/high-precision/_minieigenHP.cpp": [
-        ("\t\tArbitraryReal_from_python<RealHP<N>>();\n", f"{CLANG}\t\tArbitraryReal_from_python<RealHP<N>>();\n#endif\n")
+        (
+            "\t\tArbitraryReal_from_python<RealHP<N>>();\n",
+            "#ifndef __clang__\n\t\tArbitraryReal_from_python<RealHP<N>>();\n#endif\n",
+        )
     ],
 }
 """For clang, which compiles templates for more precision than double, too."""
